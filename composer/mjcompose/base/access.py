@@ -1,8 +1,4 @@
-"""Which folders the author of a path may see.
-
-Code that follows a path from a model or a recipe asks the door of that model or recipe. The
-door checks the real target of a path: it resolves symbolic links first.
-"""
+"""Which folders the author of a path may see: its door checks the real target, without symbolic links."""
 
 from __future__ import annotations
 

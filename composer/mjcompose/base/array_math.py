@@ -1,7 +1,4 @@
-"""The arithmetic of distributions for arrays, one number for each sample.
-
-The result has the same bits as one by one, but is much faster.
-"""
+"""The arithmetic of distributions for arrays of samples: the same bits as one by one, but much faster."""
 
 from __future__ import annotations
 

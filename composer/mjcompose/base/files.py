@@ -96,11 +96,7 @@ def parted(path: str) -> tuple[str, str]:
 
 
 def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
-    """Yield folders, with the paths in each that one look at the folder shows to be ordinary files.
-
-    It misses links, single files in a folder, and files far down in a long folder. Asking for sixty files one by
-    one takes ten times as long.
-    """
+    """Yield folders with the paths in each that one fast look shows to be ordinary files; it misses links and more."""
     wanted: dict[str, dict[str, str]] = {}
     for path in paths:
         folder, name = parted(path)
@@ -224,10 +220,7 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
 
 
 def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
-    """Read a file that an argument of the command names: standard input and `<(command)` are allowed, too.
-
-    Returns at most one byte more than `most` of them.
-    """
+    """Read a file, standard input or `<(command)` that an argument names: at most one byte more than `most`."""
     text = os.fspath(path)
     if text == "/dev/stdin" or os.path.dirname(text) in ("/dev/fd", "/proc/self/fd"):
         with open(text, "rb") as stream:
@@ -482,10 +475,7 @@ def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
 
 
 def untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str | None:
-    """Return why a private folder is not trusted; None if it is, or if it does not exist.
-
-    A folder for temporary files may be the system's if its sticky bit is set.
-    """
+    """Return why a private folder is not trusted, or None. The system's may be one for temporary files, if sticky."""
     if not hasattr(os, "geteuid"):  # a system without such owners, as Windows
         return None
     try:

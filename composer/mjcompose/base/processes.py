@@ -151,10 +151,7 @@ class Undone:
 
 
 class Helper:
-    """Starts a process if there is none, which imports `modules`; a task whose process dies is tried once more.
-
-    `folder` is its working folder. Only one thread at a time may have tasks done; any thread may end it.
-    """
+    """Starts a process if there is none, which imports `modules` in `folder`; tries a task again if it dies."""
 
     def __init__(self, modules: Sequence[str] = (), folder: str | None = None) -> None:
         self._modules, self._folder = tuple(modules), folder

@@ -1,10 +1,4 @@
-"""Rotations and poses as MuJoCo computes them, in plain floats.
-
-Quaternions are ``(w, x, y, z)``, positions are in meters, angles in radians. The arithmetic follows MuJoCo's own
-order of operations, so a quaternion compiles to the same bits as the Euler angles that it replaces.
-
-No numpy: its import does not pay off for a few floats.
-"""
+"""Rotations and poses as MuJoCo computes them, to the bit: `(w, x, y, z)`, meters, radians. No numpy, which costs."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""How this process runs: signals wait until an output is complete and counted, and garbage is collected rarely.
-
-Inside `with deferring()`, long work that leaves nothing behind, such as building a model, is `interruptible`.
-"""
+"""How this process runs: signals wait until an output is complete, and garbage is collected rarely."""
 
 from __future__ import annotations
 

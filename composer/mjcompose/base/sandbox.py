@@ -1,10 +1,9 @@
 """A process that the system allows to read and calculate only, and that answers one call.
 
-`call_confined` starts this file as a script. It reads its task as one line of JSON, gives up its rights with
-`confine`, calls the function and answers with one line of JSON. On Linux, Landlock forbids writing, new programs,
-connections and all files except those that are named; seccomp allows only the system calls that reading needs. Except
-on Windows, resource limits forbid new processes (except for root) and large files. If the system refuses a way that it
-has, the call fails: nothing runs half confined.
+`call_confined` starts this file as a script, which reads its task as one line of JSON, gives up its rights, calls the
+function and answers with one line. On Linux, Landlock forbids writing, new programs, connections and all files but
+those named; seccomp allows only the system calls that reading needs. Except on Windows, limits forbid new processes
+(except for root) and large files. If the system refuses a way that it has, the call fails: nothing runs half confined.
 """
 
 from __future__ import annotations

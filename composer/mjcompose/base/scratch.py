@@ -1,8 +1,4 @@
-"""Temporary folders that are locked while they are in use; the next run sweeps leftovers of killed processes.
-
-The system releases a lock when its process ends for any reason. Folders that cannot be locked (on some network file
-systems), that have no lock file or that belong to another user are never swept.
-"""
+"""Temporary folders, locked while in use. The next run sweeps those of killed processes, whose locks are released."""
 
 from __future__ import annotations
 

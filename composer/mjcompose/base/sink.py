@@ -45,11 +45,7 @@ class Sink:
         self._errors = 0
 
     def suppress_about(self, names: Iterable[str]) -> None:
-        """Suppress errors about these names, and about names below them, from now on.
-
-        An earlier error removed these names, so an element that misses one of them may be correct. Suppressed
-        errors still stop the work.
-        """
+        """Suppress errors about names that an earlier error removed, and names below; they still stop the work."""
         self._lost.update(names)
 
     def marked(self) -> Callable[[], None]:

@@ -277,10 +277,7 @@ def unknown_attribute(
     name: str, owner: str, known: Iterable[str], span: Span | None = None, *, help: str | None = None,
     otherwise: str | None = None, near: Iterable[str] = (),
 ) -> Diagnostic:  # fmt: skip
-    """Return the diagnostic for an attribute that a kind of element does not have; `owner` names the kind.
-
-    `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.
-    """
+    """Return the diagnostic for an attribute that the kind `owner` lacks. `near` are further suggestions."""
     known = list(known)
     likely, notes = [*known, *near], (exists_note("attribute", known, name),) if known else ()
     help, fix = help or did_you_mean(name, likely) or otherwise, None if help else renaming(name, likely)

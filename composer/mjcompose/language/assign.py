@@ -1,7 +1,4 @@
-"""Attributes and the values that `edit` gives them: how they are checked, and their JSON Schema by the selector's tag.
-
-For rare tags, the JSON Schema accepts any attribute.
-"""
+"""Values that `edit` gives to attributes: how they are checked, and their JSON Schema by the selector's tag."""
 
 from __future__ import annotations
 
@@ -185,10 +182,7 @@ Changed: TypeAlias = Iterable[tuple[str | None, str]]
 
 
 class Values(ByGrammar):
-    """The values that `set` or `scale` gives to attributes of the selected elements: a mapping from these.
-
-    The attributes of a class or a section have a mapping inside. Values stay as they are written.
-    """
+    """The values that `set` or `scale` gives to attributes, which a class or a section has in mappings."""
 
     def __init__(self, verb: str) -> None:
         self.verb = verb
@@ -246,10 +240,7 @@ def _definition_of_classes(kind: str) -> Schema:
 
 @definition("settable")
 def settable(tag: str) -> Schema:
-    """Return the schema of a mapping from the attributes of a tag, and from single numbers of them, to their values.
-
-    Null takes an attribute out that need not be there.
-    """
+    """Return the schema of a mapping from a tag's attributes, or numbers of them, to values; null takes one out."""
     found: dict[str, Schema] = {}
     for name, attributes in attributes_of(tag).items():
         schemas = [attribute_schema(each) for each in attributes]

@@ -75,10 +75,7 @@ class FieldDistribution:
     def draw_all(
         self, seed: int, samples: Sequence[int], stream: str, element: str, component: int, of: int
     ) -> Sequence[Any]:
-        """Return the result of `draw` for each of the samples.
-
-        The random bits are those of `component`, and the parameters those of `of`.
-        """
+        """Return `draw` for each of the samples, with the random bits of `component` and the parameters of `of`."""
         if len(samples) < _MANY:
             return [self.draw(bits(seed, each, stream, element=element, component=component), of) for each in samples]
         from mjcompose.base import array_math as many  # numpy

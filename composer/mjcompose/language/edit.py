@@ -36,10 +36,7 @@ from mjcompose.tree.pattern import EVERYTHING, known_tags, paths_of
 
 
 class For:
-    """A verb is for elements of these paths of the grammar alone, or of paths that begin so.
-
-    `what` says it: "for bodies, and `{tag}` is not a body".
-    """
+    """A verb is for elements of these paths, or of paths that begin so; `what` says it, with `{tag}`."""
 
     alone = True
 
@@ -71,10 +68,7 @@ class Verb(Model):
     values: ClassVar[str | None] = None
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        """Apply the verb to the elements that the entry has selected. `at` is the verb's path in the recipe.
-
-        Raises Unusable after a reported error.
-        """
+        """Apply the verb to the selected elements; `at` is its path. Raises Unusable after a reported error."""
         raise NotImplementedError
 
     def words(self) -> str:

@@ -1,10 +1,4 @@
-"""The mapping of an element, read with all its faults.
-
-Keys next to the name of an element that should be one level deeper.
-
-gripper:
-model: ./gripper.xml
-"""
+"""The mapping of an element, read with all its faults."""
 
 from __future__ import annotations
 
@@ -82,11 +76,7 @@ def path_of(value: object) -> Path:
 
 
 def raw(node: Node, faults: list[Fault], at: Path = ()) -> Any:
-    """Return the tree as dicts (`Placed`), lists and values, and faults that can occur anywhere.
-
-    A key without a value and an expression without one are reported, and stay in the result, so they do not count as
-    missing.
-    """
+    """Return the tree as dicts (`Placed`), lists and values; a key without a value is a fault, and stays."""
     if isinstance(node, Scalar):
         if node.value is None and not is_taken_out(at):
             faults.append(_nothing(at))
@@ -177,10 +167,7 @@ class Reader:
         return Element(kind.tag, attributes, tuple(below), at=path_of(value))
 
     def keyed(self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str) -> AbcMapping[str, str]:
-        """Return the attributes that the key of an entry gives to its element, which is one of `kinds`: its name.
-
-        With `name: ""` in the entry, the element has no name, and the key is only a label in the recipe.
-        """
+        """Return the attributes that an entry's key gives to its element, one of `kinds`: none if `name` is empty."""
         if not isinstance(value, dict) or value.get(NAME) != "":
             return {NAME: name}
         if any(kind.attributes[NAME].required for kind in kinds):

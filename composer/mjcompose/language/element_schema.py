@@ -49,10 +49,7 @@ SHARED: dict[str, Schema] = {
 
 
 def _shared(kind: str, lengths: str) -> Schema:
-    """Return the schema of one of `SHARED`, or of a list of it.
-
-    `3`, `1-2` and `1-` are the lengths in `number-3`, `number-1-2` and `number-1-`.
-    """
+    """Return the schema of one of `SHARED`, or of a list of it, with the lengths `3`, `1-2` or `1-`."""
     if not lengths:
         return dict(SHARED[kind])
     low, *rest = lengths.split("-")
@@ -68,10 +65,7 @@ for _kind in SHARED:
 
 
 def attribute_schema(attribute: Attribute) -> Schema:
-    """Return the schema of an attribute's values in a recipe, with an explanation.
-
-    The default is part of the explanation: editors would write every `default` into a new element.
-    """
+    """Return the schema of an attribute. Its explanation has the default, which editors would write otherwise."""
     schema = _values(attribute)
     remarks = ", ".join(_remarks(attribute))
     description = " ".join(filter(None, [attribute.doc, remarks and f"({remarks})"]))

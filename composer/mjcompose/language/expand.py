@@ -36,11 +36,7 @@ _MAX_DEPTH = 4  # the depth of a part's edits
 
 
 class Condition:
-    """Decides by the values of variants and parameters which items belong to this build.
-
-    For `any` build it keeps all items. `in_doubt` has the names and values of items that are kept because their
-    `when` is faulty.
-    """
+    """Decides which items belong to this build, or to `any`; `in_doubt` has the names of items with a faulty `when`."""
 
     def __init__(
         self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
@@ -152,10 +148,7 @@ class Concrete:
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
-    """Return the recipe with the values of `given`, and defaults for the rest.
-
-    Faulty pieces are reported and left out. With `any` it has the items of all builds, whatever their `when` says.
-    """
+    """Return the recipe with the given values, else defaults, without faulty pieces; `any` ignores each `when`."""
     from mjcompose.language.recipe import SETTLED
 
     axes = read_axes(document, sink)
@@ -253,11 +246,7 @@ class Cell:
 
 
 def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None = None) -> list[Cell]:
-    """Return all cells of a recipe of this name, in order: the last axis changes fastest, `include` comes last.
-
-    Without a matrix there are none. Unique names and all values are checked here, before anything is built. Other
-    parameters have the value of `given`, or their default.
-    """
+    """Return the cells of a recipe in order, `include` last; names and values are checked before anything is built."""
     found = document.entries.get("matrix")
     if found is None:
         return []
@@ -297,10 +286,7 @@ class _Matrix:
         return axes
 
     def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
-        """Return the given values, with one for each axis that is a parameter without a default.
-
-        Every cell sets such a parameter. Unknown names are reported when a model is planned.
-        """
+        """Return the given values, with one for each axis that is a parameter without a default: every cell sets it."""
         found = expand(self.document, self.given, Sink())
         needed = {
             axis: values[0]

@@ -86,10 +86,7 @@ class Parameter:
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Diagnostic:
-        """Return the value as it is stored, or the error about it.
-
-        An angle with a unit becomes a number in the parameter's unit.
-        """
+        """Return the value as it is stored, an angle as a number in the parameter's unit, or the error about it."""
         if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
             value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
@@ -253,11 +250,7 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
 
 
 class Substitution:
-    """Evaluates the expressions of nodes.
-
-    `lost` has the keys and texts that were left out because an expression in them is faulty, `gone` the paths of
-    these keys.
-    """
+    """Evaluates expressions; `lost` has the keys and texts left out for their faults, `gone` the keys' paths."""
 
     def __init__(
         self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
@@ -318,10 +311,7 @@ def report(error: ExpressionError, node: Scalar, known: list[str], broken: froze
 
 
 def within(node: Scalar, start: int, end: int) -> Span:
-    """Return the place of some characters of a scalar's text.
-
-    It is the place of the whole scalar if the file writes the characters differently.
-    """
+    """Return the place of characters of a scalar's text, or the scalar's if the file writes them differently."""
     span = node.span
     if span.end_line not in (None, span.line) or span.end_column is None:
         return span

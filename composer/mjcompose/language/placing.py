@@ -187,10 +187,7 @@ _NEUTRAL = {
 
 
 class Offset(Attribute):
-    """Form of an attribute of the frame of a place: `pos`, or one of the orientations, as a tuple.
-
-    It contains `Angle`s only if the attribute is an angle.
-    """
+    """Form of `pos` or an orientation of the frame of a place: a tuple, with `Angle`s if it is an angle."""
 
     def __init__(self, name: str) -> None:
         super().__init__("frame", name)
@@ -207,10 +204,7 @@ class Offset(Attribute):
 
 
 def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
-    """Return the fault of numbers that are no position or orientation, or None.
-
-    Otherwise MuJoCo would report a frame that the user has not written.
-    """
+    """Return the fault of numbers that are no pose: MuJoCo would report a frame that the user has not written."""
     numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
     if not all(math.isfinite(number) for number in numbers):
         wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
@@ -228,10 +222,7 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
 
 @dataclass(frozen=True, slots=True)
 class JointField(ByGrammar):
-    """Form of the field `joint`: a word, a mapping of a joint's attributes, or a list of such mappings with names.
-
-    It is read as the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
-    """
+    """Form of `joint`: a word, a mapping (an `Element` without a name), or a list of mappings with names."""
 
     def schema(self) -> Schema:
         kind = {"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc}

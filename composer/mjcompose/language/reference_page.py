@@ -1,13 +1,7 @@
-"""The pages in docs/reference/keys, and the order of a recipe's keys.
+"""The pages in docs/reference/keys, from the JSON Schema and MJCF's grammar, and the order of a recipe's keys.
 
-The order in which `fmt` writes the keys of a recipe: the order of the fields and rows of the language.
-
-`python -m mjcompose.language.reference_page > composer/mjcompose/text/key_order.json` writes it to a file.
-`fmt` runs at every save and reads that file, because importing the models takes longer than formatting.
-
-The pages in docs/reference/keys: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
-
-`python -m mjcompose.language.reference_page docs/reference/keys` writes them.
+`python -m mjcompose.language.reference_page docs/reference/keys` writes the pages; without a folder, it prints the
+order for `composer/mjcompose/text/key_order.json`. `fmt` runs at every save, and importing the models takes longer.
 """
 
 from __future__ import annotations
@@ -184,10 +178,7 @@ def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:
 
 
 def examples(name: str) -> list[str]:
-    """Return the recipes that show the keys of a chapter.
-
-    In an installed package they are next to this file, in a clone in the docs.
-    """
+    """Return the recipes that show a chapter's keys, from the package or from the docs of a clone."""
     here = Path(__file__).resolve()
     for folder in (here.parent / "examples", here.parents[3] / "docs" / "examples" / "keys"):
         if os.path.isfile(folder / f"{name}.yaml"):

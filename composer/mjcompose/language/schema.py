@@ -25,10 +25,7 @@ _NESTED = ("additionalProperties", "items", "then", "else", "not")
 
 
 def loosened(properties: Schema, definitions: dict[str, Schema]) -> Schema:
-    """Return the same properties, all optional and with null allowed. New definitions go to `definitions`.
-
-    Conditions stay as they are: those that decide between forms require nothing.
-    """
+    """Return the same properties, all optional or null. New definitions go to `definitions`, conditions stay."""
     loose = {name: _optional(each, definitions) for name, each in properties.items()}
     return {name: _nullable(each) for name, each in loose.items()}
 
@@ -192,10 +189,7 @@ def _replaced(schema: Any, name: str, replace: Callable[[Any, str], Any]) -> Any
 
 
 def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
-    """Require less of a file that extends another.
-
-    It is a piece of recipe too, with the keys that only a whole one has.
-    """
+    """Require less of a file that extends another: it is a piece, with the keys that only a whole recipe has."""
     whole = {name: schema.pop(name) for name in ("properties", "additionalProperties")}
     schema["if"] = {"required": ["extends"]}
     schema["then"] = {**whole, "properties": {**pieces, **{name: whole["properties"][name] for name in _OWN}}}

@@ -1,9 +1,7 @@
-"""Sections of MJCF in a recipe.
+"""Sections of MJCF in a recipe, which the grammar reads inside of a pydantic model.
 
-How sections of MJCF are read by the grammar inside of a pydantic model.
-
-Each form of section has a class, which annotates a field of the recipe: `sensor: Annotated[tuple[Element, ...],
-Typed("sensor")]`. Therefore 170 kinds of elements have types without 170 models.
+Each form of section annotates a field of the recipe: `sensor: Annotated[tuple[Element, ...], Typed("sensor")]`.
+Therefore 170 kinds of elements have types without 170 models.
 """
 
 from __future__ import annotations
@@ -66,18 +64,12 @@ class Section(ByGrammar):
 
 @dataclass(frozen=True, slots=True)
 class Elements(Section):
-    """Base class of sections that are read as a tuple of `Element`.
-
-    Each element is appended to the section of the model.
-    """
+    """Base class of sections that are read as a tuple of `Element`, each appended to the section of the model."""
 
 
 @dataclass(frozen=True, slots=True)
 class ByTag(Elements):
-    """Form of a mapping from tags to mappings from names to elements: `asset`, `custom`, `deformable`.
-
-    It is read as a tuple of `Element`, each with its name as an attribute.
-    """
+    """Form of a mapping from tags to names to elements, a tuple of `Element`: `asset`, `custom`, `deformable`."""
 
     depth = 3
 
@@ -101,10 +93,7 @@ class ByTag(Elements):
 
 @dataclass(frozen=True, slots=True)
 class Singleton(Section):
-    """Form of such a section: a mapping of its attributes and children.
-
-    It is read as an `Element`. With `settable`, only those keys are allowed.
-    """
+    """Form of a section that is one `Element` of attributes and children, or of the `settable` ones alone."""
 
     settable: frozenset[str] = frozenset()
 
@@ -134,12 +123,7 @@ class Singleton(Section):
 
 @dataclass(frozen=True, slots=True)
 class Extension(ByTag):
-    """Form of the plugins that a model uses, and of their instances:
-
-    `plugin: {mujoco.sdf.torus: {instance: {small: {config: {radius1: 0.3}}}}}`.
-
-    It is read as a tuple of `Element`, one for each plugin, with its instances as children.
-    """
+    """Form of plugins and instances: `plugin: {mujoco.sdf.torus: {instance: {small: {config: {radius1: 0.3}}}}}`."""
 
     def schema(self) -> Schema:
         kind = self.kind.children["plugin"]
@@ -166,10 +150,7 @@ PARENT = "parent"
 
 @dataclass(frozen=True, slots=True)
 class DefaultClass:
-    """A default class. `element` is its `<default>` with the settings as children; `parent` is the written one.
-
-    The place of the name is `locate(node, element.at, key=True)`.
-    """
+    """A default class: `element` is its `<default>`, at `locate(node, element.at, key=True)`; `parent` as written."""
 
     name: str
     parent: str | None
@@ -178,10 +159,7 @@ class DefaultClass:
 
 @dataclass(frozen=True, slots=True)
 class Defaults(Section):
-    """Form of a mapping from classes to settings by tag: `finger: {parent: collision, geom: {friction: 1}}`.
-
-    It is read as a tuple of `DefaultClass`.
-    """
+    """Form of a mapping from classes to settings by tag: `finger: {parent: collision, geom: {friction: 1}}`."""
 
     first = ("parent",)
     depth = 2
@@ -331,11 +309,7 @@ TYPE = "type"
 
 @dataclass(frozen=True, slots=True)
 class Typed(Elements):
-    """Form of a mapping from names to elements whose `type` is their tag: `sensor`, `actuator`, `equality`, `tendon`.
-
-    It is read as a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its
-    children.
-    """
+    """Form of a mapping from names to elements whose `type` is their tag; a tendon's `path` has its children."""
 
     first = ("type",)
     depth = 2

@@ -50,10 +50,7 @@ class Recovered:
 
 
 def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered | None:
-    """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain.
-
-    It does no I/O.
-    """
+    """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain. No I/O."""
     lost: set[str] = set()
     for _ in range(_ROUNDS):
         for path in _outermost(_whole(existing_steps(node, fault.at)) for fault in faults):
@@ -104,10 +101,7 @@ def _in_some_unit(node: Mapping) -> Mapping:
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:
-    """Return the paths that are not inside another one, last in the file first.
-
-    Removing one does not move the others then.
-    """
+    """Return the paths that are not inside another one, last in the file first: removing one moves no other."""
     kept: list[Path] = []
     for path in sorted(set(paths), key=len):
         if not any(path[: len(each)] == each for each in kept):
@@ -138,10 +132,7 @@ def _texts(node: Node, path: Path) -> Iterator[str]:
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
-    """Yield the faults of a validation, one for each mistake, with paths from the top of `data`.
-
-    For pydantic, a misspelled key is an unknown key and a missing one. Here it is one fault.
-    """
+    """Yield the faults of a validation, from the top of `data`. A misspelled key is one, though pydantic has two."""
     errors = error.errors(include_url=False)
     meant = {id(each) for each in misspelt(errors, Recipe, data).values()}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
@@ -177,10 +168,7 @@ def part_keys(data: AbcMapping[str, Any]) -> dict[str, Any]:
 
 
 def advice_at_top(name: str, value: Any, parts: AbcMapping[str, Any]) -> str | None:
-    """Return what to write instead of `name: value` at the top of a recipe, or None if that is not known.
-
-    `parts` are the keys at the top that only a part can have.
-    """
+    """Return what to write instead of `name: value` at the top, or None. `parts` are keys that only a part can have."""
     if isinstance(value, AbcMapping) and "model" in value and not closest(name, Recipe.model_fields):
         return f"a part goes under `attach`:\nattach:\n  {name}: {_flow(value)}"
     if name in parts and (len(parts) > 1 or name != "model"):

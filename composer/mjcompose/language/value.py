@@ -211,10 +211,7 @@ def form_of(attribute: Attribute) -> str | None:
 
 
 def instead(attribute: Attribute, value: object) -> Advice | None:
-    """Return what to write instead of a value, or None if that is not known.
-
-    It knows `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes` and the like.
-    """
+    """Return what to write instead of a value such as `'0.5'`, `45°`, `pi/2`, `10cm` or `yes`, or None."""
     word = shown(value)
     if attribute.type == "bool" or "true" in attribute.keywords:
         # YAML 1.1 reads `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
@@ -298,10 +295,7 @@ def element_instead(kind: ElementType, value: object) -> str | None:
 
 
 def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
-    """Return the value with lists as tuples, or None after a reported fault.
-
-    `owner` is the element of the attribute in messages. An `Angle` is allowed for any real number.
-    """
+    """Return the value, a list as a tuple, or None after a fault; `owner` is its element. A real may be an `Angle`."""
     subject = f"`{attribute.name}` of {owner}"
     if isinstance(value, dict):
         faults.append(Fault("wrong-type", f"{subject} expects {expected(attribute)}, got a mapping", at))

@@ -31,10 +31,7 @@ _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_ite
 
 
 class WrittenSetting(NamedTuple):
-    """A setting, and a function that finds where it is written.
-
-    `parts` are the parts that it comes from, if the unit is a nested recipe.
-    """
+    """A setting, its place, and the parts that it comes from if the unit is a nested recipe."""
 
     value: str
     span: Callable[[], Span]
@@ -97,10 +94,7 @@ def equal_values(a: str, b: str) -> bool:
 
 
 def merge_values(path: str, have: WrittenSetting | None, wanted: WrittenSetting) -> str | None:
-    """Return two values merged as MuJoCo does, or None if they conflict.
-
-    A value that is not written gives way. Of steps and tolerances the smaller is used, of iterations the larger.
-    """
+    """Return two values merged as MuJoCo does (the smaller step or tolerance, more iterations); None for a conflict."""
     # If two models write a `timestep` of 0.003 and of 0.004, MuJoCo 4.0 takes the smaller value, whichever model writes
     # it. It takes 0.004 if the other model does not write a `timestep`.
     if have is None:
@@ -228,10 +222,7 @@ def agreement(linking: Linking) -> None:
 def _wishes(
     linking: Linking, requested: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
-    """Yield the settings that a part requests and the model does not have. Later parts see the results of merges.
-
-    Common settings are written on the way, in the order in which parts write them.
-    """
+    """Yield a part's settings that the model lacks, once common ones are written. Later parts see merged values."""
     for path, wanted in requested.items():
         if path in linking.request.overridden_options:
             continue

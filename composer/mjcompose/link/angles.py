@@ -74,10 +74,7 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
 def _replicate(
     linking: Linking, unit: Unit, element: Node, values: list[float], sequence: str, to_radians: bool
 ) -> None:
-    """Convert the angles of a replicate.
-
-    A replicate has no quat, but a rotation about one axis is the same in any sequence that has the axis.
-    """
+    """Convert the angles of a replicate, which has no quat: about one axis, a rotation is the same in any sequence."""
     own = unit.settings.eulerseq
     # The schema has no `quat` for a `<replicate>`, so a turn about several axes cannot be written in another sequence:
     # `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
@@ -111,10 +108,7 @@ def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float]
 
 
 def _joints(unit: Unit) -> None:
-    """Convert the ranges and references of hinges, and the ranges of balls, to radians.
-
-    A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
-    """
+    """Convert ranges and references of hinges, and ranges of balls, to radians; on the joint if a class has slides."""
     # MuJoCo 4.0 turns a range only if it limits the joint: `<joint range="-90 90" limited="false"/>` keeps -90 90 in
     # `jnt_range`. One class may serve both kinds: of `<joint range="0 90"/>` a hinge takes 1.5708 and a slide 90.
     classes = unit.classes

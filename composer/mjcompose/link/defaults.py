@@ -181,11 +181,7 @@ class _Class(NamedTuple):
 
 
 class _Suspect(NamedTuple):
-    """An actuator whose gain may change.
-
-    `written` are its attributes, `kind` the kind of its class, and `later` an element that sets actuators in a
-    later section.
-    """
+    """An actuator whose gain may change, its attributes, its class's kind, and an element that sets actuators later."""
 
     actuator: Node
     written: dict[str, str]

@@ -1,8 +1,4 @@
-"""Pass: every file gets a path in the bundle.
-
-`dedup` merges assets that mean the same in several copies of a part, and redirects every reference. It works on a
-finished model, in which all parts share one set of compiler settings.
-"""
+"""Pass: every file gets a path in the bundle. `dedup` merges assets of a finished model that mean the same."""
 
 from __future__ import annotations
 

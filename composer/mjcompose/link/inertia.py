@@ -1,17 +1,13 @@
 """Passes: masses, fitted sizes and length ranges become explicit; static bodies and visuals are removed on request.
 
-The mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default. The model always has
-MuJoCo's defaults, `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`.
-
-Each unit keeps the length ranges of muscles that MuJoCo finds in the unit alone, by moving it. They become explicit
-if a `<lengthrange>` changes how MuJoCo finds them, or if a part is attached to an element that moves, because MuJoCo
-would then move the part too.
+The mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default, which the model has. Length
+ranges of muscles, which MuJoCo finds by moving the unit, become explicit if a `<lengthrange>` changes how, or if a part
+is attached to an element that moves, because MuJoCo would then move the part too.
 
 `fusestatic` and `discardvisual` make MuJoCo leave out elements, and the linker removes the same ones. MuJoCo compiles
-the unit alone to determine which elements these are, because its rules differ between versions. `discardvisual` removes
-geoms that nothing collides with, the assets that only these use, and everything that gives color. `fusestatic` merges a
-body without joints into its parent, so a frame replaces it. The bodies that change get the inertia that they have in
-the unit alone.
+the unit alone to determine which these are, because its rules differ between versions. `discardvisual` removes geoms
+that nothing collides with, assets that only these use, and all color. `fusestatic` merges a body without joints into
+its parent, so a frame replaces it. The bodies that change get the inertia that they have in the unit alone.
 """
 
 from __future__ import annotations
@@ -112,10 +108,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
 
 
 def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
-    """Write the surveyed inertia of the changed bodies, or of all bodies if a rule of the unit requires it.
-
-    Afterwards the unit has MuJoCo's own rules instead of those that the survey has applied.
-    """
+    """Write the surveyed inertia of changed bodies, or of all if a rule asks for it; then MuJoCo's own rules hold."""
     ruled = [name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
     if _write_measured(KeptSettings(linking, unit, ruled or ["fusestatic"]), bodies, found):

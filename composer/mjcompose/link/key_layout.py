@@ -34,11 +34,7 @@ Within = tuple[tuple[Node, int], ...]
 
 
 class Copy(NamedTuple):
-    """One of the joints, actuators or mocap bodies that MuJoCo makes of an element.
-
-    `twists` marks the joints in which a rod, a `<flexcomp>` of one dimension, is twisted: they are elsewhere than its
-    vertices.
-    """
+    """A joint, actuator or mocap body that MuJoCo makes of an element; `twists` marks joints that twist a rod."""
 
     element: Node
     within: Within = ()

@@ -1,7 +1,4 @@
-"""The keys of all parts, cut by joint and rewritten for the layout of the finished model.
-
-Values follow their joints, actuators and bodies. This runs after the last element is added to the model.
-"""
+"""The keys of all parts, cut by joint and rewritten for the finished model, once its last element is added."""
 
 from __future__ import annotations
 
@@ -25,10 +22,7 @@ BASE = "base"
 
 
 def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
-    """Return the keys of the base, of each part, and of the parts of nested recipes. The result is cached.
-
-    Keys that the model omits are included only if the recipe uses them. The poses of the parts must be known.
-    """
+    """Return the keys of the base, each part and the parts of nested recipes that are kept or used; cached."""
     if linking.keys.by_part is not None:
         return linking.keys.by_part
     found: dict[str, PartKeys] = {}
@@ -295,10 +289,7 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
 
 
 def _merged_keys(linking: Linking) -> dict[str, Key]:
-    """Return the keys of the base, then of the parts, with equal names joined, and then the recipe's keys.
-
-    A key of the recipe replaces the keys with its name.
-    """
+    """Return the keys of base and parts, equal names joined, and the recipe's keys, which replace others."""
     written = {key.name: key for key in linking.keys.written}
     came: dict[str, Key] = {}
     owners: dict[str, Part | None] = {}

@@ -204,10 +204,7 @@ def row_of(done: object) -> Pass | None:
 
 
 def link(linking: Linking) -> bool:
-    """Make `linking.base` the flat model; the units of the parts are used up.
-
-    False if a pass found errors that later passes cannot cope with; then the names of the model are not known.
-    """
+    """Make `linking.base` the flat model and use up the parts; False after an error that stops the passes."""
     for row in PASSES:
         before = linking.sink.error_count
         row.run(linking)

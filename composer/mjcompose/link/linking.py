@@ -28,14 +28,11 @@ Policy = Literal["error", "base", "mujoco"]
 class Request:
     """How to join the parts, and the recipe's later changes of the model.
 
-    `separator` goes between a prefix and a name. `conflict` is the policy for options on which two units disagree,
-    and `overridden_options` holds the option paths (`option/cone`) that the recipe sets itself: they cannot
-    conflict. `base_keyframes` is the policy for the keys of the base. `requested_keys` holds the paths of the parts
-    whose keys the recipe uses in keys of its own; it is None if the recipe writes no key.
-
-    The other fields describe the recipe's additions to the joined parts. `isolated_tags` are the tags for which
-    it sets the top default class of the base; these defaults must not reach the parts. `adds_mass` is set if it
-    adds elements that the base's rules for a whole model (`settotalmass`) would reach.
+    `conflict` is the policy for options on which two units disagree; `overridden_options` are those (`option/cone`)
+    that the recipe sets itself. `base_keyframes` is the policy for the keys of the base. `requested_keys` has the paths
+    of the parts whose keys the recipe uses in its own, None if it writes none. `isolated_tags` are the tags for which
+    it sets the top default class of the base, which must not reach the parts. `adds_mass` is set if it adds elements
+    that the base's rules for a whole model (`settotalmass`) would reach.
     """
 
     separator: str = "/"
@@ -215,20 +212,18 @@ class WrittenKey:
 class KeyTable:
     """The keys of the units and their layouts.
 
-    Where keys come from: `own` holds the keys of the base (under None) and of each part. `by_part` holds the keys of
-    every part by path, including the parts of parts, and the base's keys under `base`. Until `part_keys.py` splits the
-    keys, `own` is empty and `by_part` is None. `written` are the keys of the recipe, `replaced` the keys of parts that
-    these replace, by name. `attached` are the models that MuJoCo attaches to parts and whose keys contain poses in the
-    world.
+    `own` holds the keys of the base (under None) and of each part, `by_part` those of every part by path, including the
+    parts of parts, and of the base under `base`; `part_keys` fills both. `written` are the keys of the recipe,
+    `replaced` the keys of parts that these replace. `attached` are the models that MuJoCo attaches to parts and whose
+    keys contain poses in the world.
 
-    How they are laid out: `base_layout` is the layout of the base alone, `final_layout` the layout of the finished
-    model; each part has its own. `measured` has the widths that only MuJoCo knows, `references` and `mocap_references`
-    the reference configuration that only MuJoCo knows.
+    `base_layout` and `final_layout` are the layouts of the base alone and of the finished model. `measured` has the
+    widths that only MuJoCo knows, `references` and `mocap_references` the reference configuration.
 
-    How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements whose
-    number of values may have changed, `shapes` has the attributes that decided the vertices of each `<flexcomp>`, and
-    `void_keys` are the elements whose values in keys have become meaningless. `edited_keys` are keys whose numbers
-    edits or draws have changed, and `noted` has the values that the recipe writes into its own keys, by their elements.
+    `edited` is set if there may be edits, `reshaped` are elements whose number of values may have changed, `shapes` has
+    the attributes that decided the vertices of each `<flexcomp>`, and `void_keys` are elements whose values in keys
+    have become meaningless. `edited_keys` are keys that edits or draws have changed, and `noted` has the values that
+    the recipe writes into its own keys.
     """
 
     own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
@@ -250,10 +245,7 @@ class KeyTable:
 
 
 class Measure(Protocol):
-    """Compiles a unit alone with MuJoCo and returns arrays of `mjModel` by name.
-
-    There are none if MuJoCo refuses the unit. A refusal is reported, unless `attempt` is set.
-    """
+    """Compiles a unit alone and returns arrays of `mjModel`; none for a refusal, which is reported unless `attempt`."""
 
     def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]: ...
 
@@ -279,10 +271,7 @@ class LaterPlaces(Protocol):
 
 
 class FileUse(NamedTuple):
-    """An attribute of the model that names a file of the bundle, with the source of the file's bytes.
-
-    A file that is not `shared` must keep its own path, even if another file has the same bytes.
-    """
+    """An attribute that names a file of the bundle, with its source; one that is not `shared` keeps its own path."""
 
     element: Node
     attribute: str
@@ -312,11 +301,7 @@ def common_angle(units: Iterable[Unit]) -> str:
 
 @dataclass(eq=False)
 class Linking:
-    """The state that the passes share, from separate units to one flat model.
-
-    `names` and `files` describe the model: every declared name, and every attribute that names a file. `base_class`
-    is the class that the base's top class becomes, None if it stays `main`.
-    """
+    """The state that the passes share, from separate units to one flat model, with its `names` and `files`."""
 
     base: Unit
     parts: list[Part]

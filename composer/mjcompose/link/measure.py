@@ -54,10 +54,7 @@ _SIZES = ("nq", "nv", "narena")
 def measure_with(
     context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
 ) -> Measure:
-    """Return a function that compiles a unit alone. If this fails, the function reports the error and returns nothing.
-
-    With a `session`, its process compiles, under its own limits.
-    """
+    """Return a function that compiles a unit alone, in the process of a `session`, and reports if that fails."""
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         if not check_meshes(unit, 0, Sink() if attempt else context.sink):
@@ -251,10 +248,7 @@ def _free_inside(
 
 
 def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
-    """Return whether only MuJoCo knows the reference.
-
-    This is so for elements that it expands, bodies aligned with their inertia, and copies of floating bodies.
-    """
+    """Return whether only MuJoCo knows the reference: it expands, aligns with inertia, or copies a floating body."""
     if slot.kind == BLOCK:
         return slot.widths[0] > 0
     if slot.kind != "free":
@@ -283,11 +277,7 @@ _MARKS = ("body_user", "geom_user", "body_mass", "geom_type")
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """The result of compiling a unit alone.
-
-    `arrays` are MuJoCo's arrays; `rows` has, for each body and geom, the rows of its copies: none if MuJoCo left it
-    out.
-    """
+    """The result of compiling a unit alone: arrays, and for each body and geom the rows of its copies, if any."""
 
     arrays: Mapping[str, list[float]]
     rows: Mapping[Node, tuple[int, ...]]
@@ -347,10 +337,7 @@ class KeptSettings:
 def compile_unaligned(
     linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
 ) -> Survey | Unmeasurable | None:
-    """Compile the unit alone, without the alignment of free bodies, which is done in the model.
-
-    None if MuJoCo refuses the unit, which has been reported. `pinned` bodies are not fused: something refers to them.
-    """
+    """Compile the unit alone, without aligning free bodies or fusing `pinned` ones; None after a reported refusal."""
     # MuJoCo makes bodies or geoms of these that are elements of no unit.
     opaque = next(unit.root.iter("attach", "composite"), None)
     if opaque is not None:

@@ -157,8 +157,8 @@ class _UnitRenaming:
 class UnitNames:
     """The names of one unit, as in the model, by namespace, each with the first element that has it.
 
-    `declared` are the names of elements, `referred` the names that elements refer to; `repeated` has the elements that
-    declare a name again. Names get the `prefix`; `outward` has the names of elements outside of the unit.
+    `declared` are the names of elements, `referred` the names that elements refer to. `repeated` has the elements that
+    declare a name again. Names get the `prefix`, and `outward` has the names of elements outside of the unit.
     """
 
     def __init__(self, prefix: str, outward: Mapping[str, str]) -> None:
@@ -256,11 +256,7 @@ def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
 
 
 def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str] = _NOTHING) -> UnitNames:
-    """Prefix the names of a unit in place, and return its names; `outward` belongs to a part.
-
-    This is the only walk over every element of every part: an attribute without a name costs one look-up in a
-    dictionary.
-    """
+    """Prefix the names of a unit in place, in the only walk over every element of every part, and return them."""
     names = UnitNames(prefix, outward)
     for section in unit.root.iterchildren("*"):
         names.take(section)

@@ -208,10 +208,7 @@ def _outermost(unit: Unit) -> Iterator[Node]:
 
 
 def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Return whether a replicate turns about several axes in another sequence than the model's, or rounds otherwise.
-
-    It rounds otherwise if a multiple of its angles in radians differs in any bit from the same multiple in degrees.
-    """
+    """Return whether a replicate turns in another sequence than the model's, or rounds otherwise in radians."""
     turning = [angle for angle in numbers.read(str(replicate.get("euler") or "")) if angle]
     if len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq:
         return True

@@ -1,15 +1,11 @@
 """Passes: the compiler's settings, sizes and memory of the whole model.
 
-Pass: `alignfree`, which aligns free bodies' frames with their inertia, becomes explicit on each free joint.
+`alignfree`, which aligns free bodies' frames with their inertia, becomes explicit on each free joint. Only
+`<freejoint>` has `align`. If a `<joint type="free">` has other attributes that a `<freejoint>` cannot take, the model
+keeps `alignfree` and all other free joints opt out.
 
-Only `<freejoint>` has the attribute `align`. If a `<joint type="free">` has other attributes that a `<freejoint>`
-cannot take, the model keeps `alignfree` and all other free joints opt out.
-
-Pass: memory for the simulation. A source's request is for that source alone, not for the whole model.
-
-Without a request, MuJoCo chooses the memory by the size of the model. A source's request would apply to the whole
-model: with `memory="1M"` from a lamp next to 300 boxes, MuJoCo 4.0 drops contacts, and boxes fall through the floor.
-`njmax`, `nconmax` and `nstack` are older ways to set the same amount.
+A source's request of memory is for that source alone. For the whole model, `memory="1M"` from a lamp next to 300 boxes
+lets MuJoCo 4.0 drop contacts, and boxes fall through the floor. `njmax`, `nconmax` and `nstack` are older requests.
 """
 
 from __future__ import annotations
@@ -149,11 +145,7 @@ def compiler(linking: Linking) -> None:
 
 
 def model_autolimits(linking: Linking) -> str:
-    """Return the model's value of `autolimits`.
-
-    Under `false` MuJoCo refuses a range without an explicit `limited`, so a unit that compiles with `false` means the
-    same under `true`.
-    """
+    """Return the model's `autolimits`. A unit that compiles with `false` has no range without an explicit `limited`."""
     return "false" if all(unit.settings.autolimits == "false" for unit in linking.units) else "true"
 
 

@@ -90,10 +90,7 @@ class _Fault:
 
 
 def check_source(unit: Unit, sink: Sink) -> bool:
-    """Report elements, attributes and values of a file that MJCF does not have. Return whether there are none.
-
-    The unit must be the file as written: linking may remove a fault.
-    """
+    """Report all in a file that MJCF does not have, before it is linked, and return whether there is nothing."""
     faults = list(_faults(unit.root))
     if faults:
         passed_over = set(unread(unit.root))
@@ -172,10 +169,7 @@ def _malformed(node: Node, attribute: Attribute, refusal: Refusal) -> _Fault:
 
 
 def _is_checked(node: Node) -> bool:
-    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body here. Inside a frame it does not.
-
-    The linker puts a part into a frame. MuJoCo checks elements outside the body tree in the composition, too.
-    """
+    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body: not in a frame, as of a part."""
     around = {str(each.tag) for each in node.iterancestors()}
     return "worldbody" in around and around.isdisjoint(BLIND)
 

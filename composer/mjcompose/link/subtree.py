@@ -1,7 +1,4 @@
-"""Reduce a unit to one body and the elements that it needs, and list the elements that are dropped.
-
-It runs on a unit alone, before the unit is linked.
-"""
+"""Reduce a unit, before it is linked, to one body and the elements that it needs, and list those dropped."""
 
 from __future__ import annotations
 
@@ -32,10 +29,7 @@ Name = tuple[str, str]
 
 
 def drop_unneeded(unit: Unit) -> list[Name]:
-    """Remove assets, default classes and plugins that the model does not need. Return namespace and name of each.
-
-    An element that a needed class refers to is needed, whether or not another element takes it from the class.
-    """
+    """Remove assets, classes and plugins that no element and no needed class refers to, and return their names."""
     supporting = list(_supporting(unit))
     needed = _needed(unit, dict(reversed(supporting)))
     supporting += [
@@ -115,10 +109,7 @@ _SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor"
 
 
 class Side(NamedTuple):
-    """Whether an element refers inside the subtree, outside, to both or neither.
-
-    `lacks` is the first element outside that it refers to, as messages name it.
-    """
+    """Whether an element refers inside the subtree, outside, to both or neither; `lacks` is the first one outside."""
 
     inside: bool = False
     outside: bool = False
@@ -136,10 +127,7 @@ def side_of_world(element: Node) -> str | None:
 
 
 class SideFinder:
-    """Finds the side of elements from the names they refer to, directly or through others.
-
-    A sensor may, for example, refer to an actuator that refers to a joint.
-    """
+    """Finds the side of elements by the names they refer to, directly or, as a sensor of an actuator, by others."""
 
     def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True) -> None:
         self._unit, self._in_world = unit, in_world
@@ -256,10 +244,7 @@ class DroppedElement:
 
 @dataclass(frozen=True, slots=True)
 class Subtree:
-    """One body of a model, with the elements that it needs.
-
-    `body` is its name, or None for the whole unit; `dropped` lists the other elements.
-    """
+    """One body of a model by its name, or None for the whole unit, and the elements that were dropped."""
 
     body: str | None
     dropped: tuple[DroppedElement, ...]

@@ -305,10 +305,7 @@ def remove_keys(unit: Unit) -> None:
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    """Return the key layout of a unit alone, measured with MuJoCo if needed, or None after a reported error.
-
-    Rows that end in the middle of a joint then end behind it.
-    """
+    """Return the key layout of a unit alone, measured and with completed rows if needed, or None after an error."""
     layout = _layout_of(linking, unit)
     linking.keys.shapes |= {flex: _shape(flex) for flex in unit.root.iter("flexcomp")}
     if layout is not None:

@@ -67,10 +67,7 @@ def check_roots(linking: Linking) -> None:
 
 
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
-    """Return whether a unit is a single body with a free joint, or with `mocap` a single mocap body.
-
-    Such a part needs no other body around it to be free in the world.
-    """
+    """Return whether a unit is one body with a free joint, or with `mocap` a mocap body, and needs no other around."""
     top = list(_top_level(unit.root))
     if len(top) != 1 or top[0].tag != "body":
         return False
@@ -176,10 +173,7 @@ def worlds(linking: Linking) -> None:
 
 
 class _MovedWorld(NamedTuple):
-    """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two.
-
-    `name` is the body's name, "" if it has none.
-    """
+    """A part, its world's pose in the body or world that holds it, that one's name, and a `<replicate>` between."""
 
     part: Part
     pose: Pose

@@ -215,10 +215,7 @@ Expression = Constant | Name | Item | Vector | Unary | Binary | Comparison | Cho
 
 
 class Token(NamedTuple):
-    """A token of an expression.
-
-    `kind` is `number`, `text`, `name`, `end`, or for operators and keywords the token itself.
-    """
+    """A token of an expression: `kind` is `number`, `text`, `name`, `end`, or the operator or keyword itself."""
 
     kind: str
     text: str

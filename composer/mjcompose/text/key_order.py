@@ -101,10 +101,7 @@ def is_free(path: Path) -> bool:
 
 
 def put_in_order(node: Collection, path: Path = ()) -> None:
-    """Sort the keys in place, each with its comments.
-
-    A mapping with an anchor keeps its order, because an alias may repeat it where the order has a meaning.
-    """
+    """Sort the keys in place, with their comments, but not below an anchor: the order may count at its alias."""
     if "&" in node.properties:
         return
     if node.mapping:

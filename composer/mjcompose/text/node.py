@@ -140,10 +140,7 @@ class Key:
 
 @dataclass(frozen=True, slots=True)
 class Mapping:
-    """Keys and values in the order of the file. Not to be changed once built.
-
-    The span of a mapping over several lines covers its first line.
-    """
+    """Keys and values in the order of the file, never changed. Its span covers the first of several lines."""
 
     entries: dict[str, tuple[Key, Node]]
     span: Span

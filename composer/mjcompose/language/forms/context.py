@@ -37,10 +37,7 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {}
 
 
 def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str], Schema]]:
-    """Return a decorator for the function that makes the definition `KIND:NAME`, or `KIND-NAME`, of a name.
-
-    The function gets an empty name if the reference is only `KIND`.
-    """
+    """Return a decorator for the function that makes the definition `KIND:NAME`, `KIND-NAME` or `KIND` of a name."""
 
     def register(make: Callable[[str], Schema]) -> Callable[[str], Schema]:
         if kind in _DEFINITIONS:
@@ -161,10 +158,7 @@ def _again(error: Any) -> InitErrorDetails:
 
 
 class ByGrammar(ABC):
-    """An annotation of a field whose value the grammar of MJCF reads: elements, attributes and selectors.
-
-    ``sensor: Annotated[tuple[Element, ...], Typed("sensor")] = ()``
-    """
+    """An annotation of a field that the grammar of MJCF reads: `sensor: Annotated[…, Typed("sensor")]`."""
 
     @abstractmethod
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
@@ -225,10 +219,7 @@ def validated(form: Any, value: Any, context: Any = None) -> Any:
 
 
 class Lazy:
-    """Declares a field whose module is imported when a recipe uses the key.
-
-    ``randomize: Annotated[Any, Lazy("mjcompose.language.randomize:Randomize")] = None``
-    """
+    """Declares a field whose module is imported when a recipe uses the key, by `module:Name`."""
 
     def __init__(self, target: str) -> None:
         self.target = target

@@ -122,10 +122,7 @@ def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandl
 
 @cache
 def descriptions(model: type[Model]) -> dict[str, str]:
-    """Return the text below each field, by its key.
-
-    Pydantic can read these texts too, but does so for each class that a command imports.
-    """
+    """Return the text below each field, by its key. Pydantic would read them for each class that is imported."""
     names = {name: info.alias or name for name, info in model.model_fields.items()}
     found: dict[str, str] = {}
     for each in reversed(model.__mro__):

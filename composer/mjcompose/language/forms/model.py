@@ -185,10 +185,7 @@ def _with_exact_words(model: type[Model], value: dict[str, Any]) -> dict[str, An
 
 
 class Rest:
-    """A mark of a field that reads the whole mapping: the joint meaning of its keys without a field of their own.
-
-    The field has an alias in angle brackets. `fmt` writes the keys of the fields before it first.
-    """
+    """A mark of a field with an alias in angle brackets that reads the whole mapping, for keys without a field."""
 
 
 def rest_of(model: type[BaseModel]) -> str | None:

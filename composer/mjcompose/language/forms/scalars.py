@@ -1,7 +1,4 @@
-"""Kinds of single values and lists: numbers with bounds and units, names with a scope, globs, one or many.
-
-The annotations of a type tell the validator, messages (`Expects`, `Unit`) and editors (`Name`) how to treat it.
-"""
+"""Kinds of single values and lists: their annotations tell validator, messages and editors how to treat them."""
 
 from __future__ import annotations
 
@@ -140,10 +137,7 @@ class Name:
 
 
 class Measure:
-    """A number that may have the unit of an angle, which is kept: `90deg`, `1.5rad`.
-
-    `Annotated[float | Angle, Measure(ge=0)]` is its type.
-    """
+    """A number that may have the unit of an angle, which is kept: `Annotated[float | Angle, Measure(ge=0)]`."""
 
     def __init__(self, *, ge: float | None = None, gt: float | None = None, le: float | None = None) -> None:
         self._ge, self._gt, self._le = ge, gt, le

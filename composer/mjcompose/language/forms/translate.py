@@ -88,10 +88,7 @@ def alternatives(kind: Any) -> tuple[Any, ...]:
 
 
 def spot(root: Any, loc: Path, data: Any, start: Path = ()) -> Spot:
-    """Return the place to which pydantic's path leads. `start` is the path of `data`, whose type is `root`.
-
-    The path omits steps that are not in the data, except for a missing key.
-    """
+    """Return the place to which pydantic's path leads, without steps that are not in `data`, which is at `start`."""
     way = _Way(root).plain()
     found = Spot(start, way.kind, tuple(way.metadata))
     for index, step in enumerate(loc):
@@ -233,10 +230,7 @@ _PLAIN_UNITS = (None, "m", "kg", "s", "N")
 
 
 def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> Iterator[Fault]:
-    """Yield a fault for each error of a validation of `data` as `root`.
-
-    `start` is the path of the data. Paths of faults begin there too, because messages name the mapping around a value.
-    """
+    """Yield a fault for each error of a validation of `data` as `root`, with paths from `start`, where the data are."""
     errors = error.errors(include_url=False)
     meant = {id(each) for each in misspelt(errors, root, data).values()}
     for each in errors:
