@@ -95,8 +95,8 @@ def opened() -> Iterator[Callable[[int], int]]:
 
 def test_a_worker_answers_for_what_it_has_done() -> None:
     with Pool[int, int](1) as pool:
-        pool._shared.opening = pickle.dumps(opened)
+        pool._opening = pickle.dumps(opened)
         for number in range(3):  # before each task it hears the signal, and another worker begins
-            pool._shared.todo.put((number, number))
-        answers = [pool._shared.done.get(timeout=30) for _ in range(3)]
+            pool._todo.put((number, number))
+        answers = [pool._done.get(timeout=30) for _ in range(3)]
     assert answers == [(0, 1), (1, 2), (2, 3)]

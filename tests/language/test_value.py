@@ -19,6 +19,7 @@ from mjcompose.tree.grammar import GRAMMAR
         ("replicate", "euler", (0, 0, 30), None, (2,), "euler: [0, 0, 30deg]"),
         ("joint", "ref", 90, "hinge", (), "ref: 90deg"),
         ("joint", "range", (-90, 90), "ball", (), "range: [-90deg, 90deg]"),
+        ("joint", "springyield", 90, "ball", (), "springyield: 90deg"),
     ],
 )
 def test_told(path: str, name: str, value: Any, joint: str | None, at: tuple[int, ...], instead: str) -> None:

@@ -237,6 +237,8 @@ class Helper:
         return f"ended with signal {-status}{names.get(status, '')}" if status < 0 else f"ended with status {status}"
 
 
+_Item = tuple[int, Any]
+"""A task or a result, with its number."""
 _AHEAD = 8
 _LOOK_AGAIN = 0.1  # a longer wait cannot be interrupted on Windows, or while signals are deferred
 
@@ -249,10 +251,14 @@ class Pool(Generic[Task, Result]):
     """
 
     def __init__(self, workers: int, modules: Sequence[str] = ()) -> None:
-        self._shared = _Shared(tuple(modules))
         self._ahead = (workers + 1) * _AHEAD if workers else 1
+        self._opening = b""
+        self._todo, self._done = queue.SimpleQueue[_Item | None](), queue.SimpleQueue[_Item | None]()
         self._ready: dict[int, Any] = {}
-        self._workers = [_Worker(self._shared) for _ in range(workers)]
+        helpers = [Helper(tuple(modules)) for _ in range(workers)]
+        self._workers = [(each, threading.Thread(target=self._serve, args=(each,), daemon=True)) for each in helpers]
+        for _, thread in self._workers:
+            thread.start()
 
     def __enter__(self) -> Pool[Task, Result]:
         return self
@@ -267,11 +273,11 @@ class Pool(Generic[Task, Result]):
     ) -> Iterator[Result | Died]:
         """Yield the results in the order of the tasks; `do` does a task here if all workers are busy, or one failed."""
         if self._workers:
-            self._shared.opening = pickle.dumps(opening)
+            self._opening = pickle.dumps(opening)
         each, given = iter(tasks), 0
         for taken in range(sys.maxsize):
             for task in itertools.islice(each, taken + self._ahead - given):
-                self._shared.todo.put((given, task))
+                self._todo.put((given, task))
                 given += 1
             if taken == given:
                 return
@@ -282,10 +288,8 @@ class Pool(Generic[Task, Result]):
     def finished(self) -> Iterator[Result]:
         """End the workers of an interrupted run, and yield the results that were not taken."""
         self.end()
-        with contextlib.suppress(queue.Empty):
-            while True:
-                number, result = self._shared.done.get_nowait()
-                self._ready[number] = result
+        while (found := _next(self._done)) is not None:
+            self._ready[found[0]] = found[1]
         for number in sorted(self._ready):
             result = self._ready.pop(number)
             if not isinstance(result, Died | Undone):
@@ -293,62 +297,41 @@ class Pool(Generic[Task, Result]):
 
     def end(self) -> None:
         """End all workers, which remove unfinished work."""
-        for worker in self._workers:
-            worker.ask_to_end()
-        for worker in self._workers:
-            self._shared.todo.put(None)
-            worker.end()
+        for helper, _ in self._workers:
+            helper.ask_to_end()
+        for helper, thread in self._workers:
+            self._todo.put(None)
+            helper.end()
+            thread.join(patience(_SECONDS_TO_END))
+            helper.close()
         self._workers = []
 
+    def _serve(self, helper: Helper) -> None:
+        with contextlib.suppress(OSError):  # tried again with the first task
+            helper.start()
+        while (begun := self._todo.get()) is not None and not helper.ends:
+            self._done.put((begun[0], helper.result(self._opening, begun[1])))
+
     def _go_on(self, do: Callable[[Task], Result]) -> None:
-        shared = self._shared
-        try:
-            number, result = shared.done.get_nowait()
-        except queue.Empty:
+        found = _next(self._done)
+        if found is None and (begun := _next(self._todo)) is not None:
+            found = begun[0], Undone(begun[1])
+        if found is None:
+            hear_signals()
             try:
-                begun = shared.todo.get_nowait()
+                found = self._done.get(timeout=_LOOK_AGAIN)
             except queue.Empty:
-                hear_signals()
-                try:
-                    number, result = shared.done.get(timeout=_LOOK_AGAIN)
-                except queue.Empty:
-                    return
-            else:
-                assert begun is not None
-                number, result = begun[0], Undone(begun[1])
+                return
+        assert found is not None
+        number, result = found
         self._ready[number] = do(result.task) if isinstance(result, Undone) else result
 
 
-class _Shared:
-    def __init__(self, modules: tuple[str, ...]) -> None:
-        self.modules = modules
-        self.opening = b""
-        self.todo: queue.SimpleQueue[tuple[int, Any] | None] = queue.SimpleQueue()
-        self.done: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
-
-
-class _Worker:
-    def __init__(self, shared: _Shared) -> None:
-        self._shared = shared
-        self._helper = Helper(shared.modules)
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
-
-    def ask_to_end(self) -> None:
-        self._helper.ask_to_end()
-
-    def end(self) -> None:
-        self._helper.end()
-        self._thread.join(patience(_SECONDS_TO_END))
-        self._helper.close()
-
-    def _serve(self) -> None:
-        shared, helper = self._shared, self._helper
-        with contextlib.suppress(OSError):  # tried again with the first task
-            helper.start()
-        while (begun := shared.todo.get()) is not None and not helper.ends:
-            number, task = begun
-            shared.done.put((number, helper.result(shared.opening, task)))
+def _next(waiting: queue.SimpleQueue[_Item | None]) -> _Item | None:
+    try:
+        return waiting.get_nowait()
+    except queue.Empty:
+        return None
 
 
 def cores() -> int:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 from mjcompose.base.codes import CODES
 from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, DiagnosticError, Fix, Note, Severity, Span
@@ -50,17 +51,14 @@ class Sink:
 
     def marked(self) -> Callable[[], None]:
         """Return a function that forgets all that is added from now on."""
-        found = {each: dict(notes) for each, notes in self._found.items()}
-        cells = {each: dict(names) for each, names in self._cells.items()}
-        kin = {key: list(each) for key, each in self._kin.items()}
-        causes, lost = dict(self._causes), set(self._lost)
-        count, errors = self.error_count, self._errors
 
-        def forget() -> None:
-            self._found, self._causes, self._cells, self._kin = found, causes, cells, kin
-            self._lost, self.error_count, self._errors = lost, count, errors
+        def copied(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: copied(each) for key, each in value.items()}
+            return value.copy() if isinstance(value, list | set) else value
 
-        return forget
+        before = copied(vars(self))
+        return lambda: vars(self).update(before)
 
     def fork(self) -> Sink:
         """Return an empty `Sink` that suppresses the same names."""

@@ -160,9 +160,13 @@ def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
         return range(count)
     if attribute.angle == "orientation-axisangle":
         return range(3, count)
-    if attribute.angle == "joint" and (joint == "hinge" or (joint == "ball" and attribute.name == "range")):
-        return range(count)
-    return range(0)
+    return range(count if is_angular(attribute, joint) else 0)
+
+
+def is_angular(attribute: Attribute, joint: str | None) -> bool:
+    """Return whether an attribute is an angle for a joint of this type."""
+    turns = joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
+    return attribute.angle == "joint" and turns
 
 
 _WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false"}

@@ -8,8 +8,9 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.compose.elements import ElementBuilder, Reference, is_angular
+from mjcompose.build.compose.elements import ElementBuilder, Reference
 from mjcompose.build.plan.plan import AttachPart
+from mjcompose.language.value import is_angular
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass
 from mjcompose.link.key_layout import joint_type

@@ -19,7 +19,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AngleContext, AngleSettings, AppendElement, SetDefault, SetSingleton
 from mjcompose.language.element import CONFIG
-from mjcompose.language.value import Element, Single, Value
+from mjcompose.language.value import Element, Single, Value, is_angular
 from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile
@@ -233,13 +233,6 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
         message = f"`{name}` of a `replicate` turns about several axes {sequences}"
         help = "give each axis a `replicate` of its own"
         making.sink.error("not-supported", message, making.span(element, name), help=help)
-
-
-def is_angular(attribute: Attribute, joint: str) -> bool:
-    """Return whether an attribute of a joint of this type is an angle."""
-    return attribute.angle == "joint" and (
-        joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
-    )
 
 
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:

@@ -13,7 +13,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.compose.elements import is_angular
+from mjcompose.language.value import angle_places
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
@@ -144,13 +144,8 @@ class Values:
 
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
         """Return which of the numbers of an attribute of this element are angles."""
-        if attribute.angle in ("orientation-euler", "replicate"):
-            return range(count)
-        if attribute.angle == "orientation-axisangle":
-            return range(3, count)
-        if attribute.angle == "joint" and is_angular(attribute, joint_type(self.node, self.editing.classes)):
-            return range(count)
-        return range(0)
+        joint = joint_type(self.node, self.editing.classes) if attribute.angle == "joint" else None
+        return angle_places(attribute, count, joint)
 
 
 def attributes_scope(values: Values) -> dict[str, Value]:

@@ -13,11 +13,11 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
 from mjcompose.build.compose.editing import Editing, take_files
-from mjcompose.build.compose.elements import is_angular, settle_joints, turned, update_node
+from mjcompose.build.compose.elements import settle_joints, turned, update_node
 from mjcompose.build.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
 from mjcompose.language.assign import MASS
 from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, read_value
+from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, is_angular, read_value
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
