@@ -7,15 +7,8 @@ from collections.abc import Iterable, Mapping
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.rotation import (
-    ORIGIN,
-    Pose,
-    normalize,
-    quat_from_axisangle,
-    quat_from_euler,
-    quat_from_xyaxes,
-    quat_from_zaxis,
-)
+from mjcompose.base import rotation
+from mjcompose.base.rotation import Pose
 from mjcompose.tree.values import items, parse_real
 
 RADIANS_PER_DEGREE = math.pi / 180
@@ -73,23 +66,23 @@ _PLACED = ("body", "frame", "replicate")
 def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str) -> Pose:
     """Return the pose from `pos` and one orientation attribute, with angles in the model's own unit and sequence."""
     get = attributes.get
-    pos = read(str(get("pos") or "")) or list(ORIGIN)
+    pos = read(str(get("pos") or "")) or list(rotation.ORIGIN)
     # One of these is written at most: MuJoCo 4.0 says of two "multiple orientation specifiers are not allowed". A
     # `quat` of any length is a rotation: it compiles `quat="2 0 0 0"` to 1 0 0 0.
     quat = (1.0, 0.0, 0.0, 0.0)
     if get("quat"):
         w, x, y, z = read(str(get("quat")))
-        quat = normalize((w, x, y, z))
+        quat = rotation.normalize((w, x, y, z))
     if get("axisangle"):
         *axis, angle = read(str(get("axisangle")))
-        quat = quat_from_axisangle(axis, orientation_radians(angle) if degrees else angle)
+        quat = rotation.quat_from_axisangle(axis, orientation_radians(angle) if degrees else angle)
     if get("xyaxes"):
-        quat = quat_from_xyaxes(read(str(get("xyaxes"))))
+        quat = rotation.quat_from_xyaxes(read(str(get("xyaxes"))))
     if get("zaxis"):
-        quat = quat_from_zaxis(read(str(get("zaxis"))))
+        quat = rotation.quat_from_zaxis(read(str(get("zaxis"))))
     if get("euler"):
         angles = read(str(get("euler")))
-        quat = quat_from_euler(map(orientation_radians, angles) if degrees else angles, sequence)  # type: ignore[arg-type]
+        quat = rotation.quat_from_euler(map(orientation_radians, angles) if degrees else angles, sequence)  # type: ignore[arg-type]
     return Pose((pos[0], pos[1], pos[2]), quat)
 
 

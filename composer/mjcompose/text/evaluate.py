@@ -10,28 +10,8 @@ from functools import lru_cache
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.limits import advice, in_force
-from mjcompose.text.expression import (
-    CONSTANTS,
-    FUNCTIONS,
-    MAX_INTEGER,
-    ArgumentError,
-    Binary,
-    Call,
-    Choice,
-    Comparison,
-    Constant,
-    Expression,
-    ExpressionError,
-    Item,
-    Name,
-    Unary,
-    UnknownName,
-    Value,
-    Vector,
-    kind,
-    parse,
-    shown,
-)
+from mjcompose.text import expression as syntax
+from mjcompose.text.expression import Expression, ExpressionError, Name, Value, kind, parse, shown
 from mjcompose.text.node import OPENING
 
 _MAX_EXPONENT = 1024
@@ -46,21 +26,21 @@ _ORDER: Mapping[str, Callable[[Value, Value], bool]] = {
 
 def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
     """Return the value with the names of `scope`. Raises `ExpressionError`."""
-    if isinstance(tree, Constant):
+    if isinstance(tree, syntax.Constant):
         return tree.value
     if isinstance(tree, Name):
         return scope[tree.name] if tree.name in scope else _constant(tree)
-    if isinstance(tree, Item):
+    if isinstance(tree, syntax.Item):
         return _item(tree, scope)
-    if isinstance(tree, Vector):
+    if isinstance(tree, syntax.Vector):
         return tuple(evaluate(item, scope) for item in tree.items)
-    if isinstance(tree, Unary):
+    if isinstance(tree, syntax.Unary):
         return _unary(tree, scope)
-    if isinstance(tree, Comparison):
+    if isinstance(tree, syntax.Comparison):
         return _comparison(tree, scope)
-    if isinstance(tree, Choice):
+    if isinstance(tree, syntax.Choice):
         return evaluate(tree.yes if _boolean(tree.condition, "if", scope) else tree.no, scope)
-    if isinstance(tree, Call):
+    if isinstance(tree, syntax.Call):
         return _call(tree, scope)
     return _binary(tree, scope)
 
@@ -76,16 +56,16 @@ def names(tree: Expression) -> Iterator[Name]:
 
 
 def _constant(tree: Name) -> Value:
-    if tree.name in CONSTANTS:
-        return CONSTANTS[tree.name]
+    if tree.name in syntax.CONSTANTS:
+        return syntax.CONSTANTS[tree.name]
     if tree.name.lower() in ("true", "false"):
         raise ExpressionError(f"`{tree.name}` does not exist", tree.at, f"write `{tree.name.lower()}`")
-    if tree.name in FUNCTIONS:
+    if tree.name in syntax.FUNCTIONS:
         raise ExpressionError(f"`{tree.name}` is a function", tree.at, f"write `{tree.name}(…)`")
-    raise UnknownName(tree.name, tree.at)
+    raise syntax.UnknownName(tree.name, tree.at)
 
 
-def _item(tree: Item, scope: Mapping[str, Value]) -> Value:
+def _item(tree: syntax.Item, scope: Mapping[str, Value]) -> Value:
     vector = evaluate(tree.vector, scope)
     if not isinstance(vector, tuple):
         raise ExpressionError(f"{kind(vector)} has no items", tree.at)
@@ -111,14 +91,14 @@ def _boolean(tree: Expression, what: str, scope: Mapping[str, Value]) -> bool:
     return value
 
 
-def _unary(tree: Unary, scope: Mapping[str, Value]) -> Value:
+def _unary(tree: syntax.Unary, scope: Mapping[str, Value]) -> Value:
     if tree.operator == "not":
         return not _boolean(tree.operand, "not", scope)
     value = _number(tree.operand, f"`{tree.operator}`", scope)
     return -value if tree.operator == "-" else value
 
 
-def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
+def _binary(tree: syntax.Binary, scope: Mapping[str, Value]) -> Value:
     if tree.operator in ("and", "or"):
         left = _boolean(tree.left, tree.operator, scope)
         if left == (tree.operator == "or"):
@@ -140,7 +120,7 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
     return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
 
 
-def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:
+def _comparison(tree: syntax.Comparison, scope: Mapping[str, Value]) -> bool:
     values = [evaluate(operand, scope) for operand in tree.operands]
     for symbol, left, right in zip(tree.operators, values, values[1:], strict=False):
         if kind(left) != kind(right):
@@ -152,8 +132,8 @@ def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:
     return True
 
 
-def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
-    function = FUNCTIONS[tree.function]
+def _call(tree: syntax.Call, scope: Mapping[str, Value]) -> Value:
+    function = syntax.FUNCTIONS[tree.function]
     count = len(tree.arguments)
     if count < function.least or (function.most is not None and count > function.most):
         takes = f"at least {function.least}" if function.most is None else f"{function.least} or {function.most}"
@@ -163,7 +143,9 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
     return _checked(tree, lambda: function.apply(*arguments), arguments)
 
 
-def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
+def _checked(
+    tree: syntax.Binary | syntax.Call, work: Callable[[], int | float], of: Sequence[int | float]
+) -> int | float:
     """Return a finite number that is not too large; `of` are the operands. Raises `ExpressionError`."""
     try:
         value = work()
@@ -172,14 +154,14 @@ def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[
     except OverflowError:
         raise ExpressionError("the result is too large", tree.at) from None
     except (ValueError, TypeError) as error:
-        name = tree.function if isinstance(tree, Call) else tree.operator
+        name = tree.function if isinstance(tree, syntax.Call) else tree.operator
         numbers = ", ".join(map(shown, of))
-        reason = str(error) if isinstance(error, ArgumentError) else f"it is not defined at {numbers}"
+        reason = str(error) if isinstance(error, syntax.ArgumentError) else f"it is not defined at {numbers}"
         raise ExpressionError(f"`{name}`: {reason}", tree.at) from None
     if isinstance(value, complex):
         raise ExpressionError(f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}", tree.at)
     if isinstance(value, int):
-        if abs(value) >= MAX_INTEGER:
+        if abs(value) >= syntax.MAX_INTEGER:
             raise ExpressionError("the result is too large for a whole number", tree.at)
     elif not math.isfinite(value):
         raise ExpressionError("the result is not a finite number", tree.at)
