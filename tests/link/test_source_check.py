@@ -144,5 +144,5 @@ def test_sections_may_be_written_several_times(workshop: Workshop) -> None:
 def test_attributes_that_a_newer_mujoco_may_have_are_left_to_it(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mjcompose.link.source_check._is_newer", lambda: True)
+    monkeypatch.setattr("mjcompose.link.source_check._installed", lambda: (99,))
     assert check_source(workshop.unit('<mujoco><option gravitas="1"/></mujoco>'), Sink())

@@ -117,12 +117,8 @@ def listed(cells: Iterable[CellName]) -> str:
             ranges[-1].append(each)
         else:
             ranges.append([each])
-    return ", ".join(_named(each) for each in ranges)
-
-
-def _named(cells: list[CellName]) -> str:
-    names = [each.name for each in cells]
-    return ", ".join(names) if len(names) < 3 else f"{names[0]} … {names[-1]}"
+    named = ([each.name for each in cells] for cells in ranges)
+    return ", ".join(f"{names[0]} … {names[-1]}" if len(names) > 2 else ", ".join(names) for names in named)
 
 
 class Severity(StrEnum):

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from mjcompose.base import __version__
 from mjcompose.base.codes import CODES, address
-from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Note, Severity, Span
+from mjcompose.base.diagnostic import CellName, Diagnostic, Note, Severity, Span
 from mjcompose.base.report import printable, remarks
 
 
@@ -47,15 +47,11 @@ def _result(diagnostic: Diagnostic, index: int) -> dict[str, Any]:
             {**_location(note.span), "message": {"text": printable(note.message)}} for note in notes if note.span
         ]
     fix, span = diagnostic.fix, diagnostic.span
-    if fix is not None and fix.replaces is None and (fix.span or span) is not None:
-        result["fixes"] = [_fix(fix, fix.span or span)]
+    if fix is not None and fix.replaces is None and (place := fix.span or span) is not None:
+        change = {"deletedRegion": _region(place), "insertedContent": {"text": fix.replacement}}
+        file = {"artifactLocation": {"uri": _uri(place.file)}, "replacements": [change]}
+        result["fixes"] = [{"artifactChanges": [file]}]
     return result
-
-
-def _fix(fix: Fix, span: Span | None) -> dict[str, Any]:
-    assert span is not None
-    replacement = {"deletedRegion": _region(span), "insertedContent": {"text": fix.replacement}}
-    return {"artifactChanges": [{"artifactLocation": {"uri": _uri(span.file)}, "replacements": [replacement]}]}
 
 
 def _location(span: Span) -> dict[str, Any]:

@@ -324,14 +324,11 @@ check_rows("the JSON Schema of selectors in composer/mjcompose/language/edit.py"
 @definition("selector")
 def selector(_: str) -> Schema:
     """Return the schema of a mapping from a tag to a glob, with the keys that narrow it down."""
+    known = {*known_tags(), "mujoco/include"}
+    paths = [path for path in GRAMMAR.paths if "/" in path and path not in known]
     return {
         "type": "object", "properties": dict(_NARROWING),
-        "propertyNames": {"enum": [*NARROWING, *known_tags(), *_paths()]}, "additionalProperties": GLOB,
+        "propertyNames": {"enum": [*NARROWING, *known_tags(), *paths]}, "additionalProperties": GLOB,
         "minProperties": 1, "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
         "then": {"required": ["body"], "errorMessage": "write a tag, such as `body: NAME`"},
     }  # fmt: skip
-
-
-def _paths() -> list[str]:
-    known = set(known_tags())
-    return [path for path in GRAMMAR.paths if "/" in path and path not in known and path != "mujoco/include"]

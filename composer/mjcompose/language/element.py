@@ -146,7 +146,9 @@ class Reader:
             if name in own:
                 continue
             if name in keyed:
-                self.faults.append(_keyed(owner, name, keyed[name], at=path))
+                message = f"`{name}` of {owner} is given by its key, `{keyed[name]}`"
+                help = f"leave `{name}` out; `{name}: ''` is for an element without a name"
+                self.faults.append(Fault("unknown-key", message, path, key=True, help=help))
             elif name in kind.attributes:
                 read = read_value(kind.attributes[name], item, path, owner=owner, faults=self.faults)
                 if read is not None:
@@ -277,7 +279,9 @@ class Reader:
             help = f"write it in {_either([f'`{tag}`' for tag in groups])}"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
             help, fix = f"write `objtype: {name}, objname: {value}`", None
-        if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
+        items = value if isinstance(value, list) else [value]
+        looks_alike = any(isinstance(each, dict) for each in items) or (near and near[0] in kind.children)
+        if kind.children and looks_alike:
             notes = (exists_note("element", kind.children, name),)
             message = f"`{name}` is not allowed in {owner}"
             return Fault("unknown-element", message, at, key=True, notes=notes, help=help, fix=fix)
@@ -339,16 +343,7 @@ def _no_names(owner: str, value: Any, at: Path) -> Fault:
     return Fault("wrong-type", f"{owner} expects a mapping from names to elements, got {kind_of(value)}", at, help=help)
 
 
-def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
-    help = f"leave `{name}` out; `{name}: ''` is for an element without a name"
-    return Fault("unknown-key", f"`{name}` of {owner} is given by its key, `{given}`", at, key=True, help=help)
-
-
 def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
     """Return whether a mapping has names as keys, where a list of elements is expected."""
     known = {*kind.attributes, *kind.children, FRAGMENT}
     return bool(value) and all(isinstance(item, dict) and name not in known for name, item in value.items())
-
-
-def _is_element(value: Any) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(item, dict) for item in value))

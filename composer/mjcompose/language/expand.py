@@ -321,15 +321,13 @@ class _Matrix:
     def _entries(self, name: str) -> Iterator[Mapping]:
         written = find(self.node, (name,)) if self.grid is not None else None
         for item in written.items if isinstance(written, Sequence) else ():
-            if isinstance(item, Mapping) and (name == "include" or self._are_axes(item)):
+            keys = [key for key, _ in item.entries.values()] if isinstance(item, Mapping) else []
+            wrong = [key for key in keys if key.name not in self.axes and name == "exclude"]
+            for key in wrong:
+                message = f"the matrix has no axis `{key.name}`"
+                self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
+            if isinstance(item, Mapping) and not wrong:
                 yield item
-
-    def _are_axes(self, item: Mapping) -> bool:
-        wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
-        for key in wrong:
-            message = f"the matrix has no axis `{key.name}`"
-            self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
-        return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
         scope = scope_of(self.document, {**self.given, **given})

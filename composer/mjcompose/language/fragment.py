@@ -42,11 +42,11 @@ def report_clashing(
         elif rule.kind == "oneof":
             complete = any(all(name in present for name in bundle) for bundle in rule.bundles)
             needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
-            help = _cheapest(rule.bundles, present)
-            fault = None
-            if not complete:
-                choices = tuple(name for bundle in rule.bundles for name in bundle)
-                fault = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help, names=choices)
+            lacking = min(([name for name in bundle if name not in present] for bundle in rule.bundles), key=len)
+            help = f"write `{', '.join(f'{name}: …' for name in lacking)}`"
+            choices = tuple(name for bundle in rule.bundles for name in bundle)
+            missing = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help, names=choices)
+            fault = None if complete else missing
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
             fault = _incomplete(
@@ -74,14 +74,6 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
         key=True, related=((f"`{first}` is written here", (*at, first)),), help=f"leave `{first}` or `{second}` out",
         names=(first, second),
     )  # fmt: skip
-
-
-def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
-    """Return the keys to add if one of several bundles must be complete: the fewest next to the given ones."""
-    lacking = min(
-        ([name for name in bundle if name not in present] for bundle in bundles), key=lambda names: len(names)
-    )
-    return f"write `{', '.join(f'{name}: …' for name in lacking)}`"
 
 
 def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at: Path) -> Fault | None:

@@ -234,10 +234,6 @@ class Settled:
     """A mark of a key that is settled before a recipe is validated, which has it no longer then."""
 
 
-def _unprintable(text: str) -> Fault | None:
-    return unprintable(IT, (), name=False) if is_unprintable(text) else None
-
-
 def _sequence_fault(text: str) -> Fault | None:
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
         return None
@@ -259,7 +255,9 @@ class Recipe(Model):
     """The version of the language: 1."""
     name: Annotated[str, Name(what="text")] | None = None
     """The model's name; without it, the stem of the recipe's file."""
-    description: Annotated[str, Checked(_unprintable)] | None = None
+    description: (
+        Annotated[str, Checked(lambda text: unprintable(IT, (), name=False) if is_unprintable(text) else None)] | None
+    ) = None
     """Free text for the manifest."""
     extends: Annotated[Text | None, Settled()] = None
     """Another recipe, over which this file is merged."""

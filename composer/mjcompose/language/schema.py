@@ -151,7 +151,8 @@ def _share(schema: Schema, definitions: dict[str, Schema]) -> None:
         if counts[text] == 1 or len(text) < _SHORT:
             return _replaced(each, name, move)
         if text not in names:
-            names[text] = next(key for key in _numbered(f"shared.{name}") if key not in definitions)
+            keys = (f"shared.{name}{f'.{number}' if number > 1 else ''}" for number in itertools.count(1))
+            names[text] = next(key for key in keys if key not in definitions)
             definitions[names[text]] = {}  # its name is taken
             definitions[names[text]] = _replaced(each, name, move)
         return {"$ref": _DEFS + names[text]}
@@ -162,11 +163,6 @@ def _share(schema: Schema, definitions: dict[str, Schema]) -> None:
                 schema.update(_replaced(schema, "recipe", replace_with))
             else:
                 definitions[name] = _replaced(definitions[name], name.rpartition(".")[2], replace_with)
-
-
-def _numbered(name: str) -> Iterator[str]:
-    yield name
-    yield from (f"{name}.{number}" for number in itertools.count(2))
 
 
 def _replaced(schema: Any, name: str, replace: Callable[[Any, str], Any]) -> Any:

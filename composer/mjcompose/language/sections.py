@@ -275,7 +275,8 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     if isinstance(value.get(tag), dict):
         nested = value[tag]
         message = f"`{tag}` of a step in {place} expects a name, got {kind_of(nested)}"
-        flat = f"write the step's keys next to one another: `{_flat(nested)}`" if nested else None
+        keys = ", ".join(f"{name}: {each}" for name, each in nested.items())
+        flat = f"write the step's keys next to one another: `{{{keys}}}`" if nested else None
         reader.faults.append(Fault("wrong-type", message, (*at, tag), help=flat))
         return None
     step = kind.children[tag]
@@ -294,10 +295,6 @@ def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], a
             )
     read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults)
     return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
-
-
-def _flat(step: dict[str, Any]) -> str:
-    return "{" + ", ".join(f"{name}: {value}" for name, value in step.items()) + "}"
 
 
 def _example(kind: ElementType) -> str:

@@ -59,9 +59,10 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
             lost.update(_texts(node, path))
             if _means(path[0], ("conflict",)):
                 lost.update(_AGREED)
-            unit = _means(path[0], ("angle",)) and len(path) == 1
-            rest = cast(Mapping, _cut(node, path))
-            node = _in_some_unit(rest) if unit else rest
+            node = cast(Mapping, _cut(node, path))
+            if _means(path[0], ("angle",)) and len(path) == 1:  # so no missing unit is reported
+                unit = Key("angle", node.span), Scalar("radian", node.span, "radian", plain=True)
+                node = Mapping({**node.entries, "angle": unit}, node.span)
         recipe, faults = judge(node)
         if recipe is not None:
             return Recovered(recipe, node, frozenset(lost))
@@ -92,12 +93,6 @@ def existing_steps(node: Node, path: Path) -> Path:
             continue
         found.append(step)
     return tuple(found)
-
-
-def _in_some_unit(node: Mapping) -> Mapping:
-    """Return the recipe with a unit of angles, so no missing unit is reported."""
-    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", plain=True)
-    return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:

@@ -197,7 +197,8 @@ def top_level_defaults(linking: Linking) -> None:
     for unit in wrapped:
         suspects = list(_suspects(unit))
         alone = (_gains(linking, unit) if suspects else None) or {}
-        for gain in (_found, _found_in_the_end, _found_nowhere) if alone else ():
+        # At last, MuJoCo's own values without a class.
+        for gain in (_found, _found_in_the_end, lambda classes, own, tag: None) if alone else ():
             for suspect in suspects:
                 _write(unit, suspect.actuator, gain)
             there = _gains(linking, unit, wrap=True)
@@ -315,10 +316,6 @@ def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultC
             return level
         level = level.parent
     return _found(classes, classes.get(MAIN), tag)
-
-
-def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
-    return None  # MuJoCo's own values without a class
 
 
 def _is_of(found: DefaultClass, tag: str) -> bool:

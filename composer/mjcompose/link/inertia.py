@@ -198,7 +198,9 @@ def lengthranges(linking: Linking) -> None:
         actuators = unit.root.findall("actuator/*")
         measured: list[float] = []
         if not rules:
-            if hanging and linking.measure is not None and _has_muscles(unit):
+            sections = unit.root.iterchildren("actuator", "default")
+            candidates = (each for section in sections for each in section.iter("muscle", "general"))
+            if hanging and linking.measure is not None and any(map(_is_muscle, candidates)):
                 measured = linking.measure(unit, (name,)).get(name, [])
             if len(measured) != 2 * len(actuators):
                 continue  # MuJoCo made copies of actuators, whose ranges it computes again
@@ -227,11 +229,6 @@ def lengthranges(linking: Linking) -> None:
                 break
         for rule in rules:
             detach(rule)
-
-
-def _has_muscles(unit: Unit) -> bool:
-    sections = unit.root.iterchildren("actuator", "default")
-    return any(_is_muscle(each) for section in sections for each in section.iter("muscle", "general"))
 
 
 def _is_muscle(actuator: Node) -> bool:

@@ -150,7 +150,8 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
     for name, value in node.items():
         attribute = known.get(str(name))
         if attribute is None:
-            if name not in kind.ignored and not _is_newer():
+            is_newer = _installed() > version_key(GRAMMAR.versions[-1])  # and may have attributes that ours does not
+            if name not in kind.ignored and not is_newer:
                 yield _Fault(node, name=str(name), key=True, repaired={str(name): None})
         elif node.tag == "size" and name in ROOM and not value.strip():
             # MuJoCo 4.0 ignores blanks instead of numbers, except in these attributes.
@@ -202,11 +203,6 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Fault]:
             message = f"a default class at the top must be called `main`, got `{name}`"
             help = f'put it into one: `<default><default class="{name}">`'
             yield _Fault(node, "bad-name", message, help=help, name="class", repaired={"class": MAIN})
-
-
-def _is_newer() -> bool:
-    """Return whether this MuJoCo may have attributes that the grammar does not know yet."""
-    return _installed() > version_key(GRAMMAR.versions[-1])
 
 
 @cache

@@ -190,7 +190,10 @@ class _Bundler:
         if isinstance(known, bytes):
             shown, sub = file, parse_held(unit, file, known, sink=self.linking.sink)
         else:
-            shown = _shown(unit, source) if known is None else source
+            shown = source
+            if known is None:  # messages name it by its place next to the file of the unit
+                inside = os.path.relpath(source, unit.directory)
+                shown = os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
             at = self.linking.span(unit, element, "file")
             door = door_of_submodel(unit, Path(source), known)
             sub = parse_file(Path(source), self.linking.sink, file=shown, span=at, door=door)
@@ -312,10 +315,6 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
 def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:
     """Return the files that a sub-model may read: the model's, and those in its own folder if a recipe names it."""
     return unit.door if known is None else unit.door.wider((path.parent,))
-
-
-def _shown(unit: Unit, source: str) -> str:
-    return os.path.normpath(os.path.join(os.path.dirname(unit.file), os.path.relpath(source, unit.directory)))
 
 
 def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
