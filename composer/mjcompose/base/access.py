@@ -46,7 +46,6 @@ class Door:
         cls, folders: list[str | os.PathLike[str]] | tuple[str | os.PathLike[str], ...],
         whose: str = "what it came with", help: str | None = None, start: str | None = None,
     ) -> Door:  # fmt: skip
-        """Return a door to some folders, whose paths may contain links."""
         return cls(tuple(dict.fromkeys(real_folder(os.fspath(each)) for each in folders)), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
@@ -176,7 +175,6 @@ NOTHING = Door()
 
 
 def held(path: str | os.PathLike[str]) -> Passed:
-    """Return a path that passed a door before, such as those in `Unit.contents`."""
     return Passed(os.fspath(path))
 
 

@@ -83,7 +83,6 @@ _real = Memory(os.path.realpath, os.path.realpath)
 
 
 def real_folder(folder: str) -> str:
-    """Return the real path of a folder, which need not exist."""
     return _real.ask(folder)
 
 
@@ -229,7 +228,6 @@ def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def open_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> BufferedReader:
-    """Open an ordinary file, as `read_regular` reads it."""
     file, _ = _opened(path, in_force().output_size if most is None else most, is_source)
     return os.fdopen(file, "rb")
 
@@ -298,11 +296,9 @@ class Run:
                 self._noted[text] = None
 
     def noted(self) -> tuple[str, ...]:
-        """Return all that was noted, for a process that makes a part of the run."""
         return tuple(self._noted)
 
     def wrote(self, path: str) -> None:
-        """Note a file or a folder that the run has written."""
         self._written.add(os.path.realpath(path))
 
     def taken(self, target: str, *, more: Iterable[str | os.PathLike[str]] = ()) -> str | None:
@@ -467,7 +463,6 @@ def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
-    """Return the text to read instead of a file, or None."""
     if _piped and (kept := _piped.get(os.fspath(path))) is not None:
         return kept
     texts = _TEXTS.get()

@@ -161,7 +161,6 @@ class Helper:
         self.ends = False
 
     def start(self) -> None:
-        """Start the process unless it runs. Raises OSError."""
         with self._lock:
             if self._process is not None or self.ends:
                 return
@@ -203,7 +202,6 @@ class Helper:
             self._process.end()
 
     def close(self) -> None:
-        """Close the pipes to the process, once nobody waits for a result."""
         for pipe in () if self._process is None else (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 with contextlib.suppress(OSError):  # unsent data has no receiver any more

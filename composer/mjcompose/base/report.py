@@ -237,7 +237,6 @@ _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 
 
 def render_github(diagnostic: Diagnostic) -> str:
-    """Return one workflow command on one line; notes and help follow the message."""
     span = diagnostic.span
     properties: dict[str, str | int] = {}
     if span is not None:
@@ -280,7 +279,6 @@ def render_markdown(diagnostic: Diagnostic) -> str:
 
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
-    r"""Return a workflow command of a kind such as `error`, with everything escaped."""
     values = {name: _data(str(value)).replace(":", "%3A").replace(",", "%2C") for name, value in properties.items()}
     return f"::{kind} {','.join(f'{name}={value}' for name, value in values.items())}::{_data(message)}"
 

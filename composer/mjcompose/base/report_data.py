@@ -95,8 +95,6 @@ def _object(**properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def _of(kind: type, **known: dict[str, Any]) -> dict[str, Any]:
-    """Return the schema of a class whose fields are texts and numbers, except those that are known."""
-
     def schema(hint: Any) -> dict[str, Any]:
         names = [_TYPES[each] for each in get_args(hint) or (hint,)]
         return {"type": names[0] if len(names) == 1 else names}

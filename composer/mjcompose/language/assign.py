@@ -30,7 +30,6 @@ class Checker:
     faults: list[Fault]
 
     def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
-        """Check the mapping that `set` or `scale` is given; `offset` are the numbers that draws add."""
         kinds = () if selector is None else kinds_of(selector.tag)
         self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
 
@@ -69,7 +68,6 @@ class Checker:
             self.value(verb, fitting, index, value=item, tag=tag, at=path)
 
     def _nothing(self, verb: str, name: str, kinds: tuple[ElementType, ...], tag: str, at: Path) -> None:
-        """Check an attribute that shall no longer be written."""
         fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
         if verb != "set":
             self.faults.append(Fault("wrong-type", f"`{name}` has no value", at))
@@ -156,7 +154,6 @@ class Checker:
             self.faults.append(Fault("wrong-type", f"{subject} expects a number, got {kind_of(value)}", at))
 
     def _templates(self, value: Any, at: Path) -> bool:
-        """Return whether every `${…}` can be parsed."""
         if isinstance(value, list):
             sound = [self._templates(item, (*at, index)) for index, item in enumerate(value)]
             return all(sound)

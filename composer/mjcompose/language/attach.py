@@ -287,7 +287,6 @@ class Attachment(Model):
 
     @property
     def key_policy(self) -> KeyPolicy:
-        """How the part's keyframes are copied."""
         return "none" if any(each.leaves_keys for each in self.drop) else self.keys
 
     @property

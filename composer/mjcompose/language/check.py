@@ -54,7 +54,6 @@ class Check(CheckPart):
         return str(self.at[-2])
 
     def asked(self) -> dict[str, Any]:
-        """Return the values by the names of the fields, as `check` takes them."""
         return self.model_dump(warnings=False)
 
 

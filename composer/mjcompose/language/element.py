@@ -178,7 +178,6 @@ class Reader:
         return {}
 
     def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
-        """Return the elements with one tag: a mapping is one element, a list is several."""
         if isinstance(value, list):
             if kind.max_count is not None and len(value) > kind.max_count:
                 few = "one" if kind.max_count == 1 else str(kind.max_count)
@@ -344,6 +343,5 @@ def _no_names(owner: str, value: Any, at: Path) -> Fault:
 
 
 def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
-    """Return whether a mapping has names as keys, where a list of elements is expected."""
     known = {*kind.attributes, *kind.children, FRAGMENT}
     return bool(value) and all(isinstance(item, dict) and name not in known for name, item in value.items())

@@ -134,7 +134,6 @@ def _list(item: str, low: int) -> Schema:
 
 
 def _words(attribute: Attribute) -> list[Any]:
-    """Return the keywords, including those that YAML does not read as text."""
     words: list[Any] = list(attribute.keywords)
     words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
@@ -193,7 +192,6 @@ def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
 
 
 def _children(kind: ElementType) -> Schema:
-    """Return the schema of elements with one tag: one as a mapping, several as a list."""
     one = reference(f"element:{kind.path}")
     several: Schema = {"items": one}
     if kind.max_count is not None:

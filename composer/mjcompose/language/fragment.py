@@ -26,7 +26,6 @@ def report_missing(kind: ElementType, present: Collection[str], owner: str, at: 
 
 
 def missing_key(owner: str, name: str, at: Path, doc: str = "") -> Fault:
-    """Return the fault of a missing key. `doc` explains the key."""
     notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
     help = f"write `{name}: …`"
@@ -89,7 +88,6 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
 
 
 def _says(name: str, doc: str) -> bool:
-    """Return whether an explanation says more than the name itself."""
     return doc not in ("", name)
 
 

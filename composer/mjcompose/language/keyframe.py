@@ -102,7 +102,6 @@ def _way(reader: Reader, value: str | bool, at: Path, owner: str) -> Way | None:
 
 
 def controls_schema(number: Schema, description: str) -> Schema:
-    """Return the schema: `hold`, or a mapping from actuators to numbers or `hold`, with `hold` and `joint`."""
     hold: Schema = {"const": HOLD, "description": "the control that holds the pose of the key"}
     entry: Schema = {"anyOf": [number, hold]}
     return {

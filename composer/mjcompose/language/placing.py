@@ -158,7 +158,6 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
 
 
 def _choice(model: Located) -> list[str] | None:
-    """Return the models of a random choice, or None if `model` is something else."""
     choice = find(model, ("choice",))
     if len(model.entries) > 1 or not isinstance(choice, List) or not choice.items:
         return None

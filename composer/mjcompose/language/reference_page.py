@@ -113,12 +113,10 @@ def pages() -> dict[str, str]:
 
 
 def page() -> str:
-    """Return the text of all pages together."""
     return "\n".join(pages().values())
 
 
 def write(folder: Path) -> None:
-    """Write the pages to a folder, and remove others that are there."""
     texts = pages()
     for path in folder.glob("*.md"):
         if path.name not in texts:
@@ -192,7 +190,6 @@ def _examples(name: str) -> Iterator[str]:
 
 
 def _references() -> Iterator[str]:
-    """Yield every form of a model reference, from the rows of the source kinds."""
     yield "# Model references"
     yield ""
     yield "`base`, `model` of a part and `extends` take these. [Sources](../sources.md) explains each form."
@@ -207,7 +204,6 @@ class _Keys:
         self.definitions = definitions
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
-        """Yield a row for each key that the schema describes, and for the keys inside, at any depth."""
         yield from (row for _, row in self.placed(schema, path, deep))
 
     def placed(self, schema: Schema, path: str, deep: bool = True) -> Iterator[tuple[str, str]]:

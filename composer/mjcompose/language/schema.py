@@ -106,7 +106,6 @@ _WITH_WHEN = ("class", "element.contact.pair", "element.contact.exclude")
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
-    """Add these keys to the schema of a recipe, and the definition of a piece of recipe."""
     properties = schema["properties"]
     for name, definition in definitions.items():
         if name in _WITH_WHEN or name.startswith(("variant.", "named.")):
@@ -235,7 +234,6 @@ def recipe_schema() -> Schema:
 
 
 def text() -> str:
-    """Return the schema as the text of its file. Short values are on one line, so you can read changes."""
     return _layout(recipe_schema(), "", in_order=True) + "\n"
 
 

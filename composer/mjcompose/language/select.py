@@ -33,7 +33,6 @@ GLOB: Schema = {
 
 
 def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
-    """Return the fault of the pattern with which `owner` is compared, or None."""
     if is_pattern(text) and (wrong := length_fault(text)) is not None:
         help = "give the elements a class or a `part`, or write several entries"
         return Fault("wrong-type", f"{owner}: {wrong}", at, help=help)
@@ -181,7 +180,6 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:
-    """Return the parsed text with `${…}`, or None after a reported fault."""
     try:
         return Template.parse(text)
     except ExpressionError as error:

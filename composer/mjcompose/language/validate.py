@@ -120,7 +120,6 @@ def _cut(node: Node, path: Path) -> Node:
 
 
 def _texts(node: Node, path: Path) -> Iterator[str]:
-    """Yield the key at the end of a path, and every key and value below it."""
     if isinstance(path[-1], str):
         yield path[-1]
     yield from texts(find(node, path) or node)
@@ -158,7 +157,6 @@ _OF_MJCF = {
 
 
 def part_keys(data: AbcMapping[str, Any]) -> dict[str, Any]:
-    """Return the keys at the top of a recipe that only a part can have."""
     return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, AbcMapping)}
 
 

@@ -72,7 +72,6 @@ def is_unprintable(text: str) -> bool:
 
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
-    """Return the fault of a text with such a character."""
     return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key)
 
 
@@ -343,7 +342,6 @@ def _angle(attribute: Attribute, value: Any) -> Any:
 
 
 def _code(attribute: Attribute, value: object) -> str:
-    """Return the error code for a single value that the grammar refused."""
     if attribute.is_number:
         return "wrong-length" if isinstance(value, Angle) else _number_code(attribute, value)
     if attribute.type in ("keyword", "keywords") and isinstance(value, str | bool | int):
@@ -360,7 +358,6 @@ def _number_code(attribute: Attribute, value: object) -> str:
 
 
 def _list_code(attribute: Attribute, items: list[Any]) -> str:
-    """Return the error code for a list that the grammar refused, for another reason than a single number."""
     if attribute.type == "keywords" and items and all(isinstance(item, str | bool | int) for item in items):
         return "wrong-keyword"
     return "wrong-length" if attribute.separated and not items else "wrong-type"

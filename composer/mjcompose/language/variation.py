@@ -209,7 +209,6 @@ _Plain = Annotated[str, Field(min_length=1), Checked(_computed)]
 
 
 def _wide(text: str) -> Fault | None:
-    """Return the fault of a reference that names a whole kind of server and nothing specific."""
     if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
         return None
     help = "name what you trust: `git+file:///srv/robots`, `package:NAME`"
@@ -231,7 +230,6 @@ class TrustKeys(Model):
 
 
 def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
-    """Return the declared parameters, without faulty ones, which are reported."""
     _, section = document.entries["params"]
     if not isinstance(section, Located):
         help = "write `params: {reach: {default: 0.45, unit: m}}`"
@@ -255,7 +253,6 @@ def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
 
 
 def read_grid(document: Located, sink: Sink) -> Grid | None:
-    """Return the section `matrix`, or None after reported faults."""
     found: Grid | None = read(Grid, to_python(document.entries["matrix"][1]), document, at=("matrix",), sink=sink)
     return found
 

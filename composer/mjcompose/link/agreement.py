@@ -149,7 +149,6 @@ def common_settings(
 
 
 def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[str]) -> tuple[Adopted, ...]:
-    """Return the settings from the parts of a base that is a recipe, if it still requests the same values `now`."""
     return tuple(
         each
         for each in adopted
@@ -244,7 +243,6 @@ def _wishes(
 
 
 def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_Wish]) -> None:
-    """Report all settings of a part in one finding with one help text for all parts. Equal parts share a finding."""
     if not wishes:
         return
     message, notes, span, cause = _message_of(part, wishes)

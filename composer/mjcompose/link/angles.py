@@ -167,7 +167,6 @@ def _joints(unit: Unit) -> None:
 
 
 def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
-    """Return the element of a class that sets the joint's value, or None."""
     inherited = classes.get(str(joint.get("class") or childclass or "") or None).lookup("joint", attribute)
     return inherited[1] if inherited else None
 
@@ -266,7 +265,6 @@ def check_flexes(linking: Linking) -> None:
 
 
 def top_joint(unit: Unit) -> dict[str, str]:
-    """Return the joint settings of a unit's top class that apply to its flexes."""
     given: dict[str, str] = {}
     for section in unit.root.iterchildren("default"):
         for joint in section.iterchildren("joint"):

@@ -83,7 +83,6 @@ class _AttachmentOrder:
                 self._look(part)
 
     def _look(self, part: Part) -> None:
-        """Find the element to attach a part to, or let the part wait for it."""
         if part not in self.waiting:
             return
         linking, place = self.linking, part.place
@@ -293,7 +292,6 @@ class _PartAttachment:
         )  # fmt: skip
 
     def _enter(self, tag: str, attributes: Mapping[str, str]) -> Node:
-        """Create an element at the pose, into which the next one goes."""
         self.parent = self._add(tag, {**attributes, **self.pose}, self.written)
         self.pose, self.written = {}, {}
         return self.parent
@@ -350,7 +348,6 @@ class _PartAttachment:
             self._declare(kind, name, node, message=message, help=help, at=sense.span)
 
     def _declare(self, namespace: str, name: str, node: Node, *, message: str, help: str, at: Span | None) -> None:
-        """Note the name of an element that the attachment creates. A name that exists is an error."""
         linking = self.linking
         earlier = linking.names.declared.setdefault(namespace, {}).setdefault(name, node)
         if earlier is not node:
@@ -376,7 +373,6 @@ class _PartAttachment:
 
 
 def _bound_mass(linking: Linking, body: Node) -> None:
-    """Give the body of an attachment the base's least mass of every body, if it has no mass of its own."""
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
     least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
     if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):

@@ -94,7 +94,6 @@ def _free_class(name: str, taken: Set[str]) -> str:
 
 
 def _top_kinds(root: Node) -> set[str]:
-    """Return the tags for which the top class itself sets attributes."""
     return {
         str(element.tag)
         for section in root.iterchildren("default")

@@ -130,7 +130,6 @@ class _Meanings:
         return value
 
     def _digest(self, use: FileUse) -> str:
-        """Return a hash of the bytes of a file, with its suffix."""
         # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two meshes.
         suffix = use.path.rpartition(".")[2].lower()
         if use.content is not None:
@@ -144,7 +143,6 @@ class _Meanings:
 
 
 def _redirect(root: Node, merged: Merged) -> None:
-    """Replace every reference to a removed name by the name that it was merged into."""
     for section in root.iterchildren("*"):
         table = naming_table(str(section.tag))
         for element in section.iterdescendants(*table) if table else ():
@@ -227,7 +225,6 @@ def readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, p
 def _skin(
     linking: Linking, unit: Unit, element: Node, prefix: str, source: Passed, content: bytes | None
 ) -> bytes | None:
-    """Return the content of a skin file with the prefix on the names of its bodies."""
     try:
         data = read_regular(source) if content is None else content
         return rename_bones(data, lambda name: name if name == WORLD else prefix + name)

@@ -99,7 +99,6 @@ def _write_no_mass(linking: Linking, unit: Unit, body: Node) -> None:
 
 
 def write_inertias(linking: Linking, unit: Unit) -> None:
-    """Compile the unit alone, and write the inertia that MuJoCo computes for every body."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
     kept = KeptSettings(linking, unit, wanting)
     found = kept.survey(BODIES)
@@ -290,7 +289,6 @@ def _remove_colors(section: Node) -> None:
 
 
 def static_bodies(unit: Unit) -> list[Node]:
-    """Return the bodies that no joint moves, neither their own nor one above them."""
     found: list[Node] = []
     for element, _ in walk_bodies(unit.root):
         if element.tag == "body" and element.get("mocap") != "true" and not own(element, *JOINTS):
@@ -366,7 +364,6 @@ def _own_elements_first(unit: Unit, parent: Node, fused: Collection[Node]) -> li
 
 
 def _is_inner(element: Node, fused: Collection[Node]) -> bool:
-    """Return whether an element is a body or contains bodies."""
     if element in fused or element.tag in ("body", "flexcomp"):
         return True
     return element.tag in ("frame", "replicate") and any(_is_inner(child, fused) for child in element)

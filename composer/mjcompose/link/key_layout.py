@@ -112,7 +112,6 @@ def name_of_holder(holder: Holder) -> str:
 
 
 def copied_names(root: Node) -> set[Name]:
-    """Return every name in the body tree that a replicate makes."""
     made: dict[Node, list[Name]] = {}
     for _ in _names_inside(root, made):
         pass
@@ -180,7 +179,6 @@ def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
 
 
 def names_of_copies(element: Node) -> list[str]:
-    """Return the names that MuJoCo gives to an element: its own name, or the names of its copies."""
     name = str(element.get("name") or "")
     ends = ends_of_copies(list(element.iterancestors("replicate")))
     return [name + end for end in ends or [""]] if name else []

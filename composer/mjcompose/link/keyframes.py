@@ -61,7 +61,6 @@ def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -
 
 
 def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
-    """Return the key moved to the place of its part."""
     if part is None:
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
@@ -172,7 +171,6 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
 
 
 def _place_vector(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
-    """Return the moved positions or orientations of mocap bodies."""
     if vector == "mpos":
         rows = zip(*[iter(values)] * 3, strict=True)
         return [each for x, y, z in rows for each in (pose @ Pose((x, y, z))).pos]
@@ -235,7 +233,6 @@ def keyframes(linking: Linking) -> None:
 
 
 def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
-    """Return the element of a key in the layout of the finished model."""
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
@@ -364,7 +361,6 @@ def _report_same_name(
 
 
 def _check_attached(linking: Linking) -> None:
-    """Report keys with poses in the world in models that MuJoCo attaches, if the part is moved: they would stay."""
     # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
         if part.pose_in_world is not None and not part.pose_in_world.is_identity:

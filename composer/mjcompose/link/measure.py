@@ -174,7 +174,6 @@ def attached_slots(linking: Linking, unit: Unit) -> dict[Node, Slot]:
 
 
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
-    """Measure the widths of each `<flexcomp>`, alone, except those that MuJoCo refuses alone."""
     wanted = ("nq", "nv", "jnt_type")
     if linking.measure is None:
         return
@@ -200,7 +199,6 @@ def _flex_alone(unit: Unit, flex: Node) -> Unit:
 
 
 def _alone(unit: Unit, element: Node, assets: Iterable[Node]) -> Unit:
-    """Return a model with the unit's compiler settings, these assets, and only this element in its world."""
     root = unit.root.makeelement("mujoco")
     root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
     for tag, children in (("asset", assets), ("worldbody", [element])):
@@ -238,7 +236,6 @@ def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]
 def _free_inside(
     layout: Layout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
 ) -> tuple[tuple[int, int], ...]:
-    """Return where the free joints are in a block that MuJoCo has expanded."""
     nq = nv = 0
     for joint, slot in layout.joints.items():
         if joint is block:

@@ -90,7 +90,6 @@ class _UnitRenaming:
             earlier.update(declared)
 
     def _refer_to_keys(self) -> None:
-        """Change references from tuples to keys to the names that the keys will have."""
         request, unit = self.linking.request, self.unit
         policy = request.base_keyframes if self.part is None else self.part.keyframes
         own = [str(key.get("name") or "") for key in unit.root.iterfind("keyframe/key")]
@@ -109,7 +108,6 @@ class _UnitRenaming:
                 )
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
-        """Report a reference to nothing within a source. `own` are the names that the source has."""
         attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
         self.linking.sink.add(
             unknown_name(
@@ -132,7 +130,6 @@ class _UnitRenaming:
         )
 
     def _report_clashes(self, part: Part, clashes: Sequence[_Clash]) -> None:
-        """Report all names of a part that the model already has, as one fault."""
         linking = self.linking
         first = min(clashes, key=lambda clash: line_of(clash.element) or 0)
         here = linking.span(part.unit, first.element)
@@ -172,7 +169,6 @@ class UnitNames:
             self.repeated.append((namespace, name, element))
 
     def dangling(self) -> Iterator[tuple[str, str, Node]]:
-        """Yield the namespace, the name and the referring element of each reference to an undeclared name."""
         for namespace, referred in sorted(self.referred.items()):
             declared = self.declared[namespace]
             yield from ((namespace, name, node) for name, node in referred.items() if name not in declared)

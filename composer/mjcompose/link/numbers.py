@@ -51,7 +51,6 @@ def _one(value: float) -> str:
 # MuJoCo 4.0 rounds the two in different ways: `<joint ref="0.30000000000000004"/>` compiles to v * (pi / 180), which is
 # not v / 180 * pi to the last bit; `euler` is the other way round.
 def orientation_radians(degrees: float) -> float:
-    """Convert degrees to radians as MuJoCo does for orientations."""
     return degrees / 180.0 * math.pi
 
 

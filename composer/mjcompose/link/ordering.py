@@ -76,7 +76,6 @@ def _least(*ranks: float | None) -> float | None:
 
 
 def _permute(nodes: Sequence[Node], ranks: Mapping[Node, float]) -> None:
-    """Sort elements over the places that they have now."""
     ordered = sorted(nodes, key=lambda node: ranks.get(node, math.inf))
     if ordered == list(nodes):
         return

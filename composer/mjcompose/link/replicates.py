@@ -93,7 +93,6 @@ def resolves_in_copies(
 def is_made_by(
     names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
 ) -> bool:
-    """Return whether a replicate makes one of the names with a number appended for another element."""
     return any(
         (kind, name + end) in made
         and (element := find(kind, name)) is not None

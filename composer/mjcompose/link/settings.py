@@ -27,7 +27,6 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 
 
 def alignment(linking: Linking) -> None:
-    """Decide the model's value, and make each that differs from it explicit; a base alone keeps its own."""
     if not linking.composed:
         return
     stubborn = [
@@ -210,7 +209,6 @@ _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser
 
 
 def _with_user(unit: Unit, name: str) -> Iterator[Node]:
-    """Yield the elements whose user data a `nuser_*` counts."""
     for section in unit.root.iterchildren(_USER_SECTIONS.get(name, "worldbody"), "default"):
         yield from section.iter(*_USERS.get(name, ()))
 

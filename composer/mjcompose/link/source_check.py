@@ -85,7 +85,6 @@ class _Fault:
 
     @property
     def unknown(self) -> tuple[Node, str | None]:
-        """The element, and the name of the attribute if MJCF does not have it."""
         return self.node, None if self.code else self.name
 
 
@@ -216,7 +215,6 @@ def _installed() -> tuple[int, ...]:
 
 
 def _is_plain(attribute: Attribute, value: str) -> bool:
-    """Return whether a value is a valid count of plain numbers. If not, it may still be valid."""
     if attribute.type != "real" or attribute.lengths is not None or not _PLAIN.fullmatch(value):
         return False
     parts = value.split(" ")

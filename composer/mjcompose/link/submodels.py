@@ -96,7 +96,6 @@ def _adopt_options(unit: Unit) -> None:
 
 
 def _read(unit: Unit, file: str) -> Unit | None:
-    """Return a sub-model, or None if it has errors, which are reported when it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
         return parse_held(unit, file, known, sink=Sink())
@@ -132,7 +131,6 @@ def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
 
 
 def submodels(linking: Linking) -> None:
-    """Bundle the sub-models of every unit below `assets/LABEL/models/`."""
     policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
     for unit, policy in zip(linking.units, policies, strict=True):
         for element in unit.root.iter("model"):
@@ -144,7 +142,6 @@ def submodels(linking: Linking) -> None:
 
 
 def add_named_file(linking: Linking, file: NamedFile) -> None:
-    """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
     if file.element.tag != "model":
         add_file(linking, file)
         return
@@ -294,7 +291,6 @@ class _Bundler:
 
 
 def _without_keys(path: str, content: bytes | Path) -> bytes | Path:
-    """Return a file without the keys that it has as a model. It was written here."""
     if not isinstance(content, bytes) or not path.endswith(".xml"):
         return content
     root = etree.fromstring(content)

@@ -66,7 +66,6 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
 
 
 def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
-    """Return every supporting element that is referred to, directly or through other supporting elements."""
     needed: set[Node] = set()
     waiting: list[tuple[Node, str]] = []
     plugins: set[str] = set()
@@ -286,7 +285,6 @@ def take_subtree(
 
 
 def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
-    """Return the body with this name, or None with an error if it does not exist or MuJoCo makes several of it."""
     bodies = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("body")]
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
@@ -425,7 +423,6 @@ _Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
 
 
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
-    """Return the numbers of every key, by vector and by owner, before the unit is cut."""
     unit = linking.base
     for size in list(unit.root.iterchildren("size")):
         size.attrib.pop("nkey", "")  # keys that say nothing

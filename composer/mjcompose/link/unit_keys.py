@@ -93,7 +93,6 @@ class KeyNotes:
     copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
 
     def note_source(self, unit: Unit) -> None:
-        """Note the meaning of a source's keys, as its file has them."""
         if keys_of(unit) and (found := bare_model(unit)) is not None:
             self.sources[unit.root] = [found]
 
@@ -114,7 +113,6 @@ class KeyNotes:
         self.copied |= linking.notes.copied
 
     def origin(self, node: Node, within: Within) -> tuple[Node, Within]:
-        """Return the element that a node is a copy of, and which copy."""
         while node in self.copied:
             node, number = self.copied[node]
             within |= {number}
@@ -323,7 +321,6 @@ def reshaped_flexes(linking: Linking) -> set[Node]:
 
 
 def _shape(flex: Node) -> str:
-    """Return as text the settings that determine the vertices of a flex, and which of them move."""
     own = [f"{name}={flex.get(name)}" for name in _SHAPING if flex.get(name)]
     return " ".join([*own, *(str(sorted(pin.items())) for pin in flex.iterchildren("pin"))])
 
@@ -389,7 +386,6 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def final_layout(linking: Linking) -> Layout | None:
-    """Return the key layout of the finished model, or None after a reported error."""
     known = {**linking.keys.measured, **_slots(linking)}
     for node in linking.keys.reshaped:
         known.pop(node, None)
@@ -435,7 +431,6 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
-    """Return the known slots of the joints and actuators of the units."""
     known: dict[Node, Slot] = {}
     for layout in (linking.keys.base_layout, *(part.layout for part in linking.parts)):
         if layout is not None:

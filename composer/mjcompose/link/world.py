@@ -127,7 +127,6 @@ def _report_floating(linking: Linking, floating: Floating) -> None:
 
 
 def _note_planes(linking: Linking, part: Part) -> None:
-    """Record every plane of the part that does not move in the part alone."""
     # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
     # bodies".
     root, classes = part.unit.root, part.unit.classes
@@ -358,7 +357,6 @@ def sections(linking: Linking) -> None:
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:
-    """Merge plugins: one that both declare is declared once, with the instances of both."""
     target = linking.base.section("extension")
     known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
     for plugin in list(section.iterchildren("*")):

@@ -227,7 +227,6 @@ class Builder:
         return node
 
     def _key(self, event: Any, name: str, span: Span, frame: _Frame) -> None:
-        """Use `name` as the key of the next value, or refuse it."""
         if span.line == frame.line and span.end_column is not None:
             frame.first_end = span.end_column
         frame.key, frame.key_end = _DROPPED, None
@@ -300,7 +299,6 @@ class Builder:
         return True
 
     def _tagged(self, event: Any, text: str, span: Span) -> bool | int | float | str | None:
-        """Return the value of a scalar with a tag: standard tags are applied, all others refused."""
         tag = event.tag
         if tag in ("!", _STANDARD + "str"):
             return text

@@ -120,7 +120,6 @@ class ParserStop:
     outer: bool
 
     def span(self, start: int, end: int | None = None) -> Span:
-        """Return the place of the characters up to `end`, or of a single one."""
         line, column = position(self.text, start)
         length = 1 if end is None else max(end - start, 1)
         return Span(self.file, line, column, end_line=line, end_column=column + length)
@@ -129,11 +128,9 @@ class ParserStop:
         self, message: str, span: Span, help: str | None = None, *, notes: Iterable[Note] = (),
         code: str = "yaml-syntax",
     ) -> SyntaxFault:  # fmt: skip
-        """Return a fault after which nothing can be read."""
         return SyntaxFault(Diagnostic(code, message, span, notes=tuple(notes), help=help))
 
     def unquoted(self, start: int, end: int, message: str, code: str = "yaml-syntax") -> SyntaxFault:
-        """Return the fault for a text that only lacks its quotes."""
         text = quoted(self.text[start:end])
         found = Diagnostic(code, message, self.span(start, end), help=f"quote it: {text}", fix=Fix(text))
         return SyntaxFault(found, (start, end))

@@ -46,7 +46,6 @@ class _Reader:
         return token
 
     def beside(self) -> Comment | None:
-        """Return the comment on the line of the last token."""
         waiting = self.next.comments
         return waiting.pop(0) if waiting and not waiting[0].own_line else None
 
@@ -146,7 +145,6 @@ class _Reader:
         return result
 
     def unindented(self) -> Collection:
-        """Read a list whose dashes are below the first letter of its key."""
         column = self.next.column
         result = Collection(mapping=False, flow=False)
         while self.next.kind == "BlockEntry":
@@ -318,7 +316,6 @@ class _Writer:
         """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
-        """Write comments on their own lines. Indentation relative to the first comment is kept."""
         margin = next((comment.column for comment in comments if comment.own_line), 0)
         for comment in comments:
             self.blank(comment.blank_before)
@@ -330,7 +327,6 @@ class _Writer:
             self.lines.append("")
 
     def beside(self, comment: Comment | None, shift: int) -> None:
-        """Write a comment on the current line, in its original column if there is room."""
         if comment is not None:
             line = self.lines[-1]
             self.lines[-1] = line.ljust(max(len(line) + _GAP, comment.column + shift)) + comment.text
@@ -384,7 +380,6 @@ class _Writer:
             self.kept = len(self.lines)
 
     def brackets(self, node: Collection, indent: int) -> None:
-        """Write a collection in brackets on the current line; line breaks stay where they were."""
         line = _inline(node)
         if line is not None:
             self.lines[-1] += line

@@ -210,7 +210,6 @@ class Token:
 
 
 def tokens(text: str) -> list[Token]:
-    """Return the tokens of a text in which `load` found no fault. No I/O."""
     starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]
     result: list[Token] = []
     columns = [0]  # of the enclosing collections

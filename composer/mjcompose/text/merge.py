@@ -175,7 +175,6 @@ class _Merge:
         return Sequence(tuple(items), upper.span)
 
     def _only_once(self, written: Sequence) -> None:
-        """Report an `id` that two items of a list share."""
         seen: dict[str, Node] = {}
         for item in written.items:
             name = _id(item)

@@ -192,7 +192,6 @@ def spans(node: Node) -> Iterator[Span]:
 
 
 def to_python(node: Node) -> Any:
-    """Return plain dicts, lists and values, without places. Recursive, because `load` keeps trees shallow."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):

@@ -55,7 +55,6 @@ def _made(name: str) -> Schema:
 
 
 def define(name: str) -> Schema:
-    """Return the schema that a reference leads to; the caller may change it. Raises KeyError for an unknown one."""
     kind, _, rest = name.partition(":" if ":" in name else "-")
     return deepcopy(_DEFINITIONS[kind](rest))
 
@@ -127,7 +126,6 @@ def validated_with(handler: ValidatorFunctionWrapHandler, value: Any, faults: Se
 
 
 def together(errors: Mapping[str, ValidationError]) -> ValidationError:
-    """Return one exception for those of several keys of a mapping."""
     lines = [
         _again({**each, "loc": (key, *each["loc"])})
         for key, error in errors.items()
@@ -149,7 +147,6 @@ def _lines(faults: Iterable[Fault], value: object) -> list[InitErrorDetails]:
 
 
 def _again(error: Any) -> InitErrorDetails:
-    """Return an error of `errors()` in a form that can be raised."""
     kind = error["type"]
     context = error.get("ctx", {})
     if kind == "fault":

@@ -89,7 +89,6 @@ class Generator(GenerateJsonSchema):
 
 
 def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-    """Return the JSON Schema of a model, with its rules, and in the form in which it is written."""
     found = handler.resolve_ref_schema(handler(schema))
     properties: dict[str, Schema] = {}
     written = found["properties"]

@@ -94,7 +94,6 @@ class Model(BaseModel):
 
     @classmethod
     def key_names(cls) -> list[str]:
-        """Return the keys in the order in which `fmt` writes them."""
         names: list[str] = []
         for key, info in fields_of(cls).items():
             rows = rows_of(info)
@@ -157,13 +156,11 @@ def is_whole(model: type[Model]) -> bool:
 
 
 def rows_of(info: FieldInfo) -> Rows | None:
-    """Return the table whose words are keys of the mapping that has this field, or None."""
     return next((each for each in info.metadata if getattr(each, "is_rows", False)), None)
 
 
 @cache
 def _inexact(model: type[BaseModel]) -> dict[str, tuple[Any, ...]]:
-    """Return the words of the fields some of whose words are true, false or numbers, by key."""
     words = {key: _words(info.annotation) for key, info in fields_of(model).items()}
     return {key: each for key, each in words.items() if not all(isinstance(word, str) for word in each)}
 

@@ -262,7 +262,6 @@ def whole(value: Any) -> Any:
 
 
 def in_order(pair: tuple[Any, ...]) -> Fault | None:
-    """Return the fault of two numbers, or angles in one unit, of which the first is the larger one."""
     (low, unit), (high, other) = ((each.value, each.unit) if isinstance(each, Angle) else (each, "")
                                   for each in (pair[0], pair[-1]))  # fmt: skip
     if unit != other or low <= high:
@@ -358,7 +357,6 @@ class Selects(ByGrammar):
 
 
 def _is_computed(value: Any, faults: list[Fault]) -> bool:
-    """Return whether a value has `${…}`. Text that cannot be parsed is a fault."""
     found = False
     for index, each in enumerate(value) if isinstance(value, list) else ((None, value),):
         if isinstance(each, str) and is_template(each):

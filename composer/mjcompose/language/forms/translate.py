@@ -145,7 +145,6 @@ def has_key(kind: Any, key: str) -> bool:
 
 
 def _inside(kind: Any) -> Any:
-    """Return the type of the items of a list, or of the values of a mapping from names."""
     arguments = get_args(kind) or (Any,)
     return arguments[1] if get_origin(kind) in _MAPPINGS and len(arguments) == 2 else arguments[0]
 
@@ -297,7 +296,6 @@ def _owner(place: Spot) -> str:
 
 
 def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault:
-    """Return a fault of a rule or validator with its path, and with the names of its subject."""
     above = loc[: len(loc) - len(fault.at)]
     place = spot(root, above, data, start=start)
     own = place.kind.owner(place.at) if is_model(place.kind) else _owner(place)
