@@ -17,7 +17,7 @@ from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle,
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.tree.pattern import Selector, paths_of
+from mjcompose.tree.pattern import paths_of
 
 MASS = "mass"
 
@@ -29,13 +29,11 @@ class Checker:
     bare_angles: bool
     faults: list[Fault]
 
-    def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
-        kinds = () if selector is None else kinds_of(selector.tag)
-        self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
-
-    def _attributes(
-        self, verb: str, value: Mapping[str, Any], kinds: tuple[ElementType, ...], tag: str, at: Path
+    def attributes(
+        self, verb: str, value: Mapping[str, Any], tag: str, at: Path, kinds: tuple[ElementType, ...] | None = None
     ) -> None:
+        """Check what a verb gives to elements with a tag, if the tag is known; `offset` are numbers that draws add."""
+        kinds = (kinds_of(tag) if tag else ()) if kinds is None else kinds
         turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
         if len(turned) > 1 and verb == "set":
             message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
@@ -51,7 +49,7 @@ class Checker:
                 if not item:
                     message = f"`{name}` of `{verb}` is empty"
                     self.faults.append(Fault("wrong-type", message, path, help="write an attribute and its value"))
-                self._attributes(verb, item, below, tag=name, at=path)
+                self.attributes(verb, item, name, at=path, kinds=below)
                 continue
             attribute, index = attribute_and_index(name)
             if any(kind.path == "body" for kind in kinds) and name == MASS:
@@ -189,7 +187,8 @@ class Values(ByGrammar):
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
         if isinstance(value, dict) and value:
-            Checker(settings.bare_angles, faults).attributes(self.verb, value, settings.selected, at=())
+            tag = settings.selected.tag if settings.selected is not None else ""
+            Checker(settings.bare_angles, faults).attributes(self.verb, value, tag, at=())
             return dict(value)
         message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
         faults.append(Fault("wrong-type", message, help=f"write `{self.verb}: {{ATTRIBUTE: VALUE}}`"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Collection
 from collections.abc import Mapping as Map
@@ -104,12 +105,10 @@ class Parameter:
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
-            if self.low is not None and number < self.low:
-                message = f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}"
-                return Diagnostic("out-of-range", message)
-            if self.high is not None and number > self.high:
-                message = f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}"
-                return Diagnostic("out-of-range", message)
+            for bound, word, beyond in ((self.low, "least", operator.lt), (self.high, "most", operator.gt)):
+                if bound is not None and beyond(number, bound):
+                    message = f"parameter `{self.name}` is at {word} {self._shown(bound)}, got {self._shown(number)}"
+                    return Diagnostic("out-of-range", message)
         return value
 
     def _shown(self, value: Value) -> str:

@@ -137,13 +137,13 @@ def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_an
     distribution = field.distribution
     for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
         if isinstance(value, list) and field.operation == "set" and index is None:
-            checker.attributes("set", {field.attr: value}, selector, at=at)
+            checker.attributes("set", {field.attr: value}, selector.tag, at=at)
         elif distribution.is_whole or field.operation != "set" or index is not None or is_mass:
-            checker.attributes(field.operation, {field.attr: value}, selector, at=at)
+            checker.attributes(field.operation, {field.attr: value}, selector.tag, at=at)
         elif fitting and not any(each.is_number for each in fitting):
-            checker.attributes("set", {field.attr: value}, selector, at=at)
+            checker.attributes("set", {field.attr: value}, selector.tag, at=at)
         else:  # a number for each component of however many there are
-            checker.attributes("offset", {field.attr: value}, selector, at=at)
+            checker.attributes("offset", {field.attr: value}, selector.tag, at=at)
         if found:
             break
     if found:

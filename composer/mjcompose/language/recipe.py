@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag, ValidationInfo, WithJsonSchema
+from pydantic import Discriminator, Field, Tag, ValidationInfo, WithJsonSchema
 from pydantic.fields import FieldInfo
-from pydantic_core import CoreSchema, core_schema
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
@@ -161,10 +160,7 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
 class _Added(ByGrammar):
     """The element of an entry of `add`, which is written by its tag next to the entry's own keys."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read)
-
-    def _read(self, value: Any, info: ValidationInfo) -> Element | None:
+    def _validate(self, value: Any, info: ValidationInfo) -> Element | None:
         context = settings(info.context)
         faults: list[Fault] = []
         place = info.data.get(TO)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import field
 from typing import Any
 
@@ -23,19 +23,11 @@ def fault_at(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:
     """Return a diagnostic as a fault at a path. `help` and `fix` replace the diagnostic's own."""
+    fix, help = fix if help else diagnostic.fix, help or diagnostic.help
     names = tuple(sorted(diagnostic.subjects))
-    fix = fix if help else diagnostic.fix
-    help = help or diagnostic.help
     return Fault(
         diagnostic.code, diagnostic.message, at, key=key, notes=diagnostic.notes, help=help, names=names, fix=fix
     )
-
-
-def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun: str = "key") -> Fault:
-    """Return the fault of an unknown key. `known` are the allowed keys, which messages call a `noun`."""
-    known = list(known)
-    help, fix = advised(name, known)
-    return Fault("unknown-key", message, at, key=True, notes=(exists_note(noun, known, name),), help=help, fix=fix)
 
 
 def shown(value: object) -> str:

@@ -89,7 +89,6 @@ class Checked:
         return value
 
 
-@dataclass(frozen=True, slots=True)
 class Name:
     """A name of an element: `scope` has the tags that it may be of, the likeliest first, for messages and editors.
 
@@ -97,21 +96,13 @@ class Name:
     `inside` is the key of the mapping that says in which part it is a name, if not in the whole model.
     """
 
-    scope: tuple[str, ...]
-    glob: bool
-    computed: bool
-    inside: str | None
-    what: str
-
     def __init__(
         self, *scope: str, glob: bool = False, computed: bool = False, inside: str | None = None,
         what: str | None = None,
     ) -> None:  # fmt: skip
         tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
-        values = {"scope": scope, "glob": glob, "computed": computed, "inside": inside, "what": what or usual}
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        self.scope, self.glob, self.computed, self.inside, self.what = scope, glob, computed, inside, what or usual
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self._read, handler(source))

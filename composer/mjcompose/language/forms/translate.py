@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Path
-from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.forms.context import Lazy, Rows
 from mjcompose.language.forms.model import (
     IT,
@@ -27,7 +27,7 @@ from mjcompose.language.forms.model import (
     rows_of,
 )
 from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
-from mjcompose.language.value import kind_of, shown, unknown_key, without_space, without_unit
+from mjcompose.language.value import kind_of, shown, without_space, without_unit
 
 _UNIONS = (Union, UnionType)
 _MAPPINGS = (dict, Mapping)
@@ -56,27 +56,21 @@ class Spot:
         return next((each for each in reversed(self.metadata) if isinstance(each, kind)), None)
 
 
-@dataclass(slots=True)
-class _Way:
-    """The state of a walk: the type at its end, and its annotations."""
-
-    kind: Any
-    metadata: list[Any] = field(default_factory=list)
-
-    def plain(self) -> _Way:
-        """Take off `Annotated`, `Optional` and `Lazy`."""
-        while True:
-            if get_origin(self.kind) is Annotated:
-                self.kind, *more = get_args(self.kind)
-                self.metadata += more
-            elif get_origin(self.kind) in _UNIONS and type(None) in get_args(self.kind):
-                left = tuple(each for each in get_args(self.kind) if each is not type(None))
-                self.kind = left[0] if len(left) == 1 else Union[left]  # noqa: UP007
-            elif lazy := next((each for each in self.metadata if isinstance(each, Lazy)), None):
-                self.metadata.remove(lazy)
-                self.kind = lazy.form
-            else:
-                return self
+def _plain(kind: Any, *marks: Any) -> dict[str, Any]:
+    """Return a type without `Annotated`, `Optional` and `Lazy`, and its annotations, as fields of a spot."""
+    metadata = [*marks]
+    while True:
+        if get_origin(kind) is Annotated:
+            kind, *more = get_args(kind)
+            metadata += more
+        elif get_origin(kind) in _UNIONS and type(None) in get_args(kind):
+            left = tuple(each for each in get_args(kind) if each is not type(None))
+            kind = left[0] if len(left) == 1 else Union[left]  # noqa: UP007
+        elif lazy := next((each for each in metadata if isinstance(each, Lazy)), None):
+            metadata.remove(lazy)
+            kind = lazy.form
+        else:
+            return {"kind": kind, "metadata": tuple(metadata)}
 
 
 def is_model(kind: Any) -> bool:
@@ -89,8 +83,7 @@ def alternatives(kind: Any) -> tuple[Any, ...]:
 
 def spot(root: Any, loc: Path, data: Any, start: Path = ()) -> Spot:
     """Return the place to which pydantic's path leads, without steps that are not in `data`, which is at `start`."""
-    way = _Way(root).plain()
-    found = Spot(start, way.kind, tuple(way.metadata))
+    found = Spot(start, **_plain(root))
     for index, step in enumerate(loc):
         is_end = index == len(loc) - 1
         below = _value_at(data, step)
@@ -102,25 +95,22 @@ def spot(root: Any, loc: Path, data: Any, start: Path = ()) -> Spot:
 
 def _stepped(place: Spot, step: str | int, is_there: bool) -> Spot:
     at = (*place.at, step) if is_there else place.at
-    kind, marks = place.kind, list(place.metadata)
+    kind = place.kind
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         info = fields_of(kind).get(str(step))
         if info is None:
             return Spot(at, Any, model=kind, above=place.at, key=str(step))
-        way = _Way(info.annotation, [*info.metadata]).plain()
+        found = _plain(info.annotation, *info.metadata)
         if is_hidden(step):
-            return replace(place, kind=way.kind, metadata=tuple(way.metadata), model=kind, above=place.at)
-        return Spot(at, way.kind, tuple(way.metadata), model=kind, above=place.at, key=str(step), info=info)
-    rows = next((each for each in marks if isinstance(each, Rows)), None)
-    if rows is not None:
-        way = _Way(rows.form(str(step))).plain()
-        return replace(place, at=at, kind=way.kind, metadata=tuple(way.metadata), key=str(step), info=None)
+            return replace(place, **found, model=kind, above=place.at)
+        return Spot(at, **found, model=kind, above=place.at, key=str(step), info=info)
+    if (rows := place.marked(Rows)) is not None:
+        return replace(place, **_plain(rows.form(str(step))), at=at, key=str(step), info=None)
     if is_hidden(step):
         tag = Tag(str(step))
-        way = _Way(next((each for each in alternatives(kind) if tag in getattr(each, "__metadata__", ())), Any)).plain()
-        return replace(place, kind=way.kind, metadata=(*marks, *way.metadata))
-    way = _Way(_inside(kind)).plain()
-    return replace(place, at=at, kind=way.kind, metadata=tuple(way.metadata))
+        chosen = next((each for each in alternatives(kind) if tag in getattr(each, "__metadata__", ())), Any)
+        return replace(place, **_plain(chosen, *place.metadata))
+    return replace(place, **_plain(_inside(kind)), at=at)
 
 
 _NOTHING = object()
@@ -136,7 +126,7 @@ def _value_at(data: Any, step: str | int) -> Any:
 
 def inside(annotation: Any, depth: int) -> Any:
     """Return the type that an annotation contains at a depth, without `Annotated` and `Optional`."""
-    kind = _Way(annotation).plain().kind
+    kind = _plain(annotation)["kind"]
     return inside(_inside(kind), depth - 1) if depth else kind
 
 
@@ -149,17 +139,15 @@ def _inside(kind: Any) -> Any:
     return arguments[1] if get_origin(kind) in _MAPPINGS and len(arguments) == 2 else arguments[0]
 
 
-def spots(root: Any, at: Path = ()) -> Iterator[Spot]:
+def spots(root: Any) -> Iterator[Spot]:
     """Yield every key that a type declares, at any depth; `*` stands for names and for indices."""
-    way = _Way(root).plain()
-    yield from _below(Spot(at, way.kind, tuple(way.metadata)), ())
+    yield from _below(Spot((), **_plain(root)), ())
 
 
 def _below(place: Spot, around: tuple[Any, ...]) -> Iterator[Spot]:
     if members := alternatives(place.kind):
         for each in members:
-            way = _Way(each, [*place.metadata]).plain()
-            yield from _below(replace(place, kind=way.kind, metadata=tuple(way.metadata)), around)
+            yield from _below(replace(place, **_plain(each, *place.metadata)), around)
         return
     if place.key is not None:
         yield place
@@ -208,9 +196,8 @@ def first_keys(root: Any) -> dict[Path, list[str]]:
 
 
 def _models(root: Any) -> Iterator[tuple[Path, type[Model]]]:
-    way = _Way(root).plain()
-    if is_model(way.kind):
-        yield (), way.kind
+    if is_model(kind := inside(root, 0)):
+        yield (), kind
     yield from ((each.at, each.kind) for each in spots(root) if is_model(each.kind))
 
 
@@ -332,12 +319,12 @@ def _unknown(place: Spot) -> Fault:
     model, key = place.model, str(place.key)
     assert model is not None and issubclass(model, Model)
     message = f"{_subject(place)} has no {model.noun} `{key}`"
-    fault = unknown_key(message, key, model.listed(), at=place.at, noun=model.noun)
-    instead = model.instead.get(key)
-    if instead is None:
-        return fault
-    is_key = instead in model.key_names()
-    return replace(fault, help=f"write `{instead}`" if is_key else instead, fix=Fix(instead, key) if is_key else None)
+    help, fix = advised(key, model.listed())
+    if (instead := model.instead.get(key)) is not None:
+        is_key = instead in model.key_names()
+        help, fix = f"write `{instead}`" if is_key else instead, Fix(instead, key) if is_key else None
+    notes = (exists_note(model.noun, model.listed(), key),)
+    return Fault("unknown-key", message, place.at, key=True, notes=notes, help=help, fix=fix)
 
 
 def _keyword(place: Spot, value: Any) -> Fault:
@@ -382,12 +369,8 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
         noun = expects.what if expects else name.what if name else noun
     got = "nothing" if value == "" else "an empty one" if value == {} else kind_of(value)
     help, fix = _advice(place, value)
-    if (
-        kind in ("list_type", "tuple_type")
-        and place.key in place.at[-1:]
-        and (listed := _as_list(place, value)) is not None
-    ):
-        help = listed
+    if kind in ("list_type", "tuple_type") and place.key in place.at[-1:]:
+        help = _as_list(place, value) or help
     if kind == "string_type" and isinstance(value, int | float) and help is None:
         help = f"quote it: '{shown(value)}'"
     return Fault("wrong-type", f"{named(place)} expects {noun}, got {got}", place.at, help=help, fix=fix)
