@@ -33,8 +33,7 @@ class Sink:
     """
 
     def __init__(self) -> None:
-        # A dict keeps the order of insertion and finds repetitions in constant time. Its values are the further
-        # findings with the same cause.
+        # A dict keeps the order of insertion and finds repetitions; its values are further findings of one cause.
         self._found: dict[Diagnostic, dict[Note, None]] = {}
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}

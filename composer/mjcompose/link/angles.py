@@ -130,13 +130,10 @@ def _joints(unit: Unit) -> None:
             writer: Node | None = joint
             if written(joint, attribute) is None:
                 writer = _writer(joint, classes, childclass, attribute=attribute) if attribute in in_classes else None
-            if writer is None:
-                continue
-            turns = _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
-            if writer is joint:
-                if turns:
-                    own.append((joint, attribute))
-            else:
+            turns = writer is not None and _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
+            if writer is joint and turns:
+                own.append((joint, attribute))
+            elif writer is not None and writer is not joint:
                 given.setdefault((writer, attribute), []).append((joint, turns))
     # The joint defaults of its body apply to the slide joints of a flex's vertices.
     for flex in unit.root.iter("flexcomp") if in_classes else ():

@@ -128,15 +128,12 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
 def _report_ring(linking: Linking, waiting: list[Part]) -> None:
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
-    while True:
-        mount = ring[-1].mount
+    while ring[-1] not in ring[:-1]:
+        mount, image = ring[-1].mount, ring[-1].mirrors
         assert mount is not None
-        image = ring[-1].mirrors
-        host = image if image in waiting else by_root[mount.getroottree().getroot()]
-        if host in ring:
-            break
-        ring.append(host)
-    ring = [*ring[ring.index(host) :], host]
+        ring.append(image if image in waiting else by_root[mount.getroottree().getroot()])
+    host = ring[-1]
+    ring = ring[ring.index(host) :]
     linking.sink.error(
         "attach-cycle",
         "parts are attached to one another: " + " to ".join(f"`{part.called}`" for part in ring),
@@ -172,22 +169,19 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
 def _report_missing_place(linking: Linking, part: Part) -> None:
     kind, name = part.place.kind, part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
-    names = [
-        *(each for each in linking.names.known(kind) if not each.startswith(part.prefix or "\0")),
-        *(each for of_kind, each in added if of_kind == kind),
-    ]
+
+    def known(kind: str) -> list[str]:
+        return [each for each in linking.names.known(kind) if not each.startswith(part.prefix or "\0")]
+
+    names = [*known(kind), *(each for of_kind, each in added if of_kind == kind)]
     notes = [exists_note(kind, names, name)]
-    other = [
-        *(each for each in linking.names.kinds_of(name) if each != kind),
-        *(each for each, of_name in added if of_name == name),
-    ]
+    kinds = [each for each in linking.names.kinds_of(name) if each != kind]
+    other = [*kinds, *(each for each, of_name in added if of_name == name)]
     near, fix = closest(name, names), None if other else renaming(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
-    if not near and not names:
-        bodies = [each for each in linking.names.known("body") if not each.startswith(part.prefix or "\0")]
-        if bodies and kind != "body":
-            notes.append(exists_note("body", bodies, name))
-            help = "attach it to a body, with a `pos` if need be: `body: NAME`"
+    if not near and not names and kind != "body" and (bodies := known("body")):
+        notes.append(exists_note("body", bodies, name))
+        help = "attach it to a body, with a `pos` if need be: `body: NAME`"
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
@@ -326,9 +320,8 @@ class _PartAttachment:
 
     def _add_sensing_body(self, sense: Sense) -> None:
         """Create the body that carries the part, with its site and its sensors."""
-        unit, origins = self.part.unit, self.linking.base.origins
-        body = self._enter("body", {"name": sense.name})
-        site = self._add("site", {"name": sense.name})
+        unit = self.part.unit
+        body, site = self._enter("body", {"name": sense.name}), self._add("site", {"name": sense.name})
         # The classes of the place are for other sites.
         if self.linking.base.classes.give("site", *_GIVEN):
             site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
@@ -342,7 +335,7 @@ class _PartAttachment:
             unit.origins.own(sensor, sense.span)
             made.append(("sensor", name, sensor))
         for kind, name, node in made:
-            origins.own(node, sense.span)
+            self.linking.base.origins.own(node, sense.span)
             message = f"`sense` of `{self.part.called}` makes the {kind} `{name}`, and the model has one of that name"
             help = "give it another name: `sense: {name: wrist, force: true}`"
             self._declare(kind, name, node, message=message, help=help, at=sense.span)

@@ -149,8 +149,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
 
 def _claim_world(unit: Unit, name: str) -> None:
     """Set the top class on elements in the world without a class. Below a body, its `childclass` has this effect."""
-    # The world itself cannot take a class: `<worldbody childclass="c">` is "World body cannot have attributes" in
-    # MuJoCo 4.0.
+    # The world itself cannot take a class: "World body cannot have attributes" in MuJoCo 4.0.
     for worldbody in unit.root.iterchildren("worldbody"):
         for element in worldbody:
             tag = element.tag
@@ -286,8 +285,7 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
     own = unit.classes.get(actuator.get("class"))
     alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
     common = GRAMMAR.element("actuator/motor").attributes
-    # A `kv` next to the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
-    # MuJoCo 4.0.
+    # Next to the actuator's own: "kv and dampratio cannot both be defined" in MuJoCo 4.0.
     one_of = ("kv", "dampratio")
     excluded = one_of if any(actuator.get(name) is not None for name in one_of) else ()
     for name, attribute in GRAMMAR.element(f"actuator/{tag}").attributes.items():

@@ -257,8 +257,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
     changed: set[Node] = set()
     for geom, _ in list(walk_bodies(unit.root)):
         if geom.tag == "geom" and found.is_gone(geom):
-            # MuJoCo 4.0 leaves the mass of the geom in the body: of geoms of 1 and 2 kg, the body weighs 3 without the
-            # second, too.
+            # MuJoCo 4.0 leaves the mass of the geom in the body: without the second of 1 and 2 kg it weighs 3, too.
             body = next((each for each in geom.iterancestors("body") if not found.is_gone(each)), None)
             if body is not None:
                 changed.add(body)
@@ -338,8 +337,7 @@ def _make_frame(body: Node, frames: set[str]) -> None:
 
 def _own_elements_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
     """Put a body's own elements before those of fused bodies, as MuJoCo numbers them. Return the bodies, at the end."""
-    # Under `fusestatic` MuJoCo 4.0 counts the geom of `<body><joint/><body><geom/></body><geom/></body>` first that is
-    # written last.
+    # Under `fusestatic` MuJoCo 4.0 counts the last geom of `<body><joint/><body><geom/></body><geom/></body>` first.
     first: list[Node] = []
     inner: list[Node] = []
     for child in list(parent):
@@ -385,8 +383,7 @@ def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None
 
 def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
     """Remove the mass of bodies that are fused with the world, so the part adds no mass at its place."""
-    # MuJoCo gives the world no mass, whatever its geoms: `body_mass` of `<worldbody><geom size=".1"/></worldbody>` is
-    # 0.
+    # MuJoCo gives the world no mass: `<worldbody><geom size=".1"/></worldbody>` has a `body_mass` of 0.
     heavy: list[Node] = []
     for body in bodies:
         weighty = [geom for geom in own(body, "geom") if has_mass(geom, unit.classes)]

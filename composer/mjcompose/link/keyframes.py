@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import dropwhile, takewhile
 
 from lxml.etree import _Element as Node
 
@@ -80,8 +81,9 @@ def cut_row(
     owners = layout.holders(vector)
     total = sum([width for _, width in owners])
     # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
+    what = f"`{vector}` of {called(element)}"
     if len(row) > total:
-        message = f"`{vector}` of {called(element)} has {len(row)} numbers, and `{unit.file}` takes {total}"
+        message = f"{what} has {len(row)} numbers, and `{unit.file}` takes {total}"
         linking.sink.error("keyframe-conflict", message, linking.span(unit, element, vector))
         return None
     taken: dict[Holder, list[Number]] = {}
@@ -94,12 +96,8 @@ def cut_row(
                     taken[holder] = row[at : at + whole]
             elif at < len(row) and linking.parts:
                 # MuJoCo has not filled it up. A model alone keeps its keys as they are written.
-                linking.sink.error(
-                    "keyframe-conflict",
-                    f"`{vector}` of {called(element)} ends in the middle of a joint, after {len(row)} of {total} "
-                    "numbers",
-                    linking.span(unit, element, vector),
-                )
+                message = f"{what} ends in the middle of a joint, after {len(row)} of {total} numbers"
+                linking.sink.error("keyframe-conflict", message, linking.span(unit, element, vector))
             break
         taken[holder] = row[at : at + width]
         at += width
@@ -132,21 +130,15 @@ def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector
         if block.tag == "flexcomp" and _is_turned(part, block):
             message = f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns"
             help = "omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body"
-            notes = (Note("the flex", linking.span(part.unit, block)),)
-            linking.sink.error(
-                "not-supported", message, key.span(vector), notes=notes, help=help, subjects=(part.called,)
-            )
+            notes, subjects = (Note("the flex", linking.span(part.unit, block)),), (part.called,)
+            linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=subjects)
 
 
 def _is_turned(part: Part, flex: Node) -> bool:
     """Return whether the place of the part turns a flex at its root."""
-    own, node = True, flex.getparent()
-    while node is not None and node.tag == "frame":
-        own = own and node.get("childclass") != part.top_class
-        if not own and any(node.get(name) for name in ORIENTATIONS):
-            return True
-        node = node.getparent()
-    return False
+    frames = list(takewhile(lambda node: node.tag == "frame", flex.iterancestors()))
+    above = dropwhile(lambda node: node.get("childclass") != part.top_class, frames)
+    return any(node.get(name) for node in above for name in ORIENTATIONS)
 
 
 def called(key: Node) -> str:
@@ -159,15 +151,13 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
     if pose is None or pose.is_identity:
         return
     by = (part.called, part.span)
-    if vector in ("qpos", "qvel"):
-        for joint, slot in layout.joints.items():
-            if slot.free and joint in taken:
-                taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by)
-    elif vector in ("mpos", "mquat"):
-        for body in layout.mocaps:
-            if body in taken:
-                now = _place_vector(pose, vector, numbers.read(" ".join(texts(taken[body]))))
-                taken[body] = moved(taken[body], numbers.text(now).split(), by)
+    for joint, slot in layout.joints.items() if vector in ("qpos", "qvel") else ():
+        if slot.free and joint in taken:
+            taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by)
+    for body in layout.mocaps if vector in ("mpos", "mquat") else ():
+        if body in taken:
+            now = _place_vector(pose, vector, numbers.read(" ".join(texts(taken[body]))))
+            taken[body] = moved(taken[body], numbers.text(now).split(), by)
 
 
 def _place_vector(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
@@ -366,9 +356,8 @@ def _check_attached(linking: Linking) -> None:
         if part.pose_in_world is not None and not part.pose_in_world.is_identity:
             message = f"the model attached here has keys with poses of its free bodies, and `{part.called}` moves it"
             help = f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe"
-            linking.sink.error(
-                "not-supported", message, linking.span(part.unit, attach), help=help, subjects=(part.called,)
-            )
+            span = linking.span(part.unit, attach)
+            linking.sink.error("not-supported", message, span, help=help, subjects=(part.called,))
 
 
 def _check_kept(linking: Linking) -> None:
@@ -377,10 +366,9 @@ def _check_kept(linking: Linking) -> None:
         unit = linking.base if part is None else part.unit
         for key in keys_of(unit) if _policy(linking, part) != "none" else ():
             if key.get("plastic"):
-                linking.sink.error(
-                    "not-supported",
+                message, span = (
                     f"`plastic` of {called(key)} cannot be carried over yet",
                     linking.span(unit, key, "plastic"),
-                    help="omit the keys: `drop: [key]`",
-                    cause=Cause(f"plastic in {unit.file}", called(key)),
                 )
+                cause = Cause(f"plastic in {unit.file}", called(key))
+                linking.sink.error("not-supported", message, span, help="omit the keys: `drop: [key]`", cause=cause)

@@ -102,10 +102,8 @@ class _UnitRenaming:
                 element.set("objname", self.prefix + name)
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
                 message = f"a tuple refers to the key `{name}`, which `drop: [key]` drops"
-                help = "drop the tuple, too: `drop: [tuple]`"
-                self.linking.sink.error(
-                    "unknown-name", message, self.linking.span(unit, element, "objname"), help=help, subjects=(name,)
-                )
+                help, span = "drop the tuple, too: `drop: [tuple]`", self.linking.span(unit, element, "objname")
+                self.linking.sink.error("unknown-name", message, span, help=help, subjects=(name,))
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
         attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
@@ -208,8 +206,7 @@ class UnitNames:
         if namespace == "key" or (not value and kind != GENERATES):
             return  # keys are named when they are laid out
         if kind == _NAMED_BY_FILE:
-            # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is the mesh
-            # `x.y`.
+            # MuJoCo 4.0 takes the name from the file, without its last suffix: `<mesh file="x.y.obj"/>` is `x.y`.
             if not element.get("name"):
                 name = self.prefix + stem(value)
                 if self.prefix:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Set
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 
 from lxml.etree import _Element as Node
 
@@ -143,11 +143,8 @@ def spare_added(linking: Linking) -> None:
     """Write out the replicates of the finished model that would multiply the recipe's additions; report the others."""
     base = linking.base
     nests = list(_outermost(base))
-    added = (
-        {each for each in multiplied_elements(base) if not isinstance(base.origins.owner(each, base.file), str)}
-        if nests
-        else ()
-    )
+    candidates = multiplied_elements(base) if nests else ()
+    added = {each for each in candidates if not isinstance(base.origins.owner(each, base.file), str)}
     if not added:
         return
     index_of = cache(lambda unit: NameIndex.of(unit.root))
@@ -156,27 +153,22 @@ def spare_added(linking: Linking) -> None:
     linking.names.declared = index_of(base).declared
     for nest in nests:
         inside = list(inner_first(nest))
-        multiplied = [
-            each
-            for each in added
-            if any(resolves_in_copies(linking, each, replicate, places=places, made=made) for replicate in inside)
-        ]
+        resolves = partial(resolves_in_copies, linking, places=places, made=made)
+        multiplied = [each for each in added if any(resolves(each, replicate) for replicate in inside)]
         if multiplied and _is_separate(base, index_of, nest, inside=inside, spared=multiplied):
             for each in inside:
                 _write_out(linking, base, each)
             linking.names.declared = NameIndex.of(base.root).declared
             continue
         for element in sorted(multiplied, key=places.__getitem__):
+            called, place = shown_name(element), linking.span(base, nest)
             linking.sink.error(
                 "not-supported",
-                f"MuJoCo would multiply the `<{element.tag}>` {shown_name(element)} with the contents of a "
-                "`<replicate>`",
-                linking.span(base, element),
-                notes=(Note("the `<replicate>`", linking.span(base, nest)),),
+                f"MuJoCo would multiply the `<{element.tag}>` {called} with the contents of a `<replicate>`",
+                linking.span(base, element), notes=(Note("the `<replicate>`", place),),
                 help="write the copies out instead of `<replicate>`",
-                cause=Cause(f"multiplied by line {linking.span(base, nest)}", shown_name(element)),
-                subjects=(str(element.get("name") or ""),),
-            )
+                cause=Cause(f"multiplied by line {place}", called), subjects=(str(element.get("name") or ""),),
+            )  # fmt: skip
 
 
 _IndexOf = Callable[[Unit], NameIndex]
@@ -285,8 +277,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
             # As a quaternion, since the model may read `euler` in another sequence, or in radians.
             made.set("pos", numbers.text(pose.pos))
             made.set("quat", numbers.text(pose.quat))
-        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, like the `childclass` of a
-        # `<frame>`.
+        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, as of a `<frame>`.
         if replicate.get("childclass"):
             made.set("childclass", str(replicate.get("childclass")))
         for node in made.iterdescendants("*"):

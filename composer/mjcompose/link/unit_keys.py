@@ -14,7 +14,7 @@ import copy
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field, replace
-from itertools import accumulate
+from itertools import accumulate, product
 
 from lxml.etree import _Element as Node
 from lxml.etree import tostring
@@ -327,8 +327,7 @@ def _shape(flex: Node) -> str:
 
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     """Complete short rows with the numbers that MuJoCo would use, which are measured."""
-    # MuJoCo 4.0 fills `qpos` up from the reference configuration: `<key qpos="1"/>` with `<joint/><joint ref="30"/>`
-    # becomes 1 0.5236.
+    # MuJoCo 4.0 fills `qpos` up from the reference: `<key qpos="1"/>` with `<joint/><joint ref="30"/>` is 1 0.5236.
     keys = keys_of(unit)
     for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
         rows = [str(key.get(vector) or "").split() for key in keys]
@@ -387,9 +386,8 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 def final_layout(linking: Linking) -> Layout | None:
     known = {**linking.keys.measured, **_slots(linking)}
-    for node in linking.keys.reshaped:
-        known.pop(node, None)
-        linking.keys.measured.pop(node, None)
+    for node, slots in product(linking.keys.reshaped, (known, linking.keys.measured)):
+        slots.pop(node, None)
     try:
         return lay_out(linking.base, known)
     except Unknown as unknown:

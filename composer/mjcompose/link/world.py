@@ -205,8 +205,7 @@ def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
 
 def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     part, first = hung.part, found[0]
-    named = f" `{first.get('name')}`" if first.get("name") else ""
-    more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
+    named, more = _named(first), f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
         why, note = "a `<replicate>` makes several of it", Note("here", linking.span(linking.base, hung.copied))
         help = "omit it (`drop`), or attach the part in the model with the `<replicate>`"
@@ -338,8 +337,12 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
 
 
 def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:
-    named = f" `{element.get('name')}`" if element.get("name") else ""
-    linking.sink.warning("world-frame", f"{element.tag}{named} {what}", linking.span(part.unit, element), help=help)
+    message = f"{element.tag}{_named(element)} {what}"
+    linking.sink.warning("world-frame", message, linking.span(part.unit, element), help=help)
+
+
+def _named(element: Node) -> str:
+    return f" `{element.get('name')}`" if element.get("name") else ""
 
 
 def sections(linking: Linking) -> None:
