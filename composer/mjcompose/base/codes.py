@@ -182,7 +182,6 @@ RULES: set[str] = set()
 OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
 """Prefixes of the codes about files and addresses that do not exist or are out of reach."""
 
-
 _PASTED = re.compile(r"(?:(?:error|warning|note)?\[)?([\w-]+)\]?:?")
 _LINK = re.compile(r"\[([^]]+)\]\((?!\))[^)]*\)")
 _CODE = re.compile(r"`([^`]+)`")

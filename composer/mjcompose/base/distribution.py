@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 Support = tuple[float, float]
 """The least and the greatest number that may be drawn."""
 
-
 CHOICE = "choice"
 """The key for drawing one of several values, which need not be numbers."""
 

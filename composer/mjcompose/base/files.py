@@ -427,7 +427,6 @@ def _text(path: str) -> bytes:
 
 _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.files", default=None)
 
-
 STDIN = "<stdin>"
 """The name of standard input in messages: a recipe in the current folder that is in no file."""
 _piped: dict[str, bytes] = {}

@@ -75,7 +75,6 @@ Datasheets = Annotated[
     dict[str, Sheet], Expects("a mapping from names to data sheets", "{NAME: {effort: 4.1, source: …}}")
 ]
 
-
 SHEETS: Table[Sheet] = Table("datasheets", {}, "", kind=Sheet)
 """The data sheets of other packages that recipes have named."""
 

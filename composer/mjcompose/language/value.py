@@ -76,7 +76,6 @@ def name_fault(name: str, owner: str, at: Path) -> Fault | None:
 
 Single = bool | int | float | str | Angle
 
-
 Value = Single | tuple[Single, ...]
 
 

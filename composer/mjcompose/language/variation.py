@@ -54,7 +54,6 @@ Combinations = Annotated[
     Expects("a list of mappings from axes to values", "[{load: 1}]"),
 ]
 
-
 _NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
 _SCHEMAS: Mapping[str, Schema] = {
     "bool": {"type": "boolean"}, "int": {"type": "integer"}, "float": _NUMBER, "string": {"type": "string"},

@@ -28,7 +28,6 @@ from mjcompose.tree.unit import Unit
 Name = tuple[str, str]
 """Namespace and name."""
 
-
 Within = tuple[tuple[Node, int], ...]
 """The number of a copy in each `<replicate>` that makes it, innermost first."""
 
@@ -200,7 +199,6 @@ JOINTS = ("joint", "freejoint")
 BLOCKS = ("flexcomp", "composite", "attach")
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
 _ACTIVATIONS = {"motor": 0, "velocity": 0, "damper": 0, "adhesion": 0, "intvelocity": 1, "cylinder": 1, "muscle": 1}
-
 
 Holder = Node | Copy
 """A holder of numbers of a key: an element, or one of the copies that MuJoCo makes of it."""

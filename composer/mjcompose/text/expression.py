@@ -78,7 +78,6 @@ FUNCTIONS: Mapping[str, Function] = {
     "rad": Function(math.radians),
 }  # fmt: skip
 
-
 UNITS: Mapping[str, Literal["deg", "rad"]] = {"deg": "deg", "rad": "rad"}
 ANGLE_PATTERN = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?(?:deg|rad)"
 _ANGLE = re.compile(ANGLE_PATTERN)

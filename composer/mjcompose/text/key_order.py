@@ -76,7 +76,6 @@ class Document:
 
 Path = tuple[str, ...]
 
-
 # Written by `composer/mjcompose/language/reference_page.py`.
 _TABLES = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
 

@@ -29,9 +29,7 @@ from mjcompose.tree.pattern import Selector
 
 Schema = dict[str, Any]
 
-
 REFERENCE = "mjcf"
-
 
 _DEFINITIONS: dict[str, Callable[[str], Schema]] = {}
 

@@ -294,7 +294,6 @@ VALUE: Schema = {"type": ["number", "boolean", "string", "array"], "items": {"ty
 Written = Annotated[Any, Checked(_value_fault), WithJsonSchema(VALUE)]
 """The value of a parameter: a number, a text, true or false, or a list of these."""
 
-
 WHEN: Schema = {
     "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
     "description": "The builds that this belongs to: values of variants and parameters, or one boolean `${…}`.",
