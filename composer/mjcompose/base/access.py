@@ -59,7 +59,6 @@ class Door:
         return self.sees_all or self._is_seen(text, _mode(text))
 
     def exists(self, path: str | os.PathLike[str]) -> bool:
-        """Return whether a path exists and the reader may see it."""
         return self.sees(path) and os.path.exists(path)
 
     def admit(self, path: str | os.PathLike[str]) -> Passed:
@@ -85,7 +84,6 @@ class Door:
         return passed
 
     def read(self, path: str | os.PathLike[str], most: int | None = None) -> bytes:
-        """Return the bytes of a file. Raises Refused, and OSError as `read_regular` does."""
         return read_regular(self.admit(path), most)
 
     def search(self, pattern: str, looks: Iterator[int] | None = None) -> list[str]:

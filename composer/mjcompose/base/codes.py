@@ -226,7 +226,6 @@ def _urls() -> tuple[str, ...]:
 
 
 def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
-    r"""Return the page formatted for a terminal, without a final line break."""
     paint = Paint(color)
     return "\n\n".join("\n".join(_shown(block, width, paint)) for block in _blocks(markdown))
 

@@ -112,7 +112,6 @@ class TruncNormal(_Between):
 
     @property
     def is_empty(self) -> bool:
-        """Whether almost nothing of the distribution is between the two."""
         return (self.low - self.mean) / self.std > FARTHEST or (self.high - self.mean) / self.std < -FARTHEST
 
     @cached_property

@@ -52,7 +52,6 @@ def names(group: str) -> dict[str, str]:
 
 
 def is_registered(group: str, word: str) -> bool:
-    """Return whether an installed package registers the word. Nothing is imported."""
     return word in _installed(group)
 
 

@@ -69,7 +69,6 @@ Mark = tuple[int, int, int] | None
 
 
 def mark_of(path: str | os.PathLike[str]) -> Mark:
-    """Return the mark of a file; None if it does not exist."""
     try:
         found = os.stat(path)
     except OSError:
@@ -115,7 +114,6 @@ def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
 
 
 def real_path(path: str | os.PathLike[str]) -> str:
-    """Return the real path of a path, which need not exist."""
     text = os.fspath(path)
     folder, name = os.path.split(text)
     if name in ("", os.curdir, os.pardir) or os.path.islink(text):
@@ -289,7 +287,6 @@ class Run:
         self._written: set[str] = set()
 
     def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
-        """Note files that are read."""
         for path in paths:
             text = os.fspath(path)
             if text not in self._noted and not is_scratch(text):
@@ -497,7 +494,6 @@ class Foreign:
         return f"`{text}` is {self.name}, which mjcompose does not read"
 
     def help(self, text: str) -> str:
-        """Return what to do about a file."""
         suffix = PurePath(text).suffix
         return self.advice.format(file=text, stem=text.removesuffix(suffix) + "_mjcf" * (suffix == ".xml"))
 
@@ -508,5 +504,4 @@ _FORMATS = {**dict.fromkeys((".sdf", ".world"), SDF), **dict.fromkeys((".usd", "
 
 
 def foreign_format(path: PurePath) -> Foreign | None:
-    """Return the format of a file by its suffix, if it is one of these. No I/O."""
     return _FORMATS.get(path.suffix.lower())

@@ -333,7 +333,6 @@ def _next(waiting: queue.SimpleQueue[_Item | None]) -> _Item | None:
 
 
 def cores() -> int:
-    """Return how many processes can run at once on the cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -73,7 +73,6 @@ class Pose:
 
 
 def multiply(a: Quat, b: Quat) -> Quat:
-    """Return the Hamilton product: the rotation ``b`` followed by ``a``."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -201,7 +200,6 @@ def axisangle_of(quat: Quat, near: Sequence[float] = (0.0, 0.0, 1.0)) -> tuple[V
 
 
 def unit(vec: Sequence[float]) -> Vec3:
-    """Return `vec` at unit length; unchanged if it has that already."""
     x, y, z = vec
     norm = math.sqrt(x * x + y * y + z * z)
     if norm < _TINY:

@@ -60,7 +60,6 @@ class Sink:
         return lambda: vars(self).update(before)
 
     def fork(self) -> Sink:
-        """Return an empty `Sink` that suppresses the same names."""
         sink = Sink()
         sink.suppress_about(self._lost)
         return sink

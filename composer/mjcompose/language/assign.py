@@ -225,7 +225,6 @@ TAGS = (
 
 @definition("of")
 def _definition_of_classes(kind: str) -> Schema:
-    """Return the condition on the values that are given to default classes; `kind` is the definition for one tag."""
     rows = {
         tag: {**reference(f"{kind}:{tag}"), "description": f"the class's value of `{tag}`"}
         for tag in GRAMMAR.section(_CLASSES).children

@@ -306,7 +306,6 @@ class Attachment(Model):
 
     @property
     def place(self) -> tuple[str, str]:
-        """Return kind and name of the part's place; `world` without a name for the world."""
         named = ((kind, getattr(self, kind)) for kind in PLACES)
         return next(((kind, name) for kind, name in named if name is not None), ("world", ""))
 

@@ -116,7 +116,6 @@ class CheckEntry(Model):
 
 
 def checks_of(section: Mapping[str, CheckEntry]) -> Iterator[Check]:
-    """Yield the checks of a section `check`, in the order of the table for each name."""
     for name, entry in section.items():
         for word, check in entry.kinds.items():
             if not check.at:  # it is written as a list

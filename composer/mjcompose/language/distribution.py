@@ -55,12 +55,10 @@ class FieldDistribution:
 
     @property
     def components(self) -> int | None:
-        """Return how many components the value must have, or None for any number."""
         return next((len(each) for each in self.parameters.values() if len(each) > 1), None)
 
     @property
     def is_whole(self) -> bool:
-        """Return whether one draw is a whole value with all its numbers."""
         return self.kind == CHOICE and not all(_is_number(each) or isinstance(each, Angle) for each in self.values)
 
     def of(self, component: int) -> Distribution:
@@ -136,7 +134,6 @@ class Written(Model):
         return f"field `{at[-3] if at[-2] in ('scale', 'offset') else at[-2]}`"
 
     def numbers(self) -> dict[str, tuple[Any, ...] | None]:
-        """Return the parameters by name, None for a mean that is not written."""
         return {name: getattr(self, name) for name in type(self).model_fields}
 
 

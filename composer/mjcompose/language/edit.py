@@ -75,7 +75,6 @@ class Verb(Model):
         raise NotImplementedError
 
     def changes(self, tag: str | None) -> Changed:
-        """Return the attributes that it changes, if the selector has a tag."""
         return ()
 
 

@@ -28,6 +28,7 @@ from mjcompose.language.value import (
 from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
 from mjcompose.tree.grammar import GRAMMAR, ElementType, number_text
+from mjcompose.tree.values import either
 
 _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
 
@@ -267,15 +268,15 @@ class Reader:
         groups = [tag for tag, child in kind.children.items() if name in child.attributes]
         siblings = GRAMMAR.element("body").children
         if not near and not groups and kind.tag in siblings:
-            owners = [f"`{tag}`" for tag, each in siblings.items() if name in each.attributes]
+            owners = [tag for tag, each in siblings.items() if name in each.attributes]
             if 0 < len(owners) <= _OWNERS:
-                help = f"it is an attribute of {_either(owners)}"
+                help = f"it is an attribute of {either(owners)}"
         if name in GRAMMAR.root.children:
             help, fix = f"write it in the section `{name}`", None
         if len(groups) == 1 and not near:
             help = f"write it in `{groups[0]}: {{…}}`"
         elif 1 < len(groups) <= _OWNERS and not near:
-            help = f"write it in {_either([f'`{tag}`' for tag in groups])}"
+            help = f"write it in {either(groups)}"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
             help, fix = f"write `objtype: {name}, objname: {value}`", None
         items = value if isinstance(value, list) else [value]
@@ -295,10 +296,6 @@ class Reader:
                 self.faults.append(fault)
             else:
                 yield name, item
-
-
-def _either(words: list[str]) -> str:
-    return ", ".join(words[:-1]) + " or " * (len(words) > 1) + words[-1]
 
 
 def label(tag: str, value: Any) -> str:

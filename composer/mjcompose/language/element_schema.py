@@ -151,7 +151,6 @@ def _definition_of_named(path: str) -> Schema:
 
 
 def nameless() -> dict[str, Schema]:
-    """Return the key that says that the key of an entry is not the name of the element."""
     return {NAME: reference("nameless")}
 
 

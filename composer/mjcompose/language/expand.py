@@ -118,13 +118,11 @@ class Condition:
 
 
 def has_conditions(node: Node) -> bool:
-    """Return whether some item of a recipe belongs to some builds only."""
     mappings = ((path, each) for path, _, each in walk(node) if isinstance(each, Mapping))
     return any(WHEN in each.entries and _is_item(path) for path, each in mappings)
 
 
 def _is_item(path: Path) -> bool:
-    """Return whether the item at this path may have a condition."""
     own = in_own_model(path)
     from mjcompose.language.recipe import DEPTHS  # the forms of the language, which few commands need before this
 

@@ -208,7 +208,6 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
 
 
 def _words(node: Node) -> list[str]:
-    """Return the texts of a list of texts, or a single text."""
     items = node.items if isinstance(node, Sequence) else (node,)
     texts = [item.text for item in items if isinstance(item, Scalar) and item.text]
     return texts if len(texts) == len(items) else []

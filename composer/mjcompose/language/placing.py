@@ -40,7 +40,6 @@ OF_A_FILE = {
 
 
 def advice_to_choose(models: Sequence[str]) -> str:
-    """Return what to write to choose one of several models in each sample."""
     drawn = f"{{which: {{param: which, choice: [{', '.join(models)}]}}}}"
     return (
         f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and `randomize` with'
@@ -102,7 +101,6 @@ class Mirror(Model):
 
     @property
     def axes(self) -> tuple[int, int]:
-        """The numbers of the two axes: in the world, and in the part."""
         return _LETTERS.index(self.across), _LETTERS.index(self.symmetry or self.across)
 
 

@@ -83,7 +83,6 @@ class DrawField(Model):
 
     @property
     def operation(self) -> Operation:
-        """How a draw is used: as the value, as a factor, or as an offset."""
         return "set" if self.written else "scale" if self.scale is not None else "offset"
 
     @cached_property

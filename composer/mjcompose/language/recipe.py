@@ -111,7 +111,6 @@ WORLD = "world"
 
 
 def addable(place: str) -> Mapping[str, ElementType]:
-    """Return the elements that can be added to the world, a body or a frame."""
     return GRAMMAR.element("worldbody" if place == WORLD else place).children
 
 

@@ -34,7 +34,6 @@ def key_order() -> dict[str, dict[str, list[str]]]:
 
 
 def text() -> str:
-    """Return the order as the text of its file, with one mapping on each line."""
     tables = [
         f'  "{name}": {{\n'
         + ",\n".join(f"    {json.dumps(path)}: {json.dumps(keys)}" for path, keys in table.items())
@@ -167,7 +166,6 @@ def _is_of_mjcf(section: str, place: str) -> bool:
 
 
 def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:
-    """Yield a table of keys, without the steps that all of them begin with, which are its title."""
     steps = re.match(r"(\w+(?:\.[A-Z]+)?(?:\[\])?)\.", rows[0][0])
     start = steps[1] if steps and all(place.startswith(steps[0]) for place, _ in rows) else ""
     if start:
@@ -265,7 +263,6 @@ class _Keys:
         return found
 
     def about(self, schema: Schema) -> str:
-        """Return the description of a schema, or of the definition that it refers to."""
         target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})
         return " ".join((schema.get("description") or target.get("description", "")).split())
 

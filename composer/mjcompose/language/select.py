@@ -105,7 +105,6 @@ def read_selector(
 
 
 def advice_on_narrowing(name: str) -> str | None:
-    """Return the advice for a key of a selector that is next to it instead, or None for any other key."""
     return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 
@@ -170,7 +169,6 @@ def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any
 
 
 def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-    """Return the fault of an attribute that no element with the tag has."""
     known = sorted({each for kind in kinds for each in kind.attributes})
     help, fix = advised(name, known)
     if tag == "general" and name in ("kp", "kv"):

@@ -70,13 +70,11 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
 
 
 def _whole(path: Path) -> Path:
-    """Return the path of the omitted part. With a fault in an essential key, it is the whole part."""
     is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
     return path[:2] if is_made else path
 
 
 def _means(key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)) -> bool:
-    """Return whether a key, or its probable correction, is one of `keys`."""
     near = [str(key)] if key in known else closest(str(key), known)
     return any(meant in keys for meant in near)
 

@@ -68,7 +68,6 @@ def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True)
 
 
 def name_fault(name: str, owner: str, at: Path) -> Fault | None:
-    """Return the fault of a key that is a name, or None."""
     if not name.strip():
         return Fault("bad-name", f"a name in {owner} is empty", at, key=True)
     return unprintable(f"a name in {owner}", at, key=True) if is_unprintable(name) else None
@@ -154,7 +153,6 @@ def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
 
 
 def is_angular(attribute: Attribute, joint: str | None) -> bool:
-    """Return whether an attribute is an angle for a joint of this type."""
     turns = joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
     return attribute.angle == "joint" and turns
 
@@ -220,7 +218,6 @@ def instead(attribute: Attribute, value: object) -> Advice | None:
 
 
 def item_instead(attribute: Attribute, item: object) -> Advice | None:
-    """Return what to write instead of one number of a list, or None if that is not known."""
     if not isinstance(item, str):
         return None
     parts = items(item.replace(";", " "))

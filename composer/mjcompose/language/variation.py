@@ -153,7 +153,6 @@ def _inferred(sample: Value | None) -> tuple[str, str | None]:
 
 
 def _in_unit(value: Any, unit: str | None) -> Any:
-    """Return an angle with a unit as a number in the unit of its parameter."""
     angle = Angle.read(value) if isinstance(value, str) else value
     return angle.in_unit(str(unit)) if isinstance(angle, Angle) and unit in UNITS else value
 

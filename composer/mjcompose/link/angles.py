@@ -199,7 +199,6 @@ def note_flexes(linking: Linking) -> None:
 
 
 def in_world(linking: Linking) -> Iterator[Flex]:
-    """Yield the recorded flexes that are also in the world of the joined model."""
     for flex in linking.notes.flexes:
         part = flex.part
         if part is None or (part.place.kind == "world" and not part.has_body):
@@ -224,7 +223,6 @@ def keep_in_main(linking: Linking, top: Node) -> None:
 
 
 def undo_settings(given: Mapping[str, str]) -> dict[str, str]:
-    """Return the joint attributes that undo the top class's joint settings."""
     # As many numbers as are given, for the others are MuJoCo's own.
     undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
     return {name: " ".join(values) for name, values in undone.items() if values}

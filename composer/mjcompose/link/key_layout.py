@@ -65,7 +65,6 @@ class _Multiplied:
         return cls(element, (), str(element.get("name") or ""), refers=frozenset(refers))
 
     def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Multiplied:
-        """Return a copy that refers to the copies of the `lost` names."""
         refers = frozenset((kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers)
         name = self.name + suffix if self.name else ""
         return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
@@ -263,7 +262,6 @@ class Layout:
         return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
 
     def holders(self, vector: str) -> list[tuple[Holder, int]]:
-        """Return the owners of the numbers in a vector, in order, each with its count of numbers."""
         if vector in ("qpos", "qvel"):
             return [(joint, slot.widths[vector == "qvel"]) for joint, slot in self.joints.items()]
         if vector in ("ctrl", "act"):

@@ -111,7 +111,6 @@ compile each unit alone, with its own settings, files and angles
 def _pass(
     run: Callable[[Linking], None], words: str, needs: str, leaves: str = "", ends: str = "", **flags: bool
 ) -> Pass:
-    """Return a row of the table. The facts are given by their names."""
     needed, left, ended = (frozenset(Fact[name] for name in names.split()) for names in (needs, leaves, ends))
     return Pass(run, words, needs=needed, leaves=left, ends=ended, **flags)
 
@@ -199,7 +198,6 @@ _ROWS = {row.run: row for row in (*PASSES, *FINISHING)}
 
 
 def row_of(done: object) -> Pass | None:
-    """Return the row of a pass by its function, or None for anything else."""
     return _ROWS.get(done) if isinstance(done, FunctionType) else None
 
 
@@ -221,7 +219,6 @@ def link_alone(linking: Linking) -> None:
 
 
 def finish(linking: Linking) -> None:
-    """Run the passes that must wait until nothing more is added to the model."""
     for row in FINISHING:
         row.run(linking)
         linking.watch(linking.units, row.run)

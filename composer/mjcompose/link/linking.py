@@ -287,7 +287,6 @@ def detach(element: Node) -> None:
 
 
 def shown_name(element: Node) -> str:
-    """Return the name of an element as it follows the tag in messages."""
     return f"`{element.get('name')}`" if element.get("name") else "without a name"
 
 

@@ -283,7 +283,6 @@ class Survey:
         return not self.rows[element]
 
     def values(self, element: Node, array: str, width: int) -> list[float] | None:
-        """Return the values of an array for an element, or None if its copies differ."""
         numbers = self.arrays[array]
         found = [numbers[width * row : width * (row + 1)] for row in self.rows[element]]
         return found[0] if found and all(each == found[0] for each in found) else None

@@ -37,7 +37,6 @@ def _rare(item: str) -> float:
 
 
 def text(values: Iterable[float]) -> str:
-    """Return the shortest decimals that read back exactly, whole numbers without a point."""
     return " ".join(_one(value) for value in values)
 
 

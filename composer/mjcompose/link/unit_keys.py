@@ -249,7 +249,6 @@ _ACTUATORS = frozenset(
 
 
 def _with_attributes(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
-    """Return an element with only these attributes of another one, or with all of them."""
     attributes = {str(name): str(value) for name, value in source.attrib.items() if names is None or str(name) in names}
     return made.makeelement(str(source.tag), attributes)
 
@@ -315,7 +314,6 @@ _SHAPING = ("type", "count", "dim", "dof", "rigid", "file", "mesh", "point", "el
 
 
 def reshaped_flexes(linking: Linking) -> set[Node]:
-    """Return the flexes that edits give other vertices. Their numbers in keys are meaningless."""
     shapes = linking.keys.shapes
     return {flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))}
 

@@ -234,7 +234,6 @@ class Template:
 
     @property
     def is_one_name(self) -> str | None:
-        """The name, if the text is only `${name}`."""
         piece = self.pieces[0] if len(self.pieces) == 1 else ""
         return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
 

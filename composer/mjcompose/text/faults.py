@@ -137,7 +137,6 @@ class ParserStop:
 
     @property
     def sign(self) -> str:
-        """The first character of the construct that the parser was reading."""
         return self.text[self.since : self.since + 1]
 
     def line_start(self, index: int) -> int:
@@ -148,7 +147,6 @@ class ParserStop:
 
     @property
     def shown(self) -> str:
-        """The text where the parser stopped."""
         if self.at >= len(self.text):
             return "the end of the file"
         found = _WORD.match(self.text, self.at)

@@ -100,7 +100,6 @@ _LENIENT = Settings()
 
 
 def settings(context: Any) -> Settings:
-    """Return the settings in a pydantic context, or lenient ones if there are none."""
     return context if isinstance(context, Settings) else _LENIENT
 
 
@@ -207,7 +206,6 @@ def _adapter(form: Any) -> TypeAdapter[Any]:
 
 
 def validated(form: Any, value: Any, context: Any = None) -> Any:
-    """Return the value that a form reads. Raises pydantic's ValidationError."""
     if isinstance(form, type) and issubclass(form, BaseModel):
         return form.model_validate(value, context=context)
     return _adapter(form).validate_python(value, context=context)

@@ -77,7 +77,6 @@ class Model(BaseModel):
 
     @property
     def at(self) -> Path:
-        """The path from the top of the recipe, empty for values from Python."""
         return self._at
 
     @classmethod
@@ -151,7 +150,6 @@ def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
 
 @cache
 def is_whole(model: type[Model]) -> bool:
-    """Return whether a model is written as the value of its only field."""
     return any(info.alias == WHOLE for info in model.model_fields.values())
 
 
@@ -207,7 +205,6 @@ def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
 
 @cache
 def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
-    """Return the tables whose words are keys of the mapping, each with the alias of its field."""
     hidden = [info for info in model.model_fields.values() if info.alias is not None and is_hidden(info.alias)]
     return [(str(info.alias), rows) for info in hidden if (rows := rows_of(info)) is not None]
 

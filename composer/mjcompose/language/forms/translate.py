@@ -165,7 +165,6 @@ def _below(place: Spot, around: tuple[Any, ...]) -> Iterator[Spot]:
 
 
 def name_scopes(root: Any) -> dict[Path, Name]:
-    """Return which names may be written where, for the completion of editors."""
     names = ((each.at, each.marked(Name)) for each in spots(root))
     return {at: name for at, name in names if name is not None and name.scope}
 
