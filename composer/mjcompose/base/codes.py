@@ -186,6 +186,8 @@ _PASTED = re.compile(r"(?:(?:error|warning|note)?\[)?([\w-]+)\]?:?")
 _LINK = re.compile(r"\[([^]]+)\]\((?!\))[^)]*\)")
 _CODE = re.compile(r"`([^`]+)`")
 _ITEM = re.compile(r"(?:[-*]|\d+\.) ")
+_BLOCK = re.compile(r"^```.*?^```[^\n]*$|^#[^\n]*$|(?:^(?!```|#)[^\n]*\S[^\n]*\n?)+", re.MULTILINE | re.DOTALL)
+"""Code between fences, a title, or lines without an empty one."""
 
 
 def code_of(text: str) -> str | None:
@@ -227,26 +229,8 @@ def _urls() -> tuple[str, ...]:
 
 def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
     paint = Paint(color)
-    return "\n\n".join("\n".join(_shown(block, width, paint)) for block in _blocks(markdown))
-
-
-def _blocks(markdown: str) -> Iterator[list[str]]:
-    block: list[str] = []
-    for line in markdown.splitlines():
-        fenced = bool(block) and block[0].startswith("```")
-        if fenced:
-            block.append(line)
-            if line.startswith("```"):
-                yield block
-                block = []
-        elif line.startswith(("```", "#")) or not line.strip():
-            if block:
-                yield block
-            block = [line] if line.strip() else []
-        else:
-            block.append(line)
-    if block:
-        yield block
+    blocks = (found.rstrip("\n").split("\n") for found in _BLOCK.findall(markdown))
+    return "\n\n".join("\n".join(_shown(block, width, paint)) for block in blocks)
 
 
 def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from types import MappingProxyType
 from xml.parsers import expat
 
 from mjcompose.base.diagnostic import Fault, Note, Path
@@ -13,50 +14,36 @@ from mjcompose.tree.values import check_value, items, parse_real
 
 
 def report_missing(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
-    missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
-    if len(missing) == 1:
-        faults.append(missing_key(owner, missing[0].name, at, doc=missing[0].doc))
-    elif missing:
-        names = " and ".join(f"`{each.name}`" for each in missing)
-        notes = tuple(Note(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc))
-        help = f"write `{', '.join(f'{each.name}: …' for each in missing)}`"
-        message = f"{owner} lacks {names}"
-        absent_names = tuple(each.name for each in missing)
-        faults.append(Fault("missing-key", message, at, key=True, notes=notes, help=help, names=absent_names))
+    missing = {name: each.doc for name, each in kind.attributes.items() if each.required and name not in present}
+    faults += [missing_key(owner, *missing, at=at, docs=missing)] if missing else []
 
 
-def missing_key(owner: str, name: str, at: Path, doc: str = "") -> Fault:
-    notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
-    message = f"{owner} lacks `{name}`"
-    help = f"write `{name}: …`"
-    return Fault("missing-key", message, at, key=True, notes=notes, help=help, lacks=name, names=(name,))
+def missing_key(owner: str, *names: str, at: Path, docs: Mapping[str, str] = MappingProxyType({})) -> Fault:
+    """Return the fault of missing keys, which `docs` explain."""
+    notes = tuple(Note(f"`{name}` is: {doc}") for name, doc in docs.items() if doc not in ("", name))
+    message = f"{owner} lacks {' and '.join(f'`{name}`' for name in names)}"
+    help, lacks = f"write `{', '.join(f'{name}: …' for name in names)}`", names[0] if len(names) == 1 else None
+    return Fault("missing-key", message, at, key=True, notes=notes, help=help, lacks=lacks, names=names)
 
 
 def report_clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
     for rule in rules:
+        names = [name for bundle in rule.bundles for name in bundle]
+        fault = None
         if rule.kind == "exclusive":
             fault = _exclusive(rule, present, owner, at=at)
         elif rule.kind == "oneof":
-            complete = any(all(name in present for name in bundle) for bundle in rule.bundles)
-            needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
             lacking = min(([name for name in bundle if name not in present] for bundle in rule.bundles), key=len)
-            help = f"write `{', '.join(f'{name}: …' for name in lacking)}`"
-            choices = tuple(name for bundle in rule.bundles for name in bundle)
-            missing = Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help, names=choices)
-            fault = None if complete else missing
-        elif rule.kind == "together":
-            names = [name for bundle in rule.bundles for name in bundle]
-            fault = _incomplete(
-                [n for n in names if n in present], [n for n in names if n not in present], owner, at=at
-            )
-        else:
-            asking, asked = rule.bundles
-            asking_all = all(name in present for name in asking)
-            fault = _incomplete(asking, [n for n in asked if n not in present], owner, at=at) if asking_all else None
-        if fault is not None:
-            faults.append(fault)
+            if lacking:  # the fewest keys to add
+                needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
+                message, help = f"{owner} needs {needed}", f"write `{', '.join(f'{name}: …' for name in lacking)}`"
+                fault = Fault("missing-key", message, at, key=True, help=help, names=tuple(names))
+        elif rule.kind == "together" or all(name in present for name in rule.bundles[0]):
+            missing = [name for name in names if name not in present]
+            fault = _incomplete([name for name in names if name in present], missing, owner, at=at)
+        faults += [fault] if fault is not None else []
 
 
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
@@ -85,10 +72,6 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
     lacks = next(iter(missing)) if len(missing) == 1 else None
     names = (first, *missing)
     return Fault("missing-key", message, (*at, first), key=True, help=help, lacks=lacks, beside=True, names=names)
-
-
-def _says(name: str, doc: str) -> bool:
-    return doc not in ("", name)
 
 
 def check_fragment(

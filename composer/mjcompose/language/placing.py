@@ -249,7 +249,7 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
     for index, item in enumerate(value):
         element = _joint(reader, item, (index,))
         if isinstance(item, dict) and "name" not in item:
-            fault = missing_key("a joint in a list", "name", (index,))
+            fault = missing_key("a joint in a list", "name", at=(index,))
             help = "write `name: …`; the joint is called PREFIX/NAME"
             reader.faults.append(Fault(fault.code, fault.message, (index,), help=help))
         elif element is not None:

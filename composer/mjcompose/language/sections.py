@@ -354,7 +354,7 @@ class Typed(Elements):
         if PATH in value:
             steps = read_path(reader, kind, value[PATH], at=(name, PATH), owner=owner)
         elif not any(tag in value for tag in kind.children):
-            reader.faults.append(missing_key(owner, PATH, (name,)))
+            reader.faults.append(missing_key(owner, PATH, at=(name,)))
         for tag in kind.children:
             if tag in value:
                 message = f"`{tag}` of {owner} belongs into its `{PATH}`"
