@@ -258,9 +258,7 @@ def _or_null(schema: Schema) -> Schema:
     return {"if": {"type": "null"}, "else": inner, **about} if inner else schema
 
 
-@definition("null")
-def _definition_of_null(name: str) -> Schema:
-    return _or_null(define(name))
+definition("null")(lambda name: _or_null(define(name)))
 
 
 @definition("scalable")

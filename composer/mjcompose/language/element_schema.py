@@ -139,9 +139,7 @@ def _words(attribute: Attribute) -> list[Any]:
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
 
 
-@definition("element")
-def _definition_of_element(path: str) -> Schema:
-    return element(GRAMMAR.element(path))
+definition("element")(lambda path: element(GRAMMAR.element(path)))
 
 
 @definition("named")
@@ -241,6 +239,5 @@ def by_name(value: Schema) -> Schema:
     return {"type": "object", "additionalProperties": value}
 
 
-@definition("nameless")
-def _definition_of_nameless(_: str) -> Schema:
-    return {"const": "", "description": '`""`: the element has no name; the key is not its name'}
+_NAMELESS: Schema = {"const": "", "description": '`""`: the element has no name; the key is not its name'}
+definition("nameless")(lambda _: _NAMELESS)

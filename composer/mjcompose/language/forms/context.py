@@ -46,10 +46,7 @@ def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str],
     return register
 
 
-@definition("made")
-def _made(name: str) -> Schema:
-    """Return a reference to a definition derived from the whole schema: `InPlace`, `Piece`."""
-    return {"$ref": f"#/$defs/{name}"}
+definition("made")(lambda name: {"$ref": f"#/$defs/{name}"})  # what is derived from the whole schema
 
 
 def define(name: str) -> Schema:

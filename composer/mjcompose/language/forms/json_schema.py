@@ -19,15 +19,12 @@ from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole
 _TEMPLATE = r"\$\{"
 
 
-@definition("real")
-def _real(_: str) -> Schema:
-    return {"type": ["number", "string"], "pattern": _TEMPLATE, "patternErrorMessage": "expected a number, or ${…}"}
+def _number(kind: str, noun: str) -> Schema:
+    return {"type": [kind, "string"], "pattern": _TEMPLATE, "patternErrorMessage": f"expected {noun}, or ${{…}}"}
 
 
-@definition("whole")
-def _whole(_: str) -> Schema:
-    hint = "expected a whole number, or ${…}"
-    return {"type": ["integer", "string"], "pattern": _TEMPLATE, "patternErrorMessage": hint}
+definition("real")(lambda _: _number("number", "a number"))
+definition("whole")(lambda _: _number("integer", "a whole number"))
 
 
 class Generator(GenerateJsonSchema):

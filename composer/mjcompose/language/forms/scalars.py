@@ -366,10 +366,6 @@ def _code_fault(code: str) -> Fault | None:
     return Fault("wrong-keyword", f"the code `{code}` does not exist", notes=(note,), help=help, fix=fix)
 
 
-@definition("code")
-def code(_: str) -> Schema:
-    return {"enum": list(CODES)}
-
-
+definition("code")(lambda _: {"enum": list(CODES)})
 Code = Annotated[str, Checked(_code_fault), Expects("the code of a warning"), WithJsonSchema(reference("code"))]
 Codes = Annotated[tuple[Code, ...], Items(1, unique=True), Expects("a list of codes of warnings", "[convert-loss]")]
