@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +28,7 @@ class Sink:
     """Collects diagnostics in the order they are found; equal diagnostics are kept once.
 
     A code that is not in `CODES` is a bug of the caller and raises `KeyError`. Exceeding the limit `faults` raises
-    `TooManyFaults`.
+    `TooManyFaults`. A block `with sink:` ends at a `DiagnosticError`, whose diagnostic is added.
     """
 
     def __init__(self) -> None:
@@ -91,13 +90,13 @@ class Sink:
                 self._found[Diagnostic("limit-exceeded", message, None, help=advice("faults"))] = {}
                 raise TooManyFaults(self)
 
-    @contextmanager
-    def catching(self) -> Iterator[None]:
-        """Add the DiagnosticError that ends the block, if one does."""
-        try:
-            yield
-        except DiagnosticError as error:
+    def __enter__(self) -> Sink:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if isinstance(error, DiagnosticError):
             self.add(error.diagnostic)
+        return isinstance(error, DiagnosticError)
 
     def drop(self, diagnostic: Diagnostic) -> None:
         """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""

@@ -240,11 +240,11 @@ def build_worlds(task: Task, options: Options, table: Path) -> int:
     if not code and not chosen and not context.sink.has_errors:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
         context.sink.error("missing-key", f"`{task.maker.recipe}` is one model and has no worlds", help=help)
-    with context.sink.catching():
+    with context.sink:
         worlds.check_name(table)
     task.run.check(code or USAGE)
     joint = _Worlds(task, table)
-    with scratch("worlds") as folder, suppress(_Failed), context.sink.catching():
+    with scratch("worlds") as folder, suppress(_Failed), context.sink:
         try:
             study, bundle = joint.worlds(chosen, Shelf(folder), options)
         except LoadError as error:

@@ -51,7 +51,7 @@ def write_depfile(file: Path, outputs: Iterable[str], inputs: Iterable[Path], co
         return output + (MODEL if os.path.isfile(context.folder / output / MODEL) else MANIFEST)
 
     needed = sorted({os.path.abspath(context.folder / each) for each in inputs})
-    with context.sink.catching():
+    with context.sink:
         text = render_depfile(map(named, outputs), needed)
         with staged_file(context.folder / file, "--depfile") as stage:
             stage.write_bytes(os.fsencode(text))
@@ -90,7 +90,7 @@ def _component(part: Input, ref: str) -> dict[str, Any]:
 
 
 def write_sbom(file: Path, bundle: str, context: Context) -> None:
-    with context.sink.catching():
+    with context.sink:
         built = read(context.folder / bundle)
         text = render_sbom(from_json(built.files[MANIFEST]), built.sha256)
         with staged_file(context.folder / file, "--sbom") as stage:

@@ -121,7 +121,7 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
             return None
         return target if rewrite(target, migrated.files[model][1], context, option="-o") else None
     placed = None
-    with context.sink.catching(), staged_folder(target, "-o") as stage:
+    with context.sink, staged_folder(target, "-o") as stage:
         stage.mkdir()
         placed = lay_out(migrated, stage)[model].relative_to(stage)
     return None if placed is None else target / placed

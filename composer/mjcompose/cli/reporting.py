@@ -230,5 +230,5 @@ def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
         click.echo(text, nl=False)
         return
 
-    with context.sink.catching(), staged_file(context.folder / out, "--junit") as stage:
+    with context.sink, staged_file(context.folder / out, "--junit") as stage:
         stage.write_text(text, encoding="utf-8")

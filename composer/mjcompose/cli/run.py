@@ -246,7 +246,7 @@ class Run:
     @contextmanager
     def stopping(self, code: int) -> Iterator[None]:
         """End the command with this code if a DiagnosticError ends the block."""
-        with self.context.sink.catching():
+        with self.context.sink:
             yield
             return
         raise Stop(code)

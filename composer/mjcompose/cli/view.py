@@ -261,7 +261,7 @@ class _Rendering:
 
         operand, out, wish, session, kept = self.operand, self.out, self.wish, self.session, "render"
         context = operand.context
-        with context.sink.catching():
+        with context.sink:
             format_of(out, wish)  # before a model is built in vain
         if context.sink.has_errors or not check_given(operand, self.given):
             return None
@@ -278,7 +278,7 @@ class _Rendering:
         from mjcompose.tools.view.render import Format, format_of, render_sheet
 
         operand, out, context = self.operand, self.out, self.operand.context
-        with context.sink.catching():
+        with context.sink:
             assert format_of(out, self.wish) is Format.PNG, out
         if context.sink.has_errors:
             return None

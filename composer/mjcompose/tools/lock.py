@@ -85,7 +85,7 @@ def write_lock(
     if not _wrote_shapes(how.lock_file, shapes, before, context=context):
         return None
     if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
-        with context.sink.catching(), staged_file(how.lock_file, rewrites=True) as stage:
+        with context.sink, staged_file(how.lock_file, rewrites=True) as stage:
             stage.write_bytes(text)
         if context.sink.errors:
             return None
@@ -113,7 +113,7 @@ def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None
         return True
     from mjcompose.build.compose.preview import write_beside
 
-    with context.sink.catching():
+    with context.sink:
         write_beside(shapes_folder(lock_file), shapes)
         return True
     return False

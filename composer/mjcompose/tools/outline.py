@@ -314,7 +314,7 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
     # An existing file is a path, whatever colons it has.
     reference = text if not os.path.exists(path) or path.is_absolute() else os.path.join(".", text)
     source = None
-    with context.sink.catching():
+    with context.sink:
         source = resolve(
             reference, relative_to=context.folder, environment=context.environment, fetching=context.fetching
         )
@@ -362,7 +362,7 @@ def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
 
 def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
     unit = None
-    with context.sink.catching():
+    with context.sink:
         bundle = read(path, shown=text)
         unit = parse_text(bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem)
     if unit is None:

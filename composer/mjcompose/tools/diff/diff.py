@@ -48,7 +48,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             return ()
         views: list[View] = []
         used: set[str] = set()
-        with context.sink.catching():
+        with context.sink:
             for number, each in enumerate(answer.value["views"]):
                 first = re.sub(r"[^\w.-]+", "_", each["name"]).lstrip(".") or "camera"
                 stems = (first if count == 1 else f"{first}_{count}" for count in itertools.count(1))

@@ -175,7 +175,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
     if not os.path.exists(path) and (parts := split(text)) is not None:
         revision = parts[0]
-        with context.sink.catching():
+        with context.sink:
             path, files, own = _of_revision(revision, parts[1], own, opened=opened)
         if files is None:
             return None

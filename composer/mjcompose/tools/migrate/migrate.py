@@ -425,7 +425,7 @@ def found_model(model: str, context: Context) -> Path | None:
     path, folder = context.folder / model, context.folder
     if os.path.exists(path):
         return path
-    with context.sink.catching():
+    with context.sink:
         return resolve(model, relative_to=folder, environment=context.environment, fetching=context.fetching).path
     return None
 

@@ -274,7 +274,7 @@ def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context,
 
 
 def _wrote(content: bytes, out: Path, context: Context, inputs: Sequence[Path]) -> bool:
-    with context.sink.catching():
+    with context.sink:
         with staged_file(context.folder / out, "--html", inputs=inputs) as stage:
             stage.write_bytes(content)
         return True

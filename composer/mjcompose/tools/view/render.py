@@ -159,7 +159,7 @@ def render(
     option: str = "-o",
 ) -> bool:  # fmt: skip
     """Write a picture or film of a kept model, not over the files that were `read`; return False after an error."""
-    with suppress(_NotDrawn), context.sink.catching():
+    with suppress(_NotDrawn), context.sink:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out, option, inputs=read) as stage:
             picture = stage.with_name(stage.name + suffix)
@@ -269,7 +269,7 @@ def render_sheet(
 
 
 def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
-    with operand.context.sink.catching():
+    with operand.context.sink:
         with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
             engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
         return True
