@@ -38,7 +38,7 @@ READS_ITSELF = {
         build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at
         build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
-        sources/git_command.py:_contents sources/archives.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
+        sources/git_command.py:_contents sources/fetched.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
         build/cache/cache_key.py:tool_version tools/cluster/client.py:versions base/codes.py:page
@@ -61,9 +61,7 @@ READS_ITSELF = {
         mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled""",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
-        targets/readers/drake.py targets/readers/genesis.py targets/readers/mjx.py targets/readers/newton.py
-        targets/readers/pinocchio.py targets/readers/pybullet.py targets/readers/warp.py
-        targets/readers/shared/mujoco_facts.py""",
+        targets/readers/mjx.py targets/readers/pybullet.py targets/readers/warp.py targets/readers/shared/facts.py""",
 }
 """What opens files for reading by itself, and why; a whole module, or a function of it. That a user names a file is no
 reason: it may be a pipe, a device or 10 GB."""
@@ -84,16 +82,14 @@ WRITES_ITSELF = {
         build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
-        mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/drake.py
-        targets/readers/genesis.py targets/readers/newton.py targets/readers/pinocchio.py
-        targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
+        mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/shared/facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """
         tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
         sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
-        sources/blobs.py:is_left sources/archives.py:_write_archive sources/blobs.py:write_whole sources/download.py:_Download._write
+        sources/blobs.py:is_left sources/fetched.py:_write_archive sources/blobs.py:write_whole sources/download.py:_Download._write
         sources/git_command.py:write_tree sources/git_repository.py:replace_by_local
-        sources/git_repository.py:_Server.fill sources/archives.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
+        sources/git_repository.py:_Server.fill sources/fetched.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/guard.py:work""",
     "pages of this project, for `make schemas`": """
