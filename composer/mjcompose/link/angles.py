@@ -247,9 +247,8 @@ def check_flexes(linking: Linking) -> None:
             _refuse(linking, flex, f"the flex of `{called}` {message}", note=note)
         elif flex.part is not None and "joint" in linking.request.isolated_tags:
             # The recipe sets joint defaults of the base's top class.
-            while level is not None and level.name != linking.base_class:
-                level = level.parent
-            if level is not None:
+            above = [] if level is None else [each.name for each in level.line()]
+            if linking.base_class in above:
                 place = flex.part.place
                 message = (
                     f"the flex of `{flex.part.called}` would take the joint defaults that the recipe sets for `main`: "

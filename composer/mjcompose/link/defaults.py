@@ -13,6 +13,7 @@ written on the actuator.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Set
+from itertools import takewhile
 from typing import NamedTuple
 
 from lxml import etree
@@ -299,20 +300,13 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
 
 def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
     """Return the nearest class of an actuator's kind after the sections are wrapped."""
-    level: DefaultClass | None = own
-    while level is not None and not _is_of(level, tag):
-        level = level.parent
-    return level
+    return next((level for level in own.line() if _is_of(level, tag)), None)
 
 
 def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
     """Return the nearest class of an actuator's kind if the top class is the result of all sections."""
-    level: DefaultClass | None = own
-    while level is not None and level.name != MAIN:
-        if _is_of(level, tag):
-            return level
-        level = level.parent
-    return _found(classes, classes.get(MAIN), tag)
+    below = takewhile(lambda level: level.name != MAIN, own.line())
+    return next((level for level in below if _is_of(level, tag)), None) or _found(classes, classes.get(MAIN), tag)
 
 
 def _is_of(found: DefaultClass, tag: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import field
+from itertools import chain, count
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -14,7 +15,6 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.link.linking import FileUse, Linking, detach
-from mjcompose.tree.classes import DefaultClass
 from mjcompose.tree.edit import BadSkin, rename_bones
 from mjcompose.tree.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
 from mjcompose.tree.grammar import GRAMMAR, Attribute
@@ -90,13 +90,11 @@ class _Meanings:
         values = {name: self._classes.effective(element, None, name) for name in known}
         values.update({str(name): str(value) for name, value in element.items()})
         # A class gives child elements (`layer`) to an element, as it gives attributes.
-        inherited: list[Hashable] = []
-        level: DefaultClass | None = self._classes.get(element.get("class"))
-        while level is not None:
-            for given in level.elements.get(tag, ()):
-                inherited += [self._child(child) for child in given.iterchildren("*")]
-            level = level.parent
-        return self._written(element, known, values), tuple(inherited)
+        levels = self._classes.get(element.get("class")).line()
+        inherited = (
+            child for level in levels for given in level.elements.get(tag, ()) for child in given.iterchildren("*")
+        )
+        return self._written(element, known, values), tuple(self._child(child) for child in inherited)
 
     def _written(self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]) -> Hashable:
         attributes = tuple(
@@ -250,11 +248,9 @@ def _free_path(unit: Unit, tag: object, written: str, source: str, content: byte
         path = written
     # Some file systems do not distinguish cases: `A.obj` and `a.obj` get different paths.
     _, label, below = path.split("/", 2)
-    number = 1
-    while taken.setdefault(path.lower(), (source, content)) != (source, content):
-        number += 1
-        path = f"{ASSETS}/{label}-{number}/{below}"
-    return path
+    numbered = (f"{ASSETS}/{label}-{number}/{below}" for number in count(2))
+    here = source, content
+    return next(each for each in chain([path], numbered) if taken.setdefault(each.lower(), here) == here)
 
 
 def path_in_assets(settings: Settings, written: str) -> str:
@@ -292,10 +288,8 @@ def add_file(linking: Linking, file: NamedFile) -> None:
         return
     steps = file.name.replace("\\", "/").split("/")
     inside = "/".join(step for step in steps if step not in ("..", ".", ""))
-    path, number = f"{ASSETS}/{inside}", 1
+    paths = chain([f"{ASSETS}/{inside}"], (f"{ASSETS}/{number}/{inside}" for number in count(2)))
     taken = {use.path.lower(): use.source for use in linking.files}
-    while taken.get(path.lower(), source) != source:
-        number += 1
-        path = f"{ASSETS}/{number}/{inside}"
+    path = next(each for each in paths if taken.get(each.lower(), source) == source)
     file.element.set(file.attribute, path)
     linking.files.append(FileUse(file.element, file.attribute, path, source=source, content=None))

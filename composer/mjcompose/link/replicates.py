@@ -25,7 +25,7 @@ from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.files import read_settings
-from mjcompose.tree.names import DECLARES, REFERS, REFERS_BY, WORLD, NameIndex, naming_table, object_namespace
+from mjcompose.tree.names import REFERS, REFERS_BY, WORLD, NameIndex, declaration, naming_table, object_namespace
 from mjcompose.tree.unit import Unit
 
 
@@ -239,18 +239,14 @@ def _is_separate(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node],
     if next(nest.iter(*BLOCKS), None) is not None or scaled_above(nest) is not None:
         return False
     index = index_of(unit)
-    for node in nest.iterdescendants("*"):
-        for namespace, name in _names(node):
-            if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
-                return False
+    for declared in _names_in(nest):
+        if any(nest not in user.iterancestors() for user, _ in index.users(*declared)):
+            return False
     return not _multiplies(unit, index_of, inside, spared=spared)
 
 
-def _names(node: Node) -> Iterator[tuple[str, str]]:
-    for attribute, (kind, namespace) in naming_table("worldbody").get(str(node.tag), {}).items():
-        name = node.get(attribute)
-        if kind == DECLARES and name:
-            yield namespace, str(name)
+def _names_in(top: Node) -> Iterator[tuple[str, str]]:
+    return filter(None, (declaration(node, "worldbody") for node in top.iterdescendants("*")))
 
 
 def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
@@ -263,7 +259,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)
     poses = copy_poses(len(ends), (x, y, z), angles, sequence=settings.eulerseq, degrees=settings.angle == "degree")
-    declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
+    declared = set(_names_in(replicate))
     at = holder.index(replicate)
     for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):
         made = copy.deepcopy(replicate)

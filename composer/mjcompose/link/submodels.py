@@ -14,6 +14,7 @@ import os
 import posixpath
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import chain, count
 from pathlib import Path
 
 from lxml import etree
@@ -234,10 +235,10 @@ class _Bundler:
         files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
         if not self.keyed:
             files = {path: _without_keys(path, content) for path, content in files.items()}
-        number, free = 1, folder
-        while any(not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()):
-            number += 1
-            free = f"{folder}-{number}"
+        free = next(
+            each for each in chain([folder], (f"{folder}-{number}" for number in count(2)))
+            if all(_same_bytes(taken.get(each + path, content), content) for path, content in files.items())
+        )  # fmt: skip
         element.set("file", free + file.removeprefix(folder))
         kept = files[file.removeprefix(folder)]
         if isinstance(kept, bytes) and (again := parse_held(unit, file, kept, sink=Sink())) is not None:
@@ -249,11 +250,8 @@ class _Bundler:
 
     def _free(self, path: str, source: str) -> str:
         taken = {use.path: use.source for use in self.linking.files}
-        number, free = 1, path
-        while taken.get(f"{free}.xml", source) != source:
-            number += 1
-            free = f"{path}-{number}"
-        return free
+        paths = chain([path], (f"{path}-{number}" for number in count(2)))
+        return next(each for each in paths if taken.get(f"{each}.xml", source) == source)
 
     def _own_files(self, sub: Unit, path: str, *, above: tuple[str, ...]) -> None:
         """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
@@ -269,11 +267,9 @@ class _Bundler:
                 source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
             if source is None:
                 continue
-            below = name = path_in_assets(sub.settings, written)
-            number = 1
-            while taken.setdefault(name.lower(), source) != source:
-                number += 1
-                name = f"{number}/{below}"
+            below = path_in_assets(sub.settings, written)
+            names = chain([below], (f"{number}/{below}" for number in count(2)))
+            name = next(each for each in names if taken.setdefault(each.lower(), source) == source)
             element.set(attribute, f"{beside}/{name}")
             content = known if isinstance(known, bytes) else None
             self.linking.files.append(
