@@ -40,11 +40,8 @@ OF_A_FILE = {
 
 
 def advice_to_choose(models: Sequence[str]) -> str:
-    drawn = f"{{which: {{param: which, choice: [{', '.join(models)}]}}}}"
-    return (
-        f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and `randomize` with'
-        f" `fields: {drawn}`"
-    )
+    drawn = f"`randomize` with `fields: {{which: {{param: which, choice: [{', '.join(models)}]}}}}`"
+    return f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and {drawn}'
 
 
 def _model_fault(value: Any) -> Fault | None:

@@ -388,10 +388,8 @@ def passthrough(linking: Linking) -> None:
     if asking and others:
         unit, (other, texture) = asking[0][0], others[0]
         compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
-        message = (
-            f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with `{other.label}`, whose textures are "
-            "loaded"
-        )
+        which = f"`{other.label}`, whose textures are loaded"
+        message = f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with {which}"
         notes = (Note("such a texture", linking.span(other, texture)),)
         help = "set it in all of them, or in none"
         linking.sink.error("compiler-setting", message, linking.span(unit, compiler, _NAME), notes=notes, help=help)

@@ -250,12 +250,10 @@ def check_flexes(linking: Linking) -> None:
             above = [] if level is None else [each.name for each in level.line()]
             if linking.base_class in above:
                 place = flex.part.place
-                message = (
-                    f"the flex of `{flex.part.called}` would take the joint defaults that the recipe sets for `main`: "
-                    f"it is attached to the {place.kind} `{place.name}`"
-                )
+                why = f"it is attached to the {place.kind} `{place.name}`"
+                what = f"the flex of `{flex.part.called}` would take the joint defaults that the recipe sets for `main`"
                 note = "a flex takes the joint defaults of the body around it"
-                _refuse(linking, flex, message, note=note, subjects=(flex.part.called, place.name))
+                _refuse(linking, flex, f"{what}: {why}", note=note, subjects=(flex.part.called, place.name))
 
 
 def top_joint(unit: Unit) -> dict[str, str]:
@@ -308,9 +306,7 @@ def flex_turns(linking: Linking) -> None:
             continue
         report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning
         w, x, y, z = quat
-        message = (
-            f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: MuJoCo stretches it "
-            "alone, and not below a frame"
-        )
+        why = "MuJoCo stretches it alone, and not below a frame"
+        message = f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: {why}"
         help = f'write `quat="{numbers.text(normalize((w, x, y, z)))}"`, which only turns'
         report("not-supported", message, linking.span(flex.unit, flex.element, "quat"), help=help)

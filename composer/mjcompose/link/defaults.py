@@ -209,13 +209,11 @@ def top_level_defaults(linking: Linking) -> None:
                 break
         for actuator, _, kind, later in suspects:
             own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
-            message = (
-                f"the `<{actuator.tag}>` {shown_name(actuator)} would take another gain in the composition: its class "
-                f"{own}, and the top class of its file is written in several `<default>`"
-            )
+            why = f"its class {own}, and the top class of its file is written in several `<default>`"
+            what = f"the `<{actuator.tag}>` {shown_name(actuator)} would take another gain in the composition"
             notes = (Note("one of them sets actuators here", linking.span(unit, later)),)
             help = "join the top-level `<default>` sections of the file into one"
-            linking.sink.error("not-supported", message, linking.span(unit, actuator), notes=notes, help=help)
+            linking.sink.error("not-supported", f"{what}: {why}", linking.span(unit, actuator), notes=notes, help=help)
 
 
 def _suspects(unit: Unit) -> Iterator[_Suspect]:

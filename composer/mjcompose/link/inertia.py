@@ -218,10 +218,8 @@ def lengthranges(linking: Linking) -> None:
             if any(limits):
                 actuator.set("lengthrange", numbers.text(limits))
             elif rules and _is_muscle(actuator):
-                message = (
-                    f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a "
-                    "range"
-                )
+                why = "it leaves a muscle without a range"
+                message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {why}"
                 notes = (Note("the muscle", linking.span(unit, actuator)),)
                 help = "write the `lengthrange` of the muscle"
                 linking.sink.error("compiler-setting", message, linking.span(unit, rules[-1]), notes=notes, help=help)

@@ -113,10 +113,8 @@ def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key
     else:
         floats = vector in ("mpos", "mquat") and bool(taken)
     if replicate is not None and floats:
-        message = (
-            f"`{vector}` of {called(key.element)} has poses in the world, and `{part.called}` is attached in a "
-            "`<replicate>`, which makes several of each"
-        )
+        place = f"`{part.called}` is attached in a `<replicate>`, which makes several of each"
+        message = f"`{vector}` of {called(key.element)} has poses in the world, and {place}"
         notes = (Note("the `<replicate>`", linking.span(linking.base, replicate)),)
         help = "omit the keys: `drop: [key]`"
         linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=(part.called,))
@@ -249,11 +247,9 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
 
 def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
     for vector, element in reference.disagreeing[:1]:
-        name = element.get("name")
-        message = (
-            f"`{vector}` of {called(key.element)} has different numbers for the copies of "
-            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit moves out of its `<replicate>`"
-        )
+        name = f"`{element.get('name')}`" if element.get("name") else f"a `<{element.tag}>`"
+        which = f"the copies of {name}, which an edit moves out of its `<replicate>`"
+        message = f"`{vector}` of {called(key.element)} has different numbers for {which}"
         notes = (Note("it is written here", linking.span(linking.base, element)),)
         help = "omit the keys, `drop: [key]`, and write the key in the recipe"
         linking.sink.error("keyframe-conflict", message, key.span(vector), notes=notes, help=help)

@@ -118,10 +118,8 @@ def references_of(thing: Node) -> Iterator[tuple[str, str]]:
 
 
 def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
-    message = (
-        f"the `<replicate>` of `{unit.file}` would multiply the `<{thing.tag}>` {shown_name(thing)} of "
-        f"`{other.file}`, too"
-    )
+    what = f"the `<{thing.tag}>` {shown_name(thing)} of `{other.file}`"
+    message = f"the `<replicate>` of `{unit.file}` would multiply {what}, too"
     notes = (Note("MuJoCo would replicate this element", linking.span(other, thing)),)
     help = "write the copies out instead of `<replicate>`"
     linking.sink.error("not-supported", message, linking.span(unit, replicate), notes=notes, help=help)

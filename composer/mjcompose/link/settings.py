@@ -86,10 +86,8 @@ def is_leaf(body: Node) -> bool:
 
 
 def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_other: Node) -> None:
-    message = (
-        f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: "
-        "each has a free joint with settings of its own"
-    )
+    why = "each has a free joint with settings of its own"
+    message = f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: {why}"
     notes = (Note("it does not apply to this one", linking.span(unit, joint)),)
     help = 'make one of them a `<freejoint align="…"/>`'
     linking.sink.error("compiler-setting", message, linking.span(other, of_other), notes=notes, help=help)

@@ -55,15 +55,12 @@ def check_roots(linking: Linking) -> None:
             _report_floating(linking, floating)
     for part, geom in linking.notes.planes:
         if _moves(geom):
-            linking.sink.error(
-                "plane-on-body",
-                f"`{part.called}` brings a plane and is attached {_place_words(part)}, which moves: "
-                "MuJoCo allows planes only on static bodies",
-                part.place.span or part.span or linking.span(part.unit, geom),
-                notes=(Note("the plane", linking.span(linking.base, geom)),),
-                help="attach the part to the world or to a static body, or remove the plane from its file",
-                subjects=(part.called,),
-            )
+            why = "MuJoCo allows planes only on static bodies"
+            message = f"`{part.called}` brings a plane and is attached {_place_words(part)}, which moves: {why}"
+            help = "attach the part to the world or to a static body, or remove the plane from its file"
+            notes = (Note("the plane", linking.span(linking.base, geom)),)
+            span = part.place.span or part.span or linking.span(part.unit, geom)
+            linking.sink.error("plane-on-body", message, span, notes=notes, help=help, subjects=(part.called,))
 
 
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
@@ -116,14 +113,10 @@ def _report_floating(linking: Linking, floating: Floating) -> None:
             drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
             help = f"write `{drop}` so it moves only by the added `joint`, or {help.removeprefix('write ')}"
     span = linking.span(part.unit, body if joint is None else joint)
-    message = (
-        f"`{part.called}` has a {what} at its root and cannot be attached {_place_words(part)}: "
-        f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world"
-    )
-    notes = (Note(note, span),)
-    linking.sink.error(
-        code, message, part.place.span or part.span or span, notes=notes, help=help, subjects=(part.called,)
-    )
+    why = f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world"
+    message = f"`{part.called}` has a {what} at its root and cannot be attached {_place_words(part)}: {why}"
+    place, notes = part.place.span or part.span or span, (Note(note, span),)
+    linking.sink.error(code, message, place, notes=notes, help=help, subjects=(part.called,))
 
 
 def _note_planes(linking: Linking, part: Part) -> None:
@@ -212,13 +205,9 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
         help = 'name it, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
-    message = (
-        f"{first.tag}{named} of `{part.called}` refers to the world, which becomes the body that carries the part: "
-        f"{why}{more}"
-    )
-    linking.sink.error(
-        "attach-place", message, linking.span(part.unit, first), notes=(note,), help=help, subjects=(part.called,)
-    )
+    what = f"{first.tag}{named} of `{part.called}` refers to the world, which becomes the body that carries the part"
+    span, subjects = linking.span(part.unit, first), (part.called,)
+    linking.sink.error("attach-place", f"{what}: {why}{more}", span, notes=(note,), help=help, subjects=subjects)
 
 
 def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
@@ -265,14 +254,12 @@ def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
             side = side_of_world(equality)
             if side is None or equality.get("body2" if side == "body1" else "body1") not in names:
                 continue
-            linking.sink.error(
-                "not-supported",
-                f"the {equality.tag} `{equality.get('name') or ''}` of a model that `{hung.part.called}` attaches"
-                " itself is about the world, and MuJoCo does not carry it along",
-                linking.span(hung.part.unit, attach),
-                help="attach that model in a recipe, or leave the equality out of it",
-                subjects=(hung.part.called,),
-            )
+            called, subjects = f"the {equality.tag} `{equality.get('name') or ''}`", (hung.part.called,)
+            which = f"of a model that `{hung.part.called}` attaches itself"
+            message = f"{called} {which} is about the world, and MuJoCo does not carry it along"
+            help = "attach that model in a recipe, or leave the equality out of it"
+            span = linking.span(hung.part.unit, attach)
+            linking.sink.error("not-supported", message, span, help=help, subjects=subjects)
             break
 
 
