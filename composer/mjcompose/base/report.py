@@ -207,22 +207,13 @@ def _printable_lines(text: str) -> list[str]:
     return [_printable(line) for line in _LINE_BREAK.split(text)]
 
 
+_KEYS = ("severity", "code", "message", "span", "notes", "help", "fix", "others", "cells", "recipes")
+
+
 def render_json_format(diagnostic: Diagnostic) -> str:
     """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic."""
-    return json.dumps(
-        {
-            "severity": diagnostic.severity.value,
-            "code": diagnostic.code,
-            "message": diagnostic.message,
-            "span": diagnostic.span and asdict(diagnostic.span),
-            "notes": [asdict(note) for note in diagnostic.notes],
-            "help": diagnostic.help,
-            "fix": _fix(diagnostic),
-            "others": [asdict(each) for each in diagnostic.others],
-            "cells": [asdict(cell) for cell in diagnostic.cells],
-            "recipes": list(diagnostic.recipes),
-        }
-    )
+    known = {**asdict(diagnostic), "fix": _fix(diagnostic)}
+    return json.dumps({key: known[key] for key in _KEYS})
 
 
 def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:

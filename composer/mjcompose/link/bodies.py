@@ -134,13 +134,9 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
         ring.append(image if image in waiting else by_root[mount.getroottree().getroot()])
     host = ring[-1]
     ring = ring[ring.index(host) :]
-    linking.sink.error(
-        "attach-cycle",
-        "parts are attached to one another: " + " to ".join(f"`{part.called}`" for part in ring),
-        host.place.span or host.span,
-        help="one of them must be attached to the base or to the world",
-        subjects=(part.called for part in ring),
-    )
+    message = f"parts are attached to one another: {' to '.join(f'`{part.called}`' for part in ring)}"
+    span, help = host.place.span or host.span, "one of them must be attached to the base or to the world"
+    linking.sink.error("attach-cycle", message, span, help=help, subjects=(part.called for part in ring))
 
 
 def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
@@ -155,15 +151,11 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
         # An entry that adds to nothing is reported when it is carried out.
         elif not waits and any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
             waits = True
-            linking.sink.error(
-                "attach-cycle",
-                f"`{part.called}` is attached to the {place.kind} `{place.name}`, which is added to `{added[0]}`, and "
-                f"that is attached to `{part.called}`",
-                place.span or part.span,
-                notes=(Note(f"the {place.kind} is added here", added[1]),),
-                help="add or attach one of them to the base or to the world",
-                subjects=(part.called, place.name),
-            )
+            which = f"which is added to `{added[0]}`, and that is attached to `{part.called}`"
+            message = f"`{part.called}` is attached to the {place.kind} `{place.name}`, {which}"
+            notes, subjects = (Note(f"the {place.kind} is added here", added[1]),), (part.called, place.name)
+            span, help = place.span or part.span, "add or attach one of them to the base or to the world"
+            linking.sink.error("attach-cycle", message, span, notes=notes, help=help, subjects=subjects)
 
 
 def _report_missing_place(linking: Linking, part: Part) -> None:

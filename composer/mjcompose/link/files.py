@@ -97,14 +97,9 @@ class _Meanings:
         return self._written(element, known, values), tuple(self._child(child) for child in inherited)
 
     def _written(self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]) -> Hashable:
-        attributes = tuple(
-            sorted(
-                (name, self._value(element, name, known.get(name), value=value))
-                for name, value in values.items()
-                if name not in _NO_MEANING and value is not None
-            )
-        )
-        return attributes, tuple(self._child(child) for child in element.iterchildren("*"))
+        meant = {name: each for name, each in values.items() if name not in _NO_MEANING and each is not None}
+        attributes = ((name, self._value(element, name, known.get(name), value=each)) for name, each in meant.items())
+        return tuple(sorted(attributes)), tuple(self._child(child) for child in element.iterchildren("*"))
 
     def _child(self, element: Node) -> Hashable:
         found = GRAMMAR.within("asset").get(str(element.tag))

@@ -391,12 +391,9 @@ def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -
             heavy.append(body)
     if heavy:
         compiler = next(each for each in unit.root.iterchildren("compiler") if each.get("fusestatic"))
-        linking.sink.warning(
-            "compiler-setting",
-            f"`fusestatic` makes bodies of `{part.called}` part of the world, which has no mass: "
-            "the composition loses their mass",
-            linking.span(unit, compiler, "fusestatic"),
-            notes=[Note("such a body", linking.span(unit, heavy[0]))],
-            help='remove `fusestatic="true"` from a copy of the file, and they stay bodies',
-            cause=Cause(unit.file, f"`{part.called}`"),
-        )
+        which = "part of the world, which has no mass: the composition loses their mass"
+        message = f"`fusestatic` makes bodies of `{part.called}` {which}"
+        span = linking.span(unit, compiler, "fusestatic")
+        notes, cause = [Note("such a body", linking.span(unit, heavy[0]))], Cause(unit.file, f"`{part.called}`")
+        help = 'remove `fusestatic="true"` from a copy of the file, and they stay bodies'
+        linking.sink.warning("compiler-setting", message, span, notes=notes, help=help, cause=cause)

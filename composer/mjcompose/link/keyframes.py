@@ -317,14 +317,12 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
         key.time = other.time
     elif not settled and other.time is not None and numbers.read(other.time.text) != numbers.read(key.time.text):
         report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
-        report(
-            "keyframe-conflict",
-            f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
-            other.span("time"),
-            notes=(Note("the other one is here", key.span("time")),),
-            help="write `keys: prefix` in one of the parts to keep its keys apart",
-            cause=Cause(f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"),
-        )
+        here, there = other.span("time"), key.span("time")
+        message = f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}"
+        help = "write `keys: prefix` in one of the parts to keep its keys apart"
+        notes = (Note("the other one is here", there),)
+        cause = Cause(f"times in {there.file} and {here.file}", f"the key `{key.name}`")
+        report("keyframe-conflict", message, here, notes=notes, help=help, cause=cause)
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
 

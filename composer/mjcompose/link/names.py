@@ -107,16 +107,11 @@ class _UnitRenaming:
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
         attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
-        self.linking.sink.add(
-            unknown_name(
-                word(namespace),
-                name if namespace == "key" else name.removeprefix(self.prefix),
-                own,
-                span=self.linking.span(self.unit, element, attribute),
-                purpose=f", which `<{element.tag}>` refers to,",
-                written=f'{attribute}="{{}}"' if attribute else "{}",
-            )
-        )
+        span, purpose = self.linking.span(self.unit, element, attribute), f", which `<{element.tag}>` refers to,"
+        shown = name if namespace == "key" else name.removeprefix(self.prefix)
+        written = f'{attribute}="{{}}"' if attribute else "{}"
+        found = unknown_name(word(namespace), shown, own, span=span, purpose=purpose, written=written)
+        self.linking.sink.add(found)
 
     def _report_repeated(self, clash: _Clash) -> None:
         name = clash.name.removeprefix(self.prefix)
@@ -138,15 +133,10 @@ class _UnitRenaming:
         notes = [Note("it is declared here first", there)]
         if part.span is not None and here != there:
             notes.insert(0, Note("the part declares it here", here))
-        linking.sink.error(
-            first.code,
-            f"`{part.called}` brings the {word(first.namespace)} `{first.name}`, and the model already has this "
-            f"name{more}",
-            part.span or here,
-            notes=notes,
-            help="give the part another prefix" if part.prefix else "give the part a prefix: omit `prefix`",
-            subjects=(part.called, first.name),
-        )
+        what = f"`{part.called}` brings the {word(first.namespace)} `{first.name}`"
+        message, subjects = f"{what}, and the model already has this name{more}", (part.called, first.name)
+        help = "give the part another prefix" if part.prefix else "give the part a prefix: omit `prefix`"
+        linking.sink.error(first.code, message, part.span or here, notes=notes, help=help, subjects=subjects)
 
 
 class UnitNames:

@@ -292,13 +292,9 @@ def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault
             text = text.replace(mark, name)
         return text
 
-    return replace(
-        fault,
-        message=fill(fault.message),
-        at=spot(root, loc, data, start=start).at,
-        help=fault.help and fill(fault.help),
-        related=tuple((fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related),
-    )
+    related = tuple((fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related)
+    at, help = spot(root, loc, data, start=start).at, fault.help and fill(fault.help)
+    return replace(fault, message=fill(fault.message), at=at, help=help, related=related)
 
 
 def _missing(place: Spot) -> Fault:
