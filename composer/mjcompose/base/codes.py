@@ -245,9 +245,8 @@ def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
         for text, indent in _paragraphs(block):
             # Text between backticks is not broken, because it may be a line to paste.
             whole = _CODE.sub(lambda found: found[0].replace(" ", "\0"), _LINK.sub(r"\1", text))
-            for line in textwrap.wrap(whole, width, subsequent_indent=indent, break_long_words=False,
-                                      break_on_hyphens=False):  # fmt: skip
-                yield _colored(line.replace("\0", " "), paint)
+            wrap = textwrap.TextWrapper(width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+            yield from (_colored(line.replace("\0", " "), paint) for line in wrap.wrap(whole))
 
 
 def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:

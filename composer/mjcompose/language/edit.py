@@ -3,36 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, PrivateAttr
 
-from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.extensions import Table
-from mjcompose.base.suggest import closest
+from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.extensions import Table, check_rows
+from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
-from mjcompose.language.forms.context import Rows, Schema, Settings, first_line, reference
-from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.scalars import Codes, Count, Expects, Items, Selects, Text, When
-from mjcompose.language.select import NARROWING, kinds_of
+from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
+from mjcompose.language.forms.model import IT, Model, Rest
+from mjcompose.language.forms.scalars import (
+    Checked,
+    Codes,
+    Count,
+    Expects,
+    Items,
+    Keywords,
+    Selects,
+    Text,
+    When,
+    Written,
+)
+from mjcompose.language.select import GLOB, NARROWING, kinds_of, read_selector
 from mjcompose.language.value import EXCLUSIVE, shown
-from mjcompose.tree.pattern import Selector
+from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
 
 if TYPE_CHECKING:
     from mjcompose.build.verbs.values import Entry
-from typing import Literal
-
-from pydantic import AfterValidator, PrivateAttr
-
-from mjcompose.base.diagnostic import Note
-from mjcompose.base.extensions import check_rows
-from mjcompose.base.suggest import advised
-from mjcompose.language.forms.context import ByGrammar, definition
-from mjcompose.language.forms.model import Rest
-from mjcompose.language.forms.scalars import Checked, Keywords, Written
-from mjcompose.language.select import GLOB, read_selector
-from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.pattern import EVERYTHING, known_tags, paths_of
 
 
 class For:
@@ -147,19 +146,13 @@ class _ByTag:
             values = {name: reference(f"{form.values}:{tag}") for name, form in forms.items() if form.values}
             refused: dict[str, Schema] = {
                 name: {"not": {}, "errorMessage": f"it is {rule.what.format(tag=tag)}"}
-                for name, rule in _strange(tag, forms)
+                for name, form in forms.items()
+                for rule in form.rules
+                if isinstance(rule, For) and not any(rule.fits(kind.path) for kind in kinds_of(tag))
             }
             yield _where_selected(tag, {**values, **refused}, forms)
         values = {name: reference(f"of-{form.values}") for name, form in forms.items() if form.values}
         yield _where_selected("default", values, forms)
-
-
-def _strange(tag: str, forms: Mapping[str, Any]) -> Iterator[tuple[str, For]]:
-    """Yield the verbs that are not for what a tag means, each with the rule that says so."""
-    for name, form in forms.items():
-        for rule in form.rules:
-            if isinstance(rule, For) and not any(rule.fits(kind.path) for kind in kinds_of(tag)):
-                yield name, rule
 
 
 def _where_selected(tag: str, values: Mapping[str, Schema], forms: Mapping[str, Any]) -> Schema:
@@ -195,10 +188,6 @@ class Edit(Model):
     allow: Codes = ()
     """the codes of warnings about this entry that you accept"""
     when: When = None
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return "an entry of `edit`"
 
     @classmethod
     def listed(cls) -> list[str]:

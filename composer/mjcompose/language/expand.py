@@ -154,7 +154,10 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     document = merged(document, axes, chosen, sink=sink)
     parameters = _params(document, sink)
     _check_names(document, axes, parameters, given=given, sink=sink)
-    scope: dict[str, Value] = {**settle(parameters, given, sink, in_cells=_axes(document)), **chosen}
+    scope: dict[str, Value] = {
+        **settle(parameters, given, sink, in_cells=_declared(document, "matrix", "axes")),
+        **chosen,
+    }
     rest = Mapping({name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     substitution = Substitution(scope, parameters, broken, sink=sink)
@@ -194,11 +197,6 @@ def _section(document: Mapping) -> Mapping:
     return Mapping({name: each for name, each in document.entries.items() if name == "params"}, document.span)
 
 
-def _axes(document: Mapping) -> frozenset[str]:
-    axes = find(document, ("matrix", "axes"))
-    return frozenset(axes.entries) if isinstance(axes, Mapping) else frozenset()
-
-
 def _check_names(
     document: Mapping, axes: Axes, parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink
 ) -> None:
@@ -214,10 +212,10 @@ def _check_names(
             sink.add(unknown_name("name", name, [*axes, *parameters], span=node.span, message=message))
 
 
-def _declared(document: Mapping, section: str) -> frozenset[str]:
+def _declared(document: Mapping, *path: str) -> frozenset[str]:
     """Return the names in a section, including those of faulty entries."""
-    found = document.entries.get(section)
-    return frozenset(found[1].entries) if found is not None and isinstance(found[1], Mapping) else frozenset()
+    found = find(document, path)
+    return frozenset(found.entries) if isinstance(found, Mapping) else frozenset()
 
 
 @dataclass(frozen=True, slots=True)

@@ -202,10 +202,6 @@ class Addition(Model):
     def to_name(self) -> str:
         return self.to.frame if isinstance(self.to, Frame) else self.to
 
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return "an entry of `add`"
-
 
 _OF_AN_ADDITION = frozenset(Addition.key_names())
 

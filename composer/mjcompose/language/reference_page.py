@@ -300,8 +300,9 @@ class _Keys:
         if "enum" in schema:
             return ", ".join(f"`{_shown(each)}`" for each in schema["enum"])
         if "anyOf" in schema:
-            kinds = [each for each in schema["anyOf"] if not self._is_template(each)]
-            return " or ".join(dict.fromkeys(self._type(each) for each in kinds))
+            template = {"pattern": _TEMPLATE}.items(), {"$ref": "#/$defs/template"}.items()
+            kinds = [each for each in schema["anyOf"] if not any(each.items() >= one for one in template)]
+            return " or ".join(dict.fromkeys(map(self._type, kinds)))
         if "allOf" in schema and "type" not in schema:  # a part, except some of its keys
             return self._type(schema["allOf"][0])
         types = schema.get("type", ())
@@ -314,10 +315,6 @@ class _Keys:
             is_fixed = least == schema.get("maxItems", 0) and item in ("number", "whole number")
             return f"{least} {item}s" if is_fixed else f"list of {item}"
         return " or ".join(words) or "value"
-
-    @staticmethod
-    def _is_template(schema: Schema) -> bool:
-        return schema.get("pattern") == _TEMPLATE or schema.get("$ref") == "#/$defs/template"
 
     def _named(self, pointer: str) -> str:
         if (number := _VALUES.fullmatch(pointer)) is not None:

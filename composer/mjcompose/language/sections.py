@@ -7,7 +7,7 @@ Therefore 170 kinds of elements have types without 170 models.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from mjcompose.base.dataclass import dataclass
@@ -74,12 +74,12 @@ class ByTag(Elements):
     depth = 3
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
-        read = [
+        read = (
             self.element(reader, kind, name, value=item, at=(*at, name))
             for kind, items, at in self.tags(reader, value)
             for name, item in reader.names(items, at, f"`{kind.tag}` in `{self.tag}`")
-        ]
-        return tuple(element for element in read if element is not None)
+        )
+        return tuple(filter(None, read))
 
     def schema(self) -> Schema:
         kinds = self.kind.children.values()
@@ -165,8 +165,8 @@ class Defaults(Section):
     depth = 2
 
     def content(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
-        read = [self._class(reader, name, item) for name, item in reader.names(value, (), "`default`")]
-        return tuple(each for each in read if each is not None)
+        entries = reader.names(value, (), "`default`")
+        return tuple(filter(None, (self._class(reader, name, item) for name, item in entries)))
 
     def schema(self) -> Schema:
         return by_name(reference("class"))
@@ -247,8 +247,8 @@ def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: st
         return ()
     if not value:
         reader.faults.append(Fault("wrong-length", f"`{PATH}` of {owner} has no steps", at))
-    steps = [_step(reader, kind, item, at=(*at, index), owner=owner) for index, item in enumerate(value)]
-    return tuple(step for step in steps if step is not None)
+    steps = (_step(reader, kind, item, at=(*at, index), owner=owner) for index, item in enumerate(value))
+    return tuple(filter(None, steps))
 
 
 def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> Element | None:
@@ -313,8 +313,7 @@ class Typed(Elements):
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
-        read = [self._element(reader, name, item) for name, item in entries]
-        return tuple(element for element in read if element is not None)
+        return tuple(filter(None, (self._element(reader, name, item) for name, item in entries)))
 
     def schema(self) -> Schema:
         return by_name(reference(f"typed:{self.tag}"))
@@ -383,23 +382,19 @@ def _definition_of_typed(tag: str) -> Schema:
     kinds = GRAMMAR.section(tag).children.values()
     variants: list[Schema] = [
         {
-            "if": {"properties": {TYPE: {"const": kind.tag}}, "required": [TYPE]},
-            "then": reference(f"variant:{kind.path}"),
+            "if": {"properties": {TYPE: {"const": each.tag}}, "required": [TYPE]},
+            "then": reference(f"variant:{each.path}"),
         }
-        for kind in kinds
+        for each in kinds
     ]
+    types = {
+        "enum": [kind.tag for kind in kinds], "markdownEnumDescriptions": [kind.doc for kind in kinds],
+        "description": f"which {tag} it is: the tag of MJCF",
+    }  # fmt: skip
     return {
-        "type": "object", "properties": {TYPE: _types(tag, kinds), FRAGMENT: reference("fragment"), **nameless()},
+        "type": "object", "properties": {TYPE: types, FRAGMENT: reference("fragment"), **nameless()},
         **unless_fragment({"required": [TYPE]}, nameless()), "allOf": variants,
     }  # fmt: skip
-
-
-def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
-    return {
-        "enum": [kind.tag for kind in kinds],
-        "markdownEnumDescriptions": [kind.doc for kind in kinds],
-        "description": f"which {tag} it is: the tag of MJCF",
-    }
 
 
 @definition("variant")

@@ -86,11 +86,11 @@ def read_selector(
     if not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None
-    pattern = _pattern(value[tag], tag, (*at, tag), faults)
+    pattern = _glob(value[tag], tag, (*at, tag), faults=faults, help=f'write `{tag}: "**"` for all of them')
     outer = {
         name: read_selector(value[name], (*at, name), f"`{name}`", faults) for name in ("parent", "in") if name in value
     }
-    texts = {name: _text(value[name], name, (*at, name), faults) for name in ("part", "class") if name in value}
+    texts = {name: _glob(value[name], name, (*at, name), faults=faults) for name in ("part", "class") if name in value}
     kinds = kinds_of(tag)
     if "class" in value and kinds and not any(kind.takes_class or kind.tag == "default" for kind in kinds):
         message = f"`{tag}` takes no class"
@@ -124,28 +124,16 @@ def _unknown_tag(tag: str, at: Path) -> Fault:
     return Fault("unknown-element", f"MJCF has no element `{tag}`", at, key=True, notes=notes, help=help, fix=fix)
 
 
-def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:
-    if not isinstance(value, str) or not value:
-        help = f'write `{tag}: "**"` for all of them'
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            help = f"quote it: `{tag}: '{shown(value)}'`"
-        message = f"`{tag}` expects a name or a glob, got {kind_of(value) if value != '' else 'empty text'}"
-        faults.append(Fault("wrong-type", message, at, help=help))
-        return None
-    return value if _is_sound(value, tag, at, faults) else None
-
-
-def _is_sound(value: str, name: str, at: Path, faults: list[Fault]) -> bool:
-    wrong = pattern_fault(value, f"`{name}`", at)
-    faults += [wrong] if wrong is not None else []
-    return wrong is None
-
-
-def _text(value: Any, name: str, at: Path, faults: list[Fault]) -> str | None:
+def _glob(value: Any, name: str, at: Path, faults: list[Fault], help: str | None = None) -> str | None:
     if isinstance(value, str) and value:
-        return value if _is_sound(value, name, at, faults) else None
-    faults.append(Fault("wrong-type", f"`{name}` expects a name or a glob, got {kind_of(value)}", at))
-    return None
+        wrong = pattern_fault(value, f"`{name}`", at)
+    else:
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            help = f"quote it: `{name}: '{shown(value)}'`"
+        message = f"`{name}` expects a name or a glob, got {kind_of(value) if value != '' else 'empty text'}"
+        wrong = Fault("wrong-type", message, at, help=help)
+    faults += [wrong] if wrong is not None else []
+    return value if wrong is None else None
 
 
 def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any] | str | None:

@@ -56,7 +56,7 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
         for path in _outermost(_whole(existing_steps(node, fault.at)) for fault in faults):
             if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
                 return None
-            lost.update(_texts(node, path))
+            lost.update([path[-1]] if isinstance(path[-1], str) else [], texts(find(node, path) or node))
             if _means(path[0], ("conflict",)):
                 lost.update(_AGREED)
             node = cast(Mapping, _cut(node, path))
@@ -115,12 +115,6 @@ def _cut(node: Node, path: Path) -> Node:
     items = list(node.items)
     items[step : step + 1] = [_cut(items[step], tuple(rest))] if rest else []
     return List(tuple(items), node.span)
-
-
-def _texts(node: Node, path: Path) -> Iterator[str]:
-    if isinstance(path[-1], str):
-        yield path[-1]
-    yield from texts(find(node, path) or node)
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:

@@ -40,9 +40,7 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
         return _comparison(tree, scope)
     if isinstance(tree, syntax.Choice):
         return evaluate(tree.yes if _boolean(tree.condition, "if", scope) else tree.no, scope)
-    if isinstance(tree, syntax.Call):
-        return _call(tree, scope)
-    return _binary(tree, scope)
+    return _call(tree, scope) if isinstance(tree, syntax.Call) else _binary(tree, scope)
 
 
 def names(tree: Expression) -> Iterator[Name]:
@@ -101,9 +99,7 @@ def _unary(tree: syntax.Unary, scope: Mapping[str, Value]) -> Value:
 def _binary(tree: syntax.Binary, scope: Mapping[str, Value]) -> Value:
     if tree.operator in ("and", "or"):
         left = _boolean(tree.left, tree.operator, scope)
-        if left == (tree.operator == "or"):
-            return left
-        return _boolean(tree.right, tree.operator, scope)
+        return left if left == (tree.operator == "or") else _boolean(tree.right, tree.operator, scope)
     # Evaluate each operand once: sums nest on the left, and twice each would be exponential in the number of terms.
     first = evaluate(tree.left, scope)
     if tree.operator == "+" and isinstance(first, str):

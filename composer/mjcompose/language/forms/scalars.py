@@ -77,10 +77,9 @@ class Checked:
         self._fault, self._first = fault, first
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        inner = handler(source)
         if self._first:
-            return core_schema.no_info_before_validator_function(self._read, inner)
-        return core_schema.no_info_after_validator_function(self._read, inner)
+            return core_schema.no_info_before_validator_function(self._read, handler(source))
+        return core_schema.no_info_after_validator_function(self._read, handler(source))
 
     def _read(self, value: Any) -> Any:
         fault = self._fault(value)
@@ -222,7 +221,9 @@ class Items:
         if self._single:
             lone = item if self._single is True else handler.generate_schema(self._single)
             both = core_schema.union_schema([lone, several])
-            several = core_schema.no_info_before_validator_function(_listed, several, json_schema_input_schema=both)
+            several = core_schema.no_info_before_validator_function(
+                lambda value: value if isinstance(value, list) else [value], several, json_schema_input_schema=both
+            )
         return core_schema.no_info_after_validator_function(self._read, several)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
@@ -241,10 +242,6 @@ class Items:
         if faults:
             raise validation_error(faults, items)
         return tuple(items)
-
-
-def _listed(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else [value]
 
 
 def whole(value: Any) -> Any:
