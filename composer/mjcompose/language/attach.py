@@ -92,6 +92,7 @@ class Axis(Model):
 
     rules: ClassVar = (Needs({"count": "3"}, unless="scatter"), Bars("scatter", *_ROW, why="scatters its copies"))
     example: ClassVar = "{count: 3, offset: [0.1, 0, 0]}"
+    called: ClassVar = "an axis of `replicate`"
 
     count: AtLeastOne = Field(1, examples=["3"])
     """how many"""
@@ -101,10 +102,6 @@ class Axis(Model):
     """the rotation from one copy to the next"""
     scatter: Scatter | None = None
     """copies at random places on a surface, instead of a row"""
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return "an axis of `replicate`"
 
     @property
     def copies(self) -> int:

@@ -43,6 +43,8 @@ class DrawField(Model):
         ),
     )
     example: ClassVar = '{select: {geom: "**"}, attr: friction, uniform: [0.5, 1]}'
+    called: ClassVar = "field `{}` of `randomize`"
+    owned: ClassVar = "field `{}`"
     instead: ClassVar = {
         **{name: str(advice_on_narrowing(name)) for name in NARROWING},
         **dict.fromkeys(("gauss", "gaussian"), "normal"),
@@ -68,14 +70,6 @@ class DrawField(Model):
     """how many elements must be selected"""
     optional: bool = False
     """allows an empty selection"""
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return f"field `{at[-1]}` of `randomize`"
-
-    @classmethod
-    def owner(cls, at: Path) -> str:
-        return f"field `{at[-1]}`"
 
     @property
     def name(self) -> str:
@@ -198,6 +192,7 @@ class Randomize(Model):
     """Seeded draws of parameters, and of attributes of the finished model."""
 
     instead: ClassVar = {"emit": NO_EMIT}
+    owned: ClassVar = ""
 
     seed: Annotated[
         int, Field(ge=0, json_schema_extra={"maximum": _MAX_SEED}), BeforeValidator(whole), Checked(_seed_fault)
@@ -211,10 +206,6 @@ class Randomize(Model):
         Expects("a mapping from names to what is drawn", f"{{friction: {DrawField.example}}}"),
     ] = Field(alias="fields")
     """The draws by name, each with a distribution and a target. The name is part of the seed."""
-
-    @classmethod
-    def owner(cls, at: Path) -> str:
-        return ""
 
     @property
     def fields(self) -> tuple[DrawField, ...]:

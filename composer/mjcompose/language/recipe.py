@@ -241,6 +241,7 @@ class Recipe(Model):
     """
 
     instead: ClassVar = {"motors": "datasheets"}
+    owned: ClassVar = ""
 
     recipe: Annotated[int, Checked(_version_fault, first=True), WithJsonSchema({"const": VERSION})]
     """The version of the language: 1."""
@@ -327,10 +328,6 @@ class Recipe(Model):
     """Conditions that the model must meet, by name."""
     allow: Codes = ()
     """The codes of warnings that you accept: they are not reported. Parts and edits can have it, too."""
-
-    @classmethod
-    def owner(cls, at: Path) -> str:
-        return ""
 
     @classmethod
     def listed(cls) -> list[str]:

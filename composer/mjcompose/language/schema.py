@@ -20,8 +20,7 @@ from mjcompose.language.sections import Singleton
 _DEFS = "#/$defs/"
 _PIECE = "piece."
 _MAPPINGS = ("properties", "patternProperties")
-_LISTED = ("anyOf", "oneOf", "allOf", "prefixItems")
-_NESTED = ("additionalProperties", "items", "then", "else", "not")
+_NESTED = ("anyOf", "oneOf", "allOf", "prefixItems", "additionalProperties", "items", "then", "else", "not")
 
 
 def loosened(properties: Schema, definitions: dict[str, Schema]) -> Schema:
@@ -43,16 +42,12 @@ def _optional(schema: Any, definitions: dict[str, Schema]) -> Any:
             value = [each for each in value if not (isinstance(each, dict) and "not" in each.get("if", {}))]
         if key in _MAPPINGS:
             found[key] = loosened(value, definitions)
-        elif key in _LISTED:
-            found[key] = _optional(value, definitions)
         elif key == "additionalProperties" and isinstance(value, dict):
             found[key] = _nullable(_optional(value, definitions))
         elif key in _NESTED:
             found[key] = _optional(value, definitions)
-        elif key == "$ref":
-            found[key] = _reference(value, definitions)
         else:
-            found[key] = value
+            found[key] = _reference(value, definitions) if key == "$ref" else value
     return found
 
 

@@ -84,6 +84,7 @@ class Declaration(Model):
 
     rules: ClassVar = (_Typed(),)
     example: ClassVar = "{default: 0.45, unit: m}"
+    called: ClassVar = "parameter `{}`"
 
     type: (
         Annotated[
@@ -107,10 +108,6 @@ class Declaration(Model):
     """the unit, for readers; with `deg` or `rad` the parameter is an angle"""
     doc: str = ""
     """its purpose"""
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return f"parameter `{at[-1]}`"
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         parameter = self.parameter("", Span("", 1, 1))
@@ -162,6 +159,7 @@ class Grid(Model):
 
     example: ClassVar = "{axes: {gripper: [small, large]}}"
     instead: ClassVar = {"emit": NO_EMIT}
+    owned: ClassVar = "the matrix"
 
     axes: Annotated[dict[str, Values], Expects("a mapping from variants and parameters to lists of values")] = Field(
         examples=["{gripper: [small, large]}"]
@@ -173,10 +171,6 @@ class Grid(Model):
     """More combinations."""
     name: Text | None = None
     """The name of a combination, with `${…}` for its values."""
-
-    @classmethod
-    def owner(cls, at: Path) -> str:
-        return "the matrix"
 
 
 Params = Annotated[

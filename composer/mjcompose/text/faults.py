@@ -317,15 +317,6 @@ def _no_colon(it: ParserStop) -> SyntaxFault:
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
 
 
-def _list_in_line(it: ParserStop) -> SyntaxFault:
-    help = "begin it on a line of its own, or write it as `[a, b]`"
-    return it.fault("a list with `-` cannot begin on the line of its key", it.span(it.at), help)
-
-
-def _open_quote(it: ParserStop) -> SyntaxFault:
-    return it.fault(f"the quote `{it.sign}` is never closed", it.span(it.since), f"add the closing `{it.sign}`")
-
-
 def _escape(it: ParserStop) -> SyntaxFault | None:
     start = it.text.rfind("\\", 0, it.at + 1)
     if start < it.since:
@@ -408,8 +399,12 @@ _RULES: tuple[tuple[str, str, Callable[[ParserStop], SyntaxFault | None]], ...] 
     ("", "cannot start|mapping keys are not allowed", _reserved_start),
     ("plain scalar", "unexpected ':'", _colon_in_flow), ("", "", _glob_choice),
     ("", "mapping values are not allowed", _mapping_not_allowed), ("", "could not find expected ':'", _no_colon),
-    ("", "sequence entries are not allowed", _list_in_line),
-    ("quoted scalar", "end of stream|document indicator", _open_quote), ("quoted scalar", "", _escape),
+    ("", "sequence entries are not allowed", lambda it: it.fault(
+        "a list with `-` cannot begin on the line of its key", it.span(it.at),
+        "begin it on a line of its own, or write it as `[a, b]`")),
+    ("quoted scalar", "end of stream|document indicator", lambda it: it.fault(
+        f"the quote `{it.sign}` is never closed", it.span(it.since), f"add the closing `{it.sign}`")),
+    ("quoted scalar", "", _escape),
     ("flow sequence|flow mapping", "", _flow), ("block scalar", "", _block_text),
     ("block mapping|block collection", "", _block),
     ("", "node content", lambda it: it.fault(f"a value is missing before {it.shown}", it.span(it.at))),

@@ -90,7 +90,7 @@ class _Reader:
         if kind in ("BlockMappingStart", "BlockSequenceStart"):
             entry.value = self.block(kind == "BlockMappingStart")
         elif kind == "BlockEntry" and in_mapping:
-            entry.value = self.unindented()
+            entry.value = self.block(mapping=False, indented=False)
         elif kind in _STARTS or kind in ("Scalar", "Alias"):
             entry.inner += self.rest()
             entry.value = self.flow() if kind in _STARTS else self.leaf()
@@ -129,27 +129,23 @@ class _Reader:
         result.entries.append(entry)
         return entry
 
-    def block(self, mapping: bool) -> Collection:
-        column = self.next.column
-        self.take()
+    def block(self, mapping: bool, indented: bool = True) -> Collection:
+        """Read a block. A list that is not `indented` is in the column of its key, without tokens of its own."""
+        column = self.next.column + (not indented)
+        if indented:
+            self.take()
         result = Collection(mapping, flow=False)
-        while self.next.kind != "BlockEnd":
-            if not mapping:
-                self.item(result)
-                continue
+        while self.next.kind != "BlockEnd" and (indented or self.next.kind == "BlockEntry"):
             entry = self.entry(result)
-            self.pair(entry, in_mapping=True)
+            if mapping:
+                self.pair(entry, in_mapping=True)
+            else:
+                self.take()
+                self.value(entry, in_mapping=False)
             entry.trail = self.beside()
         result.tail = self.tail(column)
-        self.take()
-        return result
-
-    def unindented(self) -> Collection:
-        column = self.next.column
-        result = Collection(mapping=False, flow=False)
-        while self.next.kind == "BlockEntry":
-            self.item(result)
-        result.tail = self.tail(column + 1)
+        if indented:
+            self.take()
         return result
 
     def pair(self, entry: Entry, in_mapping: bool) -> None:
@@ -160,12 +156,6 @@ class _Reader:
             entry.lead += self.rest()
             self.take()
             self.value(entry, in_mapping=in_mapping)
-
-    def item(self, result: Collection) -> None:
-        entry = self.entry(result)
-        self.take()
-        self.value(entry, in_mapping=False)
-        entry.trail = self.beside()
 
     def tail(self, column: int) -> list[Comment]:
         """Return the comments before the next token that are indented like the collection that ends here."""
@@ -468,9 +458,6 @@ def difference(one: Node, other: Node) -> str | None:
     return None
 
 
-_LINE_BREAK = re.compile(r"\r\n|\n")
-
-
 def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     """Return the text in its canonical layout, or None if it is not YAML or its meaning would change.
 
@@ -491,7 +478,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
         sink.error("cannot-format", message, place, help="write it in the usual form")
         return None
     put_in_order(document.root)
-    first = _LINE_BREAK.search(text)
+    first = re.search(r"\r\n|\n", text)
     end = first.group() if first else "\n"
     result = end.join([*write(document), ""])
     changed = _changed(node, text, result, file=file)

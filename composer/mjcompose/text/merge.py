@@ -113,77 +113,72 @@ _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {
 }  # fmt: skip
 
 
-def merge(lower: Mapping, upper: Mapping, sink: Sink) -> Mapping:
+def merge(lower: Mapping, upper: Mapping, sink: Sink, path: MergePath = ()) -> Mapping:
     """Merge `upper` over `lower`; a `null` that deletes nothing is reported. No I/O.
 
     Mappings merge by key. Scalars and lists are replaced, except that `add` and `edit` append, and an item with a
     known `id` replaces the item with that `id` in its place. `null` deletes.
     """
-    return _Merge(sink).mappings(lower, upper, ())
+    entries = dict(lower.entries)
+    replaced = _replaced(lower, upper, path)
+    for name in replaced:
+        entries.pop(name, None)
+    for name, (key, value) in upper.entries.items():
+        below = (*path, name)
+        if isinstance(value, Scalar) and value.value is None and value.plain:
+            if entries.pop(name, None) is None and name not in replaced:
+                notes = (exists_note("key", list(lower.entries), name),)
+                help = did_you_mean(name, lower.entries, "{}: null")
+                message = f"`{name}` does not exist and cannot be removed"
+                sink.error("unknown-key", message, key.span, notes=notes, help=help)
+        elif name in entries:
+            existing, old = entries[name]
+            merged = _values(old, value, below, sink=sink)
+            # The entry keeps the place of the existing key; its contents have their own places.
+            entries[name] = (key if merged is value else existing, merged)
+        else:
+            entries[name] = (key, value)
+    return Mapping(entries, upper.span)
 
 
-class _Merge:
-    def __init__(self, sink: Sink) -> None:
-        self.sink = sink
+def _values(lower: Node, upper: Node, path: MergePath, sink: Sink) -> Node:
+    kind = _pattern(path)
+    short = _SHORT.get(kind)
+    if short is not None and isinstance(lower, Mapping) != isinstance(upper, Mapping):
+        lower, upper = _long(lower, short), _long(upper, short)
+    if isinstance(lower, Mapping) and isinstance(upper, Mapping):
+        if kind in _TYPED and _differ(lower, upper, "type"):
+            return upper
+        return merge(lower, upper, sink, path=path)
+    if isinstance(lower, Sequence) and isinstance(upper, Sequence) and is_appended(kind):
+        return _appended(lower, upper, sink)
+    return upper
 
-    def mappings(self, lower: Mapping, upper: Mapping, path: MergePath) -> Mapping:
-        entries = dict(lower.entries)
-        replaced = _replaced(lower, upper, path)
-        for name in replaced:
-            entries.pop(name, None)
-        for name, (key, value) in upper.entries.items():
-            below = (*path, name)
-            if isinstance(value, Scalar) and value.value is None and value.plain:
-                if entries.pop(name, None) is None and name not in replaced:
-                    notes = (exists_note("key", list(lower.entries), name),)
-                    help = did_you_mean(name, lower.entries, "{}: null")
-                    message = f"`{name}` does not exist and cannot be removed"
-                    self.sink.error("unknown-key", message, key.span, notes=notes, help=help)
-            elif name in entries:
-                existing, old = entries[name]
-                merged = self.values(old, value, below)
-                # The entry keeps the place of the existing key; its contents have their own places.
-                entries[name] = (key if merged is value else existing, merged)
-            else:
-                entries[name] = (key, value)
-        return Mapping(entries, upper.span)
 
-    def values(self, lower: Node, upper: Node, path: MergePath) -> Node:
-        kind = _pattern(path)
-        short = _SHORT.get(kind)
-        if short is not None and isinstance(lower, Mapping) != isinstance(upper, Mapping):
-            lower, upper = _long(lower, short), _long(upper, short)
-        if isinstance(lower, Mapping) and isinstance(upper, Mapping):
-            if kind in _TYPED and _differ(lower, upper, "type"):
-                return upper
-            return self.mappings(lower, upper, path)
-        if isinstance(lower, Sequence) and isinstance(upper, Sequence) and is_appended(kind):
-            return self._appended(lower, upper)
-        return upper
+def _appended(lower: Sequence, upper: Sequence, sink: Sink) -> Sequence:
+    items = list(lower.items)
+    places = {_id(item): index for index, item in enumerate(items) if _id(item) is not None}
+    _check_ids(lower, sink)
+    _check_ids(upper, sink)
+    for item in upper.items:
+        place = places.get(_id(item))
+        if place is None:
+            items.append(item)
+        else:
+            items[place] = item
+    return Sequence(tuple(items), upper.span)
 
-    def _appended(self, lower: Sequence, upper: Sequence) -> Sequence:
-        items = list(lower.items)
-        places = {_id(item): index for index, item in enumerate(items) if _id(item) is not None}
-        self._only_once(lower)
-        self._only_once(upper)
-        for item in upper.items:
-            place = places.get(_id(item))
-            if place is None:
-                items.append(item)
-            else:
-                items[place] = item
-        return Sequence(tuple(items), upper.span)
 
-    def _only_once(self, written: Sequence) -> None:
-        seen: dict[str, Node] = {}
-        for item in written.items:
-            name = _id(item)
-            if name in seen:
-                notes, help = (Note("the other one", locate(seen[name], ("id",))),), "give one of them another `id`"
-                message = f"two items have the `id` `{name}`"
-                self.sink.error("name-clash", message, locate(item, ("id",)), notes=notes, help=help)
-            if name is not None:
-                seen[name] = item
+def _check_ids(written: Sequence, sink: Sink) -> None:
+    seen: dict[str, Node] = {}
+    for item in written.items:
+        name = _id(item)
+        if name in seen:
+            notes, help = (Note("the other one", locate(seen[name], ("id",))),), "give one of them another `id`"
+            message = f"two items have the `id` `{name}`"
+            sink.error("name-clash", message, locate(item, ("id",)), notes=notes, help=help)
+        if name is not None:
+            seen[name] = item
 
 
 def _pattern(path: MergePath) -> MergePath:

@@ -52,7 +52,8 @@ class Model(BaseModel):
 
     `rules` say which keys exclude or need one another. `short` is the key of a value that is written without a mapping:
     a text, or a value of `short_type`. Messages recommend `example`, in which `…` is the written text, and call a key
-    by its `noun`. `instead` maps wrong words to the right key, or to a help line.
+    by its `noun`. `instead` maps wrong words to the right key, or to a help line. `called` is what messages call the
+    mapping, with `{}` for the last step of its path, and `owned` the owner of its keys, if it is not the mapping.
 
     No key accepts null. Values are not converted, except whole numbers where any number is accepted.
     """
@@ -73,6 +74,8 @@ class Model(BaseModel):
     example: ClassVar[str] = ""
     noun: ClassVar[str] = "key"
     instead: ClassVar[Mapping[str, str]] = {}
+    called: ClassVar[str | None] = None
+    owned: ClassVar[str | None] = None
     _at: Path = PrivateAttr(())
 
     @property
@@ -84,12 +87,14 @@ class Model(BaseModel):
         """Return how messages call the mapping at a path."""
         if not at:
             return "the recipe"
+        if cls.called is not None:
+            return cls.called.format(at[-1])
         return f"`{at[-1]}`" if isinstance(at[-1], str) or len(at) < 2 else f"an entry of `{at[-2]}`"
 
     @classmethod
     def owner(cls, at: Path) -> str:
         """Return the owner of a key in messages; empty for nothing."""
-        return cls.subject(at)
+        return cls.subject(at) if cls.owned is None else cls.owned.format(*at[-1:])
 
     @classmethod
     def key_names(cls) -> list[str]:
