@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -151,3 +152,9 @@ class Integers(_Between):
 
     def _draw(self, bits: Any, by: Arithmetic) -> Any:
         return self.low + by.below(bits, self.high - self.low + 1)
+
+
+MAKERS: Mapping[str, Callable[..., Distribution]] = {
+    "uniform": Uniform, "loguniform": LogUniform, "integers": Integers, "normal": Normal, "truncnormal": TruncNormal,
+    "lognormal": LogNormal,
+}  # fmt: skip

@@ -18,7 +18,7 @@ KIB, MIB, GIB = 1 << 10, 1 << 20, 1 << 30
 _UNITS = {"": 1, "K": KIB, "M": MIB, "G": GIB, "T": 1 << 40}
 
 
-def _limit(default: float, unit: str, bounds: str) -> Any:
+def _limit(default: float, bounds: str, unit: str = "") -> Any:
     return field(default=default, metadata={"unit": unit, "bounds": bounds})
 
 
@@ -26,56 +26,49 @@ def _limit(default: float, unit: str, bounds: str) -> Any:
 class Limits:
     """Every limit of a run. A field is called as in `--limit`, with `_` for `-`."""
 
-    time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
-    memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and of MuJoCo's process (POSIX)")
-    mesh_time: float = _limit(1800.0, "seconds", "the work on one mesh that a recipe asks for")
-    mesh_faces: int = _limit(1_000_000, "", "the faces of a mesh that is worked on")
-    elements: int = _limit(100_000, "", "the elements of a model as it is written")
-    bodies: int = _limit(15_000, "", "the bodies of a model once it is expanded")
+    time: float = _limit(300.0, "the work of MuJoCo on one model", "seconds")
+    memory: int = _limit(8 * GIB, "the memory of mjcompose, and of MuJoCo's process (POSIX)", "bytes")
+    mesh_time: float = _limit(1800.0, "the work on one mesh that a recipe asks for", "seconds")
+    mesh_faces: int = _limit(1_000_000, "the faces of a mesh that is worked on")
+    elements: int = _limit(100_000, "the elements of a model as it is written")
+    bodies: int = _limit(15_000, "the bodies of a model once it is expanded")
     dofs: int = _limit(
-        15_000,
-        "",
-        "the degrees of freedom of a model: 6 for a free joint, 3 for a ball or a point of a flex, 1 for others",
+        15_000, "the degrees of freedom of a model: 6 for a free joint, 3 for a ball or a point of a flex, 1 for others"
     )
     mass_matrix: int = _limit(
-        2_000_000,
-        "",
-        "the numbers in the mass matrix: one for each pair of degrees of freedom if one carries the other",
+        2_000_000, "the numbers in the mass matrix: one for each pair of degrees of freedom if one carries the other"
     )
     mesh_points: int = _limit(
-        1_000_000, "", "the points of all meshes of a model; points of meshes that collide with nothing count a tenth"
+        1_000_000, "the points of all meshes of a model; points of meshes that collide with nothing count a tenth"
     )
-    expansion: int = _limit(
-        20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"
-    )
+    expansion: int = _limit(20_000, "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make")
     reserved: int = _limit(
         100_000_000,
-        "",
         "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
-    parts: int = _limit(10_000, "", "the parts of a recipe, with those of nested recipes and all copies")
-    copies: int = _limit(10_000, "", "the copies that one `replicate` of a recipe makes")
-    attributes: int = _limit(1000, "", "the attributes of one element")
-    faults: int = _limit(1000, "", "the errors that mjcompose looks for")
-    nesting: int = _limit(50, "", "depth of recipes, or files of a model, that include one another")
-    submodels: int = _limit(1000, "", "the models that a model attaches, with those that they attach")
-    xml_size: int = _limit(64 * MIB, "bytes", "the XML files of one model together")
-    text_size: int = _limit(16 * MIB, "bytes", "one attribute, comment or text in XML")
-    recipe_size: int = _limit(16 * MIB, "bytes", "one recipe file")
-    edits: int = _limit(200_000, "", "the values that edits write, and the cost of selecting and drawing")
-    yaml_values: int = _limit(500_000, "", "the values in one YAML file, with those of aliases")
-    yaml_depth: int = _limit(100, "", "depth of lists and mappings in one YAML file")
-    string: int = _limit(10_000, "", "the characters of a text that an expression gives")
-    cells: int = _limit(100_000, "", "the cells of a matrix")
-    samples: int = _limit(100_000, "", "the samples of one `randomize`")
-    models: int = _limit(1_000_000, "", "the models that one command builds")
-    output_files: int = _limit(20_000, "", "the files of one bundle")
-    output_size: int = _limit(4 * GIB, "bytes", "the files of one bundle together")
-    source_files: int = _limit(200_000, "", "the files of one repository or archive")
-    source_size: int = _limit(8 * GIB, "bytes", "one repository or archive, as fetched and as unpacked")
-    git_memory: int = _limit(448 * MIB, "bytes", "the memory of git while it fetches and unpacks (POSIX)")
+    parts: int = _limit(10_000, "the parts of a recipe, with those of nested recipes and all copies")
+    copies: int = _limit(10_000, "the copies that one `replicate` of a recipe makes")
+    attributes: int = _limit(1000, "the attributes of one element")
+    faults: int = _limit(1000, "the errors that mjcompose looks for")
+    nesting: int = _limit(50, "depth of recipes, or files of a model, that include one another")
+    submodels: int = _limit(1000, "the models that a model attaches, with those that they attach")
+    xml_size: int = _limit(64 * MIB, "the XML files of one model together", "bytes")
+    text_size: int = _limit(16 * MIB, "one attribute, comment or text in XML", "bytes")
+    recipe_size: int = _limit(16 * MIB, "one recipe file", "bytes")
+    edits: int = _limit(200_000, "the values that edits write, and the cost of selecting and drawing")
+    yaml_values: int = _limit(500_000, "the values in one YAML file, with those of aliases")
+    yaml_depth: int = _limit(100, "depth of lists and mappings in one YAML file")
+    string: int = _limit(10_000, "the characters of a text that an expression gives")
+    cells: int = _limit(100_000, "the cells of a matrix")
+    samples: int = _limit(100_000, "the samples of one `randomize`")
+    models: int = _limit(1_000_000, "the models that one command builds")
+    output_files: int = _limit(20_000, "the files of one bundle")
+    output_size: int = _limit(4 * GIB, "the files of one bundle together", "bytes")
+    source_files: int = _limit(200_000, "the files of one repository or archive")
+    source_size: int = _limit(8 * GIB, "one repository or archive, as fetched and as unpacked", "bytes")
+    git_memory: int = _limit(448 * MIB, "the memory of git while it fetches and unpacks (POSIX)", "bytes")
     source_ratio: int = _limit(
-        300, "", "size of an archive or repository above 64 MiB, unpacked, as a multiple of its packed size"
+        300, "size of an archive or repository above 64 MiB, unpacked, as a multiple of its packed size"
     )
 
     def __post_init__(self) -> None:

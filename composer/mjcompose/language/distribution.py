@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal
@@ -12,16 +12,7 @@ from pydantic import Field, WithJsonSchema, create_model
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.distribution import (
-    CHOICE,
-    Distribution,
-    Integers,
-    LogNormal,
-    LogUniform,
-    Normal,
-    TruncNormal,
-    Uniform,
-)
+from mjcompose.base.distribution import CHOICE, MAKERS, Distribution, Integers, LogUniform, TruncNormal, Uniform
 from mjcompose.base.draw_stream import below, bits
 from mjcompose.base.extensions import Table
 from mjcompose.language.forms.context import Rows
@@ -31,10 +22,6 @@ from mjcompose.language.value import kind_of, shown
 from mjcompose.text.expression import Angle
 
 Operation = Literal["set", "scale", "offset"]
-_MAKERS: Mapping[str, Callable[..., Distribution]] = {
-    "uniform": Uniform, "loguniform": LogUniform, "integers": Integers, "normal": Normal, "truncnormal": TruncNormal,
-    "lognormal": LogNormal,
-}  # fmt: skip
 _INTERVALS = ("uniform", "loguniform", "integers")
 _LARGEST = 2**53
 _MANY = 64  # from this number of draws on it pays to import numpy
@@ -106,7 +93,7 @@ class FieldDistribution:
 @lru_cache(maxsize=256)
 def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
     """Return the distribution. It is cached, because some compute numbers that all their draws need."""
-    return _MAKERS[kind](*numbers)
+    return MAKERS[kind](*numbers)
 
 
 Numbers = Annotated[tuple[Annotated[float | Angle, Measure()], ...], Items(1, single=True)]

@@ -13,18 +13,7 @@ from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.scalars import (
-    Checked,
-    Codes,
-    Count,
-    Expects,
-    Items,
-    Keywords,
-    Selects,
-    Text,
-    When,
-    Written,
-)
+from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, When, Written
 from mjcompose.language.select import GLOB, NARROWING, kinds_of, read_selector
 from mjcompose.language.value import EXCLUSIVE, shown
 from mjcompose.tree.grammar import GRAMMAR
@@ -214,7 +203,7 @@ class UrdfKeys(Model):
     actuators: Literal["declared", "all", "none"] = "declared"
     """The joints that get an actuator: joints that `<ros2_control>` and `<transmission>` command, every joint that can
     move by itself, or none."""
-    inertia: Annotated[Literal["repair", "keep"], Keywords({"mend": "repair"})] | None = None
+    inertia: Annotated[Literal["repair", "keep"], Hints({"mend": "repair"})] | None = None
     """`repair` changes impossible inertias, which MuJoCo refuses, as little as possible. Each is a warning."""
 
 

@@ -188,12 +188,9 @@ def _examples(name: str) -> Iterator[str]:
 
 
 def _references() -> Iterator[str]:
-    yield "# Model references"
-    yield ""
-    yield "`base`, `model` of a part and `extends` take these. [Sources](../sources.md) explains each form."
-    yield ""
-    yield "| form | meaning |"
-    yield "|---|---|"
+    yield "# Model references\n"
+    yield "`base`, `model` of a part and `extends` take these. [Sources](../sources.md) explains each form.\n"
+    yield "| form | meaning |\n|---|---|"
     yield from (f"| `{form.example}` | {form.meaning} |" for kind in KINDS for form in kind.forms)
 
 

@@ -12,17 +12,7 @@ from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.forms.context import Schema, Settings, reference, validated
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.scalars import (
-    VALUE,
-    AtLeastOne,
-    Checked,
-    Expects,
-    Items,
-    Keywords,
-    Measure,
-    Text,
-    Written,
-)
+from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects, Hints, Items, Measure, Text, Written
 from mjcompose.language.forms.translate import faults
 from mjcompose.language.parameters import Parameter, is_usable
 from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
@@ -89,7 +79,7 @@ class Declaration(Model):
     type: (
         Annotated[
             Literal["bool", "int", "float", "string", "vector"],
-            Keywords({"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}),
+            Hints({"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}),
         ]
         | None
     ) = None

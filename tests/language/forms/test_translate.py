@@ -12,8 +12,8 @@ from mjcompose.language.forms.model import IT, Bars, Belongs, Exclusive, Model, 
 from mjcompose.language.forms.scalars import (
     Count,
     Expects,
+    Hints,
     Items,
-    Keywords,
     Measure,
     Name,
     NotNegative,
@@ -54,7 +54,7 @@ class Arm(Model):
     """its angle"""
     copies: Count = 1
     """how many"""
-    kind: Annotated[Literal["left", "right"], Keywords({"port": "left", "both": "write two arms"})] = "left"
+    kind: Annotated[Literal["left", "right"], Hints({"port": "left", "both": "write two arms"})] = "left"
     """which side"""
     is_on: bool = False
     """whether it runs"""

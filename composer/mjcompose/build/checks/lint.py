@@ -20,8 +20,8 @@ from mjcompose.language.forms.model import IT, AnyOf
 from mjcompose.language.forms.scalars import (
     LENGTHS,
     Expects,
+    Hints,
     Items,
-    Keywords,
     Name,
     NotNegative,
     Positive,
@@ -317,7 +317,7 @@ class ExceptedElements(CheckPart):
 
 _Mapping, _List = Tag("<mapping>"), Tag("<list>")
 _Rules = Expects("a list of rules", "[joint-unactuated]")
-_NeedsLimits = Keywords({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"})
+_NeedsLimits = Hints({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"})
 _Listed = Annotated[tuple[Annotated[_WithoutSettings, _NeedsLimits], ...], Items(1), _Rules, _List]
 _Selected = Annotated[_Listed | Annotated[SelectedRules, _Mapping], _Shape]
 _Names = Annotated[tuple[_Word, ...], Items(1), _Rules, _List]

@@ -299,7 +299,7 @@ When = Annotated[Any, WithJsonSchema(WHEN)]
 """The condition of an item. `expand` decides it before the forms read a recipe."""
 
 
-class Keywords:
+class Hints:
     """A dictionary of words that are right in other places, with the help for each: an annotation of a `Literal`."""
 
     def __init__(self, elsewhere: Mapping[str, str]) -> None:

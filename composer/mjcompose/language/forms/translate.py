@@ -14,19 +14,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Fix, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.forms.context import Lazy, Rows
-from mjcompose.language.forms.model import (
-    IT,
-    KEY,
-    OWNER,
-    WHOLE,
-    Model,
-    fields_of,
-    is_hidden,
-    is_whole,
-    rest_of,
-    rows_of,
-)
-from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
+from mjcompose.language.forms.model import IT, KEY, OWNER, Model, fields_of, is_hidden, is_whole, rest_of, rows_of
+from mjcompose.language.forms.scalars import Expects, Hints, Name, Unit
 from mjcompose.language.value import kind_of, shown, without_space, without_unit
 
 _UNIONS = (Union, UnionType)
@@ -176,9 +165,7 @@ def key_order(root: Any) -> dict[Path, list[str]]:
     >>> key_order(Move)[("to",)]
     ['frame']
     """
-    return {
-        at: model.key_names() for at, model in _models(root) if WHOLE not in fields_of(model) and rest_of(model) is None
-    }
+    return {at: model.key_names() for at, model in _models(root) if not is_whole(model) and rest_of(model) is None}
 
 
 def first_keys(root: Any) -> dict[Path, list[str]]:
@@ -334,7 +321,7 @@ def _keyword(place: Spot, value: Any) -> Fault:
     key = "" if isinstance(place.at[-1], int) else f"{place.key}: "
     help: str | None = f"write `{key}{near[0]}`" if near else None
     fix = renaming(value, words)
-    elsewhere = place.marked(Keywords)
+    elsewhere = place.marked(Hints)
     if elsewhere is not None and value in elsewhere.elsewhere:
         help, fix = elsewhere.elsewhere[value], None
         if help in words:
