@@ -6,15 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-from yaml.events import (
-    AliasEvent,
-    DocumentStartEvent,
-    MappingEndEvent,
-    MappingStartEvent,
-    ScalarEvent,
-    SequenceEndEvent,
-    SequenceStartEvent,
-)
+import yaml
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
@@ -95,7 +87,7 @@ class Builder:
         stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
         for event in events:
             kind = type(event)
-            if kind is ScalarEvent:
+            if kind is yaml.ScalarEvent:
                 start, end = event.start_mark, event.end_mark
                 line = start.line + 1
                 # Nearly every event is a scalar on one line without properties: this path is kept short.
@@ -116,15 +108,15 @@ class Builder:
                     self._add(Scalar(text, span, text, plain=False), 0)
                 else:
                     self._add(Scalar(self._resolved(text, span), span, text, plain=True), 0)
-            elif kind is MappingStartEvent or kind is SequenceStartEvent:
-                if not self._begin(event, kind is MappingStartEvent):
+            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
+                if not self._begin(event, kind is yaml.MappingStartEvent):
                     return None
-            elif kind is MappingEndEvent or kind is SequenceEndEvent:
+            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
                 self._end(event)
-            elif kind is AliasEvent:
+            elif kind is yaml.AliasEvent:
                 if not self._alias(event):
                     return None
-            elif kind is DocumentStartEvent and self._root is not None:
+            elif kind is yaml.DocumentStartEvent and self._root is not None:
                 message = "a second YAML document begins here; a file holds one"
                 help = "move the text after `---` into a file of its own, or remove the `---`"
                 self._sink.error("yaml-documents", message, marks.span(event), help=help)
@@ -232,7 +224,7 @@ class Builder:
         frame.key, frame.key_end = _DROPPED, None
         if frame.has_lone:
             return
-        if type(event) is ScalarEvent:
+        if type(event) is yaml.ScalarEvent:
             if self._restore is None:
                 end: Any = event.end_mark
                 frame.key_end, frame.is_quoted = end.index, bool(event.style)
@@ -241,7 +233,7 @@ class Builder:
             if event.anchor is not None:
                 self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, plain=False), 1, 0)
         found = (frame.entries if frame.entries is not None else {}).get(name)
-        if name == "<<" and type(event) is ScalarEvent and not event.style:
+        if name == "<<" and type(event) is yaml.ScalarEvent and not event.style:
             help = "write the keys out, or use `extends` or `variants`, which merge recipes"
             self._sink.error("yaml-merge-key", "the merge key `<<` is not part of the language", span, help=help)
         elif found is not None:
