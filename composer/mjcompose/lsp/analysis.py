@@ -20,7 +20,7 @@ from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
 from mjcompose.sources.reference import Source
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Node, find, lines_of, to_python
+from mjcompose.text.node import Change, Mapping, Node, common_ends, find, lines_of, to_python
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.unit import Unit
 
@@ -109,9 +109,7 @@ def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
     >>> moved(["a", "b", "c"], ["a", "x", "y", "c"])
     {0: 0, 2: 3}
     """
-    most = min(len(old), len(new))
-    head = next((at for at in range(most) if old[at] != new[at]), most)
-    tail = next((at for at in range(most - head) if old[-1 - at] != new[-1 - at]), most - head)
+    head, tail = common_ends(old, new)
     kept = {at: at for at in range(head)}
     kept |= {at: at + len(new) - len(old) for at in range(len(old) - tail, len(old))}
     return kept

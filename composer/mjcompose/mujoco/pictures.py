@@ -131,6 +131,7 @@ def _new(mujoco: Any, scene: Any, kind: Any) -> Any:
     return geom
 
 
+NEEDS_OPENGL = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 SKYLESS = (235, 235, 235, 1)
 """The background of a model without a sky. MuJoCo 4.0 leaves it black, which hides dark models."""
 

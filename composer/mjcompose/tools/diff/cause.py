@@ -155,8 +155,7 @@ class Causes:
         if before.tag != after.tag:
             yield Cause(f"`<{after.tag}>`", self.a.span(before), self.b.span(after))
             return
-        names = wanted if wanted is not None else tuple(kind_of(after).attributes)
-        for attribute in names:
+        for attribute in wanted if wanted is not None else tuple(kind_of(after).attributes):
             if wanted is None and attribute in _NO_REASON:
                 continue
             text, writer = self.a.value(before, attribute)
@@ -267,8 +266,7 @@ class Causes:
         places = (
             [] if node is None or node.get(attribute) is None else side.written(node, attribute) for side, node in nodes
         )
-        for before, after in _latest_first(*places):
-            yield Cause(f"`{attribute}`", before, after)
+        yield from (Cause(f"`{attribute}`", before, after) for before, after in _latest_first(*places))
 
     def _entry(self, change: Change) -> Iterator[Cause]:
         """Yield the key's numbers for a joint, actuator or body; else the cause that moves the body with its key."""
@@ -276,8 +274,7 @@ class Causes:
             side.key_lines(node, change.field.removeprefix("key_"), change.entry)
             for side, node in zip(self.both, self._nodes(change), strict=True)
         )
-        for before, after in zip_longest(ours, theirs):
-            yield Cause("key", before, after)
+        yield from (Cause("key", before, after) for before, after in zip_longest(ours, theirs))
         for pair in self.pairs.holding(mine, yours):
             yield from self._attribute(*pair)
 

@@ -22,7 +22,7 @@ from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index
-from mjcompose.mujoco.pictures import pictures
+from mjcompose.mujoco.pictures import NEEDS_OPENGL, pictures
 from mjcompose.sources.context import Context
 from mjcompose.text.node import find, locate
 from mjcompose.tools.diff.cause import Causes
@@ -31,8 +31,6 @@ from mjcompose.tools.diff.models import contrast, contrast_of, looks
 from mjcompose.tools.diff.recipe_lines import block, different, excerpt, is_yaml
 from mjcompose.tools.diff.sides import Kind, Side, load, read_operand
 from mjcompose.tools.names import names_of
-
-_HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
@@ -44,7 +42,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
             context.sink.error("no-rendering", f"no pictures could be made: {said}")
             return ()
         if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
-            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=_HELP)
+            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=NEEDS_OPENGL)
             return ()
         views: list[View] = []
         used: set[str] = set()
@@ -72,8 +70,7 @@ def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list
         several.append(change)
         if known is not None and known.before is None and cause is not None and cause.before is not None:
             found[_key(cause)] = cause, several
-    groups = [Group(worded(cause, a, b), tuple(each)) for cause, each in found.values()]
-    return sorted(groups, key=_place)
+    return sorted([Group(worded(cause, a, b), tuple(each)) for cause, each in found.values()], key=_place)
 
 
 def _key(cause: Cause | None) -> tuple[object, ...]:
@@ -98,12 +95,10 @@ def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
     if cause.before is not None and cause.after is not None:
         before, after = different(before, after), different(after, before)
     else:
-        before, after = (
-            lines if is_yaml(span) else lines[:1] for lines, span in ((before, cause.before), (after, cause.after))
-        )
-    here, there = (
-        None if span is None else side.operand.located(span) for span, side in ((cause.before, a), (cause.after, b))
-    )
+        pairs = ((before, cause.before), (after, cause.after))
+        before, after = (lines if is_yaml(span) else lines[:1] for lines, span in pairs)
+    ends = ((cause.before, a), (cause.after, b))
+    here, there = (None if span is None else side.operand.located(span) for span, side in ends)
     return Cause(cause.words, here, there, lines_before=excerpt(before), lines_after=excerpt(after))
 
 
@@ -148,8 +143,7 @@ def diff(
         first, second = sides
         found = between(first, second, context, session=session, tolerance=tolerance, only=only, everything=everything)
         if found is not None and renders is not None:
-            views = render_views(renders, (first.kept, second.kept), context, session=session)
-            found = replace(found, views=views)
+            found = replace(found, views=render_views(renders, (first.kept, second.kept), context, session=session))
         if found is not None and show is not None:
             show(first, second, found)
         return None if context.sink.has_errors else found
@@ -222,8 +216,7 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
     levels: list[Level] = []
     for name in LEVELS:
         changes = [each for each in (*direct, *own) if sorting.level(each) == name]
-        placed = [each for each in changes if each.field == "place"]
-        groups = [*_reordered(placed, causes, a, b=b)]
+        groups = [*_reordered([each for each in changes if each.field == "place"], causes, a, b=b)]
         groups += grouped([each for each in changes if each.field != "place"], causes, a, b=b)
         moves = tuple(each for each in contrast.moves if sorting.of_name(each.kind, each.name) == name)
         arrays = contrast.arrays if name == "minor" and not own else ()
@@ -286,8 +279,7 @@ def _reordered(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> I
         if not any(spans):
             ends = (causes.a, alike[0].name_before), (causes.b, alike[0].name)
             spans = [side.span(side.node(kind, name, -1)) for side, name in ends]
-        cause = Cause(f"the order of {kind}s", spans[0], spans[1]) if any(spans) else None
-        yield Group(worded(cause, a, b), alike)
+        yield Group(worded(Cause(f"the order of {kind}s", spans[0], spans[1]) if any(spans) else None, a, b), alike)
 
 
 def _listed(side: Side, kind: str) -> Span | None:

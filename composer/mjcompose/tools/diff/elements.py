@@ -29,6 +29,16 @@ _HOLDERS = ("body", "worldbody")
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
 
 
+def in_order(root: Node) -> Iterator[tuple[str, Node]]:
+    """Yield the elements of a model in MuJoCo's order, each with its kind; of several worlds the first."""
+    worlds = 0
+    for node in query.ordered(root):
+        kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
+        worlds += node.tag == "worldbody"
+        if kind is not None and (node.tag != "worldbody" or worlds == 1):
+            yield kind, node
+
+
 class Elements:
     """The elements of one side, and where they are written; there are none if their origin is unknown.
 
@@ -42,10 +52,7 @@ class Elements:
         self.named: dict[tuple[str, str], Node] = {}
         self.lives = [] if side.traced is None else list(side.traced.watch.lives.values())
         self.parts = {part.called: part for life in self.lives for part in life.parts}
-        for node in () if side.traced is None else query.ordered(side.traced.model.root):
-            kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
-            if kind is None or (node.tag == "worldbody" and self.found["body"]):
-                continue
+        for kind, node in () if side.traced is None else in_order(side.traced.model.root):
             self.found[kind].append(node)
             if (name := query.name_of(node)) is not None and node.tag != "worldbody":
                 self.named.setdefault((kind, name), node)

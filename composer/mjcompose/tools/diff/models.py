@@ -50,8 +50,8 @@ def moves(matching: Correspondence) -> Iterator[Move]:
     a, b = matching.alone.model, matching.composed.model
     for kind in ("joint", "actuator", "sensor", "body"):
         pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])
-        for vector, (of, _) in VECTORS.items():
-            for index, target in pairs if of == kind else ():
+        for vector in (vector for vector, (of, _) in VECTORS.items() if of == kind):
+            for index, target in pairs:
                 before, after = span(a, vector, index), span(b, vector, target)
                 if before and after and before.start != after.start:
                     name = matching.composed.describe(kind, target)
@@ -283,12 +283,10 @@ def _alike(
     kind: str, lost: list[str], new: list[str], a: NameTable, b: NameTable, bodies: Mapping[str, str]
 ) -> dict[str, str]:
     """Return elements without a double that have equal numbers and are on the same body."""
-    if not lost or not new:
-        return {}
-    mine, theirs = _by_look(kind, lost, a, renamed=bodies), _by_look(kind, new, b, renamed={})
-    return {
-        names[0]: theirs[look][0] for look, names in mine.items() if len(names) == 1 and len(theirs.get(look, ())) == 1
-    }
+    mine = _by_look(kind, lost if new else [], a, renamed=bodies)
+    theirs = _by_look(kind, new if lost else [], b, renamed={})
+    alone = {look: names[0] for look, names in theirs.items() if len(names) == 1}
+    return {names[0]: alone[look] for look, names in mine.items() if len(names) == 1 and look in alone}
 
 
 def _by_look(kind: str, names: list[str], roster: NameTable, renamed: Mapping[str, str]) -> dict[Hashable, list[str]]:
@@ -343,26 +341,24 @@ def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
 
 def _presence(matching: Correspondence) -> Iterator[Change]:
     """Yield elements that only one of the two models has; unnamed ones come and go with their body."""
-    for kind in KINDS:
-        if kind == "key":
-            continue
-        ids, taken = matching.ids[kind], matching.taken[kind]
-        lost = {i for i, j in enumerate(ids) if j == ABSENT}
-        new = {j for j in range(matching.composed.count(kind)) if j not in taken} - ({0} if kind == "body" else set())
-        for index in sorted(lost):
-            if not _goes_along(matching.alone, kind, index, ids=matching.ids["body"], taken=None):
-                name = named(matching.alone, kind, index)
-                yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
-        for index in sorted(new):
-            if not _goes_along(matching.composed, kind, index, ids=None, taken=matching.taken["body"]):
-                yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
+    lost = {kind: [i for i, j in enumerate(matching.ids[kind]) if j == ABSENT] for kind in KINDS}
+    every = {kind: range(kind == "body", matching.composed.count(kind)) for kind in KINDS}  # the world is in both
+    new = {kind: [j for j in every[kind] if j not in matching.taken[kind]] for kind in KINDS}
+    for kind in (each for each in KINDS if each != "key"):
+        for index in _alone_there(matching.alone, kind, lost):
+            name = named(matching.alone, kind, index)
+            yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
+        for index in _alone_there(matching.composed, kind, new):
+            yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
-def _goes_along(roster: NameTable, kind: str, index: int, ids: list[int] | None, taken: set[int] | None) -> bool:
-    if kind not in ON_BODIES or roster.names[kind][index]:
-        return False
-    body = holder(roster.model, kind, index)
-    return body != 0 and ((ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken))
+def _alone_there(roster: NameTable, kind: str, found: Mapping[str, list[int]]) -> Iterator[int]:
+    """Yield the elements of a kind among those that were found, without unnamed ones on bodies among them."""
+    bodies = set(found["body"])
+    for index in found[kind]:
+        is_unnamed = kind in ON_BODIES and not roster.names[kind][index]
+        if not (is_unnamed and holder(roster.model, kind, index) in bodies):
+            yield index
 
 
 def references(matching: Correspondence) -> Iterator[Change]:
@@ -386,14 +382,14 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     types = matching.composed.model.jnt_type.tolist()
     joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
     for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
+        index = mine.ids["key"].get(difference.name, ABSENT)
         if difference.field == MISSING:
-            index = mine.ids["key"].get(difference.name, ABSENT)
             yield Change("removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name)
             continue
         field, _, entry = difference.field.partition(" of ")
         name = entry.strip("`")
         before, after = _alone(difference.expected), _alone(difference.actual)
-        both = mine.ids["key"].get(difference.name, ABSENT), theirs.ids["key"].get(difference.name, ABSENT)
+        both = index, theirs.ids["key"].get(difference.name, ABSENT)
         yield Change(
             "changed", "key", difference.name, field=field, before=before, after=after,
             form=joints.get(name, ""), entry=name, index=both, name_before=difference.name,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from difflib import SequenceMatcher
 from functools import cached_property
-from itertools import takewhile
+from itertools import chain
 from pathlib import Path
 from textwrap import dedent
 
@@ -19,7 +19,7 @@ from mjcompose.link.linking import Part
 from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, walk
+from mjcompose.text.node import Mapping, Node, Scalar, common_ends, find, is_template, walk
 from mjcompose.tools.diff.changes import Cause
 from mjcompose.tools.diff.sides import Side
 
@@ -87,20 +87,16 @@ class Recipes:
         self.attached: dict[Span, tuple[Plan, AttachPart]] = {}
         self._given: dict[str, list[Span]] = defaultdict(list)
         for plan in () if side.plan is None else side.plan.plans():
-            if all(plan is not each for each in self.plans):
-                self._collect(plan)
+            if any(plan is each for each in self.plans):
+                continue
+            self.plans.append(plan)
+            self.attached |= {step.span: (plan, step) for step in plan.parts}
+            withs = (find(plan.document, (*step.at, "with")) for step in plan.members)
+            for entries in (each.entries for each in withs if isinstance(each, Mapping)):
+                for name, (_, node) in entries.items():
+                    self._given[name].append(node.span)
         for name, node in side.given.items():
             self._given[name].append(node.span)
-
-    def _collect(self, plan: Plan) -> None:
-        self.plans.append(plan)
-        for step in plan.parts:
-            self.attached[step.span] = plan, step
-        for at in [(*step.at, "with") for step in plan.members]:
-            given = find(plan.document, at)
-            if isinstance(given, Mapping):
-                for name, (_, node) in given.entries.items():
-                    self._given[name].append(node.span)
 
     def attachment(self, part: Part | None, there: Recipes | None = None) -> Mapping | None:
         """Return the entry that attaches a part; for a part of another side, the entry at the same path here."""
@@ -123,12 +119,9 @@ class Recipes:
             return ()
         lines = extent(span, self.side)
         end = span.end_column if span.end_line == span.line and len(lines) == 1 else None
-        return tuple(
-            name
-            for (file, line, column), names in self._expressions.items()
-            if file == span.file and line in lines and (end is None or span.column <= column < end)
-            for name in names
-        )
+        found = (names for (file, line, column), names in self._expressions.items()
+                 if file == span.file and line in lines and (end is None or span.column <= column < end))  # fmt: skip
+        return tuple(chain.from_iterable(found))
 
     def parameter(self, name: str) -> Iterator[Span]:
         """Yield where a parameter gets its value: where it is given, else where it is declared."""
@@ -210,13 +203,8 @@ class Written:
         if there is None:
             return span
         pair = (span.file, there) if side == 0 else (there, span.file)
-        changed = self._lines(*pair)[side]
-        for number in lines:
-            if number == span.line and number in changed:
-                return span
-            if number in changed:
-                return _line(self.sides[side], span.file, number)
-        return None
+        first = next((number for number in lines if number in self._lines(*pair)[side]), None)
+        return span if first == span.line else None if first is None else _line(self.sides[side], span.file, first)
 
     def twin(self, side: int, span: Span) -> Span | None:
         """Return the line of the other side that takes the place of a differing line."""
@@ -236,10 +224,8 @@ class Written:
     def only(self) -> Cause | None:
         """Return the differing stretch of lines if it is the only one in all files, and so the only possible cause."""
         found: list[Cause] = []
-        pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()} | {
-            (self._counterpart(1, file), file) for file in self._named[1].values()
-        }
-        for a, b in pairs:
+        pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()}
+        for a, b in pairs | {(self._counterpart(1, file), file) for file in self._named[1].values()}:
             if a is None or b is None:
                 return None
             for first, last, start, end in self._stretches(a, b):
@@ -253,8 +239,7 @@ class Written:
         here, there = self.sides[side], self.sides[1 - side]
         if (found := self._paths[1 - side].get(real(here, file))) is not None:
             return found
-        called = name(here, file)
-        if (found := self._named[1 - side].get(called)) is not None:
+        if (found := self._named[1 - side].get(name(here, file))) is not None:
             return found
         mains = [each.operand.context.shown(each.operand.path) for each in (here, there)]
         alike = Path(mains[0]).suffix == Path(mains[1]).suffix and here.operand.kind is there.operand.kind
@@ -302,16 +287,11 @@ def _files(side: Side, recipes: Recipes) -> Iterator[str]:
 
 def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
     """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
-    head = _common(ours, theirs)
-    tail = _common(ours[head:][::-1], theirs[head:][::-1])
+    head, tail = common_ends(ours, theirs)
     mine, yours = ours[head : len(ours) - tail], theirs[head : len(theirs) - tail]
     for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():
         if tag != "equal":
             yield first + head, last + head, start + head, end + head
-
-
-def _common(ours: list[str], theirs: list[str]) -> int:
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(ours, theirs, strict=False)))
 
 
 def _line(side: Side, file: str, number: int) -> Span:

@@ -255,7 +255,6 @@ class Side:
     cells: int = 0
     given: Given = field(default_factory=dict)
     inputs: tuple[Path, ...] = ()
-    texts: dict[str, str] = field(default_factory=dict)
     read: dict[str, list[str]] = field(default_factory=dict)
     bundle: Bundle | None = None
     excluded: tuple[Excluded, ...] = ()
@@ -268,18 +267,16 @@ class Side:
         if root is not None:  # files outside of the repository are as they are now
             inputs = (Path(os.path.normpath(path)) for path in self.inputs)
             outside = {os.path.relpath(path, root) for path in inputs if not path.is_relative_to(root)}
-        return End(
-            self.operand.label, self.operand.kind, whole.hexdigest(), cell=self.cell, cells=cells,
-            outside=tuple(sorted(outside)),
-        )  # fmt: skip
+        return End(self.operand.label, self.operand.kind, whole.hexdigest(), cell=self.cell, cells=cells,
+                   outside=tuple(sorted(outside)))  # fmt: skip
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
         if file not in self.read:
+            self.read[file] = []
             with suppress(OSError, ValueError):
-                if file not in self.texts:
-                    self.texts[file] = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
-            self.read[file] = self.texts.get(file, "").splitlines()
+                content = read_regular(self.operand.context.folder / file)
+                self.read[file] = content.decode("utf-8", "replace").splitlines()
         return self.read[file]
 
 
@@ -346,9 +343,7 @@ def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell
     """Return the picked cell, or None if there is no such cell, which is reported."""
     sink = operand.context.sink
     every = cells_of(operand.path, operand.context, dict(given))
-    if sink.has_errors:
-        return None
-    cell = select_cell(every, pick, sample, sink=sink, recipe=operand.label)
+    cell = None if sink.has_errors else select_cell(every, pick, sample, sink=sink, recipe=operand.label)
     if cell is not None:
         check_axes_are_free([cell], given, sink, instead="compare without `--pick`")
     return None if sink.has_errors else cell
@@ -389,14 +384,12 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)
         return None
     file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
-    unit = parse_text(
-        text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files,
-        door=NOTHING,
-    )  # fmt: skip
+    unit = parse_text(text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files,
+                      door=NOTHING)  # fmt: skip
     files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
     return Side(
         operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files), bundle=bundle,
-        texts={file: text.decode("utf-8", "replace")},
+        read={file: text.decode("utf-8", "replace").splitlines()},
     )  # fmt: skip
 
 

@@ -38,8 +38,7 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
         else:
             key = (change.what, change.kind)
         found.setdefault(key, []).append(change)
-    for alike in found.values():
-        yield _sentence(alike, between)
+    yield from (_sentence(alike, between) for alike in found.values())
 
 
 def count(size: Count) -> str:

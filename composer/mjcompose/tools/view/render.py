@@ -27,7 +27,7 @@ from mjcompose.build.plan.read import Given
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.pictures import draw, sheet
+from mjcompose.mujoco.pictures import NEEDS_OPENGL, draw, sheet
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Kind, Operand, load_cell
 
@@ -136,9 +136,6 @@ def size_of(text: str) -> tuple[int, int] | None:
         return None
     width, height = int(found[1]), int(found[2])
     return (width, height) if min(width, height) >= 16 and max(width, height) <= MOST_PIXELS else None
-
-
-NEEDS_OPENGL = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 
 
 class _NotDrawn(Exception):

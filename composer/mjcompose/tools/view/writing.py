@@ -6,7 +6,6 @@ import contextlib
 import json
 import math
 import os
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Lock
@@ -29,7 +28,7 @@ from mjcompose.sources.fetching import model_files
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Scalar, find, is_template, to_python, walk
+from mjcompose.text.node import Change, Mapping, Scalar, common_ends, find, is_template, lines_of, to_python, walk
 from mjcompose.text.node import Sequence as List
 from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.draft import Draft, Offset, Refused, Written, name_text, short
@@ -46,7 +45,6 @@ _ELSEWHERE: dict[str, Steps] = {
 }  # fmt: skip
 """Keys that say a place in another way than by an offset."""
 _STALE = "`{}` has changed since this model was built, so nothing is written"
-_BREAK = re.compile(r"\r\n|\n|\r")
 Answer = dict[str, Any]
 Done = tuple[str, bytes, bytes, str]
 """A file, its text before and after, and a description of the change."""
@@ -124,9 +122,9 @@ class Writer:
         if path is not None and recipe is not None and path.suffix.lower() in RECIPES:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
             if all(door.sees(path) for door in doors):
-                if os.access(path, os.W_OK):
-                    return path
-                raise Refused(f"`{file}` may not be written")
+                if not os.access(path, os.W_OK):
+                    raise Refused(f"`{file}` may not be written")
+                return path
         raise Refused(f"it is written in `{file}`, which is not a recipe of your project")
 
     def _draft(self, file: str, said: Any, any: bool = False) -> Draft:
@@ -200,9 +198,8 @@ class Writer:
         uses, name = sum(each.file == file for each in targets.plan.plans()), os.path.basename(file).encode()
         top, own = Path(folder_of_recipe(targets.paths[targets.recipe])), {os.path.realpath(self._own(file))}
         own.add(os.path.realpath(targets.paths[targets.recipe]))
-        near = (top / each for each in model_files(top) if each.endswith(RECIPES))
         others = 0
-        for path in near:
+        for path in (top / each for each in model_files(top) if each.endswith(RECIPES)):
             with contextlib.suppress(OSError):
                 others += os.path.realpath(path) not in own and name in read_regular(path, _MOST_SIZE)
         words = [f"{uses} parts of this model"] * (uses > 1)
@@ -283,10 +280,8 @@ class Writer:
             raise Refused(f"there is a keyframe `{name}`: choose another name")
         entry: dict[str, Written] = {}
         for key, kind in (("qpos", "joint"), ("mpos", "body"), ("mquat", "body")):
-            moved: dict[str, Written] = {}
-            for number, values in said[key]:
-                moved[self._name(kind, number)] = self._values(key, number, _numbers(values))
-            entry |= {key: moved} if moved else {}
+            if moved := {self._name(kind, at): self._values(key, at, _numbers(values)) for at, values in said[key]}:
+                entry[key] = dict(moved)
         if said.get("hold") is True and self.scene["actuator"]["name"]:
             entry["ctrl"] = "hold"
         draft.write(("keyframe", name), entry)
@@ -404,9 +399,8 @@ def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
 def _numbers(values: Any, count: int | None = None) -> list[float]:
     """Return the numbers of a page: `count` of them, finite, and of a size that a place can have."""
     found = [float(each) for each in values]
-    if len(found) != (count or len(found) or 1) or not all(
-        math.isfinite(each) and abs(each) <= _MOST for each in found
-    ):
+    is_right = all(math.isfinite(each) and abs(each) <= _MOST for each in found)
+    if len(found) != (count or len(found) or 1) or not is_right:
         raise ValueError
     return found
 
@@ -421,11 +415,8 @@ def _pose(said: Any) -> Pose:
 
 def _difference(before: str, after: str) -> Answer:
     """Return what to replace: lines and columns from 0, in units of UTF-16, as editors count."""
-    most = min(len(before), len(after))
-    head = next((at for at in range(most) if before[at] != after[at]), most)
-    tail = next((at for at in range(most - head) if before[-1 - at] != after[-1 - at]), most - head)
-    ends = []
+    (head, tail), ends = common_ends(before, after), []
     for at in (head, len(before) - tail):
-        *above, last = _BREAK.split(before[:at])
+        *above, last = lines_of(before[:at])
         ends += [len(above), len(last.encode("utf-16-le")) // 2]
     return {"range": ends, "text": after[head : len(after) - tail]}
