@@ -23,43 +23,38 @@ Matches: TypeAlias = "Callable[[Editing, Node], bool]"
 def rename(places: str, names: dict[str, str], words: dict[str, str] | None = None) -> Acts:
     """Rename attributes, and translate their values by `words`."""
 
-    def act(names: dict[str, str], words: dict[str, str] | None) -> Act:
-        def carry_out(editing: Editing) -> None:
-            for old, new in names.items():
-                for node in editing.at(*places.split()):
-                    value = node.get(old)
-                    if value is None:
-                        continue
-                    if words is not None and value not in words:
-                        message = f'MuJoCo {editing.after} has no word for `{old}="{value}"` of {called(node)}'
-                        editing.refuse(node, message, attribute=old)
-                    elif node.get(new) is not None:
-                        editing.unset(node, old)  # MuJoCo prefers the new name
-                    else:
-                        editing.rename(node, old, new, value=value if words is None else words[value])
-
-        return carry_out
+    def act(editing: Editing, names: dict[str, str], words: dict[str, str] | None) -> None:
+        pairs = ((*pair, node) for pair in names.items() for node in editing.at(*places.split()))
+        for old, new, node in pairs:
+            value = node.get(old)
+            if value is None:
+                continue
+            if words is not None and value not in words:
+                message = f'MuJoCo {editing.after} has no word for `{old}="{value}"` of {called(node)}'
+                editing.refuse(node, message, attribute=old)
+            elif node.get(new) is not None:
+                editing.unset(node, old)  # MuJoCo prefers the new name
+            else:
+                editing.rename(node, old, new, value=value if words is None else words[value])
 
     back = None if words is None else {value: key for key, value in words.items()}
-    return act(names, words), act({new: old for old, new in names.items()}, back)
+    new_names = {new: old for old, new in names.items()}
+    return partial(act, names=names, words=words), partial(act, names=new_names, words=back)
 
 
 def keep_default(setting: str, was: str, now: str) -> Acts:
     """Write the old default of a setting of the whole model, if the model does not write the setting."""
     path, _, attribute = setting.rpartition("/")
 
-    def act(value: str) -> Act:
-        def carry_out(editing: Editing) -> None:
-            if any(node.get(attribute) is not None for node in editing.at(path)):
-                return
-            if editing.stage_reads(path, attribute):
-                editing.set(editing.within(path), attribute, value)
-            elif value != was:
-                editing.warn(None, editing.lacking(path, attribute, value))
+    def act(editing: Editing, value: str) -> None:
+        if any(node.get(attribute) is not None for node in editing.at(path)):
+            return
+        if editing.stage_reads(path, attribute):
+            editing.set(editing.within(path), attribute, value)
+        elif value != was:
+            editing.warn(None, editing.lacking(path, attribute, value))
 
-        return carry_out
-
-    return act(was), act(now)
+    return partial(act, value=was), partial(act, value=now)
 
 
 def drop(places: str, attribute: str, harmless: str | None = None, lost: str = "") -> tuple[Act, None]:
@@ -99,39 +94,26 @@ def _plugin(name: str, version: str, plugins: tuple[str, ...], places: str, help
     return Change(name, version, (forward, None))
 
 
-def _keep_colors() -> Acts:
-    def act(value: str) -> Act:
-        def carry_out(editing: Editing) -> None:
-            for node in editing.at("asset/texture"):
-                has_file = any(str(name).startswith("file") for name in node.attrib)
-                is_default = has_file and editing.value(node, "colorspace") is None
-                if is_default and editing.stage_reads("asset/texture", "colorspace"):
-                    editing.set(node, "colorspace", value)
-
-        return carry_out
-
-    return act("linear"), act("auto")
+def _keep_colors(editing: Editing, value: str) -> None:
+    for node in editing.at("asset/texture"):
+        has_file = any(str(name).startswith("file") for name in node.attrib)
+        is_default = has_file and editing.value(node, "colorspace") is None
+        if is_default and editing.stage_reads("asset/texture", "colorspace"):
+            editing.set(node, "colorspace", value)
 
 
-def _internal() -> Acts:
-    def act(was: bool) -> Act:
-        def carry_out(editing: Editing) -> None:
-            word = "true" if was else "false"
-            for flex in editing.at("body/flexcomp", "deformable/flex"):
-                contacts = list(flex.iterchildren("contact"))
-                if any(each.get("internal") is not None for each in contacts):
-                    continue
-                if not editing.stage_reads("body/flexcomp/contact", "internal"):
-                    if was and rules.dimension(flex) > 1:
-                        editing.warn(flex, f"{called(flex)} loses its contacts with itself")
-                elif contacts:
-                    editing.set(contacts[-1], "internal", word)
-                else:
-                    editing.insert(flex, "contact", {"internal": word})
-
-        return carry_out
-
-    return act(True), act(False)
+def _internal(editing: Editing, word: str) -> None:
+    for flex in editing.at("body/flexcomp", "deformable/flex"):
+        contacts = list(flex.iterchildren("contact"))
+        if any(each.get("internal") is not None for each in contacts):
+            continue
+        if not editing.stage_reads("body/flexcomp/contact", "internal"):
+            if word == "true" and rules.dimension(flex) > 1:
+                editing.warn(flex, f"{called(flex)} loses its contacts with itself")
+        elif contacts:
+            editing.set(contacts[-1], "internal", word)
+        else:
+            editing.insert(flex, "contact", {"internal": word})
 
 
 def _headlight_back(editing: Editing) -> None:
@@ -216,11 +198,13 @@ TABLE: tuple[Change, ...] = (
            arrays=("flags.nativeccd",)),
     Change("shell-meshes", "3.3.0", (rules.shells_of_meshes, rules.shells_of_geoms),
            arrays=("body_inertia", "body_ipos", "geom_pos", "geom_quat")),
-    Change("flex-internal", "3.3.1", _internal(), arrays=("flex_internal",)),
+    Change("flex-internal", "3.3.1", (partial(_internal, word="true"), partial(_internal, word="false")),
+           arrays=("flex_internal",)),
     Change("light-type", "3.3.3", (None, rename(  # later versions still read `directional`
         "body/light default/light", {"directional": "type"}, {"true": "directional", "false": "spot"})[1]),
         arrays=("light_type",)),
-    Change("texture-colors", "3.3.3", _keep_colors(), arrays=("tex_colorspace",)),
+    Change("texture-colors", "3.3.3", (partial(_keep_colors, value="linear"), partial(_keep_colors, value="auto")),
+           arrays=("tex_colorspace",)),
     _plugin("shell-plugin", "3.3.3", plugins=("mujoco.elasticity.shell",), places=_FLEXES,
             help='write `<elasticity young="…" poisson="…" thickness="…" elastic2d="bend"/>` into the flex'),
     _plugin("solid-plugins", "3.2.4", plugins=("mujoco.elasticity.solid", "mujoco.elasticity.membrane"), places=_FLEXES,

@@ -58,12 +58,9 @@ def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
             continue
         first, node = having[0]
         several = "copies of one geom" if len(having) == 1 else f"{len(having)} geoms"
-        first.warn(
-            node,
-            f"{several} have a `{name}`: a contact of two of them has {was} in MuJoCo {editing.before}"
-            f" and {now} in {editing.after}",
-            f"write the `{name}` of such contacts as `<pair>`, or set it for only one of the two geoms",
-        )
+        has = f"a contact of two of them has {was} in MuJoCo {editing.before} and {now} in {editing.after}"
+        help = f"write the `{name}` of such contacts as `<pair>`, or set it for only one of the two geoms"
+        first.warn(node, f"{several} have a `{name}`: {has}", help)
 
 
 larger_of_two = partial(_combine, factor=0.5, was="the larger", now="the sum")
@@ -161,13 +158,10 @@ def shells_of_meshes(editing: Editing) -> None:
         if not shells:
             continue
         if len(shells) < len(uses) or name not in meshes:
-            editing.refuse(
-                shells[0],
-                f"only some geoms with the mesh `{name}` have their mass on the surface, but MuJoCo {editing.after}"
-                " has this setting on the mesh",
-                'make a second `<mesh>` of that file with `inertia="shell"`, and use it here',
-                attribute="shellinertia",
-            )
+            some = f"only some geoms with the mesh `{name}` have their mass on the surface"
+            message = f"{some}, but MuJoCo {editing.after} has this setting on the mesh"
+            help = 'make a second `<mesh>` of that file with `inertia="shell"`, and use it here'
+            editing.refuse(shells[0], message, help, attribute="shellinertia")
             continue
         editing.set(meshes[name], "inertia", "shell")
         for node in (*shells, *editing.at("default/geom")):
@@ -229,10 +223,8 @@ def _limit_tendons(editing: Editing, value: str) -> None:
             editing.set(node, "actuatorfrclimited", value)
 
 
-limits_that_were_ignored, limits_in_effect = (
-    partial(_limit_tendons, value="false"),
-    partial(_limit_tendons, value="true"),
-)
+limits_that_were_ignored = partial(_limit_tendons, value="false")
+limits_in_effect = partial(_limit_tendons, value="true")
 
 
 def limited_by_hand(editing: Editing) -> None:
@@ -339,28 +331,21 @@ def implicit_flexes(editing: Editing) -> None:
     if holder is None or integrator not in ("implicit", "implicitfast") or not is_elastic:
         return
     uses_cg = "solver" in options and options["solver"].get("solver") == "CG"
-    editing.refuse(
-        holder,
-        f"MuJoCo {editing.after} has no elastic flex with the integrator `{integrator}`",
-        f'write `integrator="discrete"`, which is close to it{" with the solver CG" if uses_cg else ""},'
-        ' or `integrator="Euler"` with a small timestep',
-        attribute="integrator",
-    )
+    message = f"MuJoCo {editing.after} has no elastic flex with the integrator `{integrator}`"
+    help = f'write `integrator="discrete"`, which is close to it{" with the solver CG" if uses_cg else ""}'
+    help += ', or `integrator="Euler"` with a small timestep'
+    editing.refuse(holder, message, help, attribute="integrator")
 
 
 def shortcut_of_another(editing: Editing) -> None:
     """Before 3.16 the gains that a class gives to one kind of actuator reached other kinds."""
     for node in editing.root.iterfind("actuator/*"):
         force: DefaultClass | None = editing.unit.classes.get(str(node.get("class") or "main"))
+        others = [tag for tag in _SHORTCUTS if tag != node.tag]
         gains = False
         while force is not None:
-            gains |= any(
-                each.get(name) is not None
-                for tag in _SHORTCUTS
-                if tag != node.tag
-                for each in force.elements.get(tag, ())
-                for name in _GAINS
-            )
+            found = (each for tag in others for each in force.elements.get(tag, ()))
+            gains |= any(each.get(name) is not None for each in found for name in _GAINS)
             force = force.parent
         if gains and node.tag in ("motor", *_SHORTCUTS):
             message = f"{called(node)} no longer has the gains that its class writes for other kinds, since MuJoCo 3.16"
