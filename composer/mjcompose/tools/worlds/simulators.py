@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.mujoco.attributes import Model, NameTable
-from mjcompose.mujoco.varying import MEANS, flat, put, value_of, whose
+from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import OPTION, Refusal
 from mjcompose.tools.worlds.names import LoadError, failure
-from mjcompose.tools.worlds.worlds import Worlds
+from mjcompose.tools.worlds.worlds import Worlds, with_numbers
 
 
 def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any:
@@ -116,8 +115,7 @@ def _can_vary(model: Any, name: str) -> bool:
     if not hasattr(owner, field):
         return False
     spec = next((each.type for each in dataclasses.fields(owner) if each.name == field), None)
-    shape = getattr(spec, "shape", None) or ("",)
-    return bool(shape[0] == "*")
+    return bool((getattr(spec, "shape", None) or ("",))[0] == "*")
 
 
 def unread(worlds: Worlds) -> list[str]:
@@ -208,8 +206,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     except ImportError as error:
         raise failure("not-installed", f"`mjlab` cannot be used: {error}", "`pip install mjlab`") from error
     simulator = Simulator("warp", mujoco_warp.put_model)
-    model = simulator.take(worlds, worlds.nominal)
-    names = [name for name in per_world(model, worlds) if is_stepped(name)]
+    names = [name for name in per_world(simulator.take(worlds, worlds.nominal), worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
         raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
@@ -364,14 +361,12 @@ def _listed(names: Iterable[str]) -> str:
 
 def _otherwise(worlds: Worlds) -> Model:
     """Return a model in which each varying number is the largest of the values that are not nominal."""
-    model = copy.copy(worlds.nominal)
+    largest = {}
     for name, varying in worlds.arrays.items():
-        numbers = flat(model, name).copy()
-        other = varying.values != numbers[varying.index]
+        other = varying.values != flat(worlds.nominal, name)[varying.index]
         chosen = np.where(other, np.abs(varying.values), -1).argmax(axis=0)
-        numbers[varying.index] = varying.values[chosen, np.arange(varying.index.size)]
-        put(model, name, numbers)
-    return model
+        largest[name] = varying.index, varying.values[chosen, np.arange(varying.index.size)]
+    return with_numbers(worlds.nominal, largest)
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -30,7 +30,7 @@ from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common
 from mjcompose.tools.worlds.join import parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
-from mjcompose.tools.worlds.worlds import Varying, Worlds
+from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,12 +186,7 @@ def _label(group: Group, groups: Sequence[Group]) -> str:
 def _models(group: Group) -> Iterator[Model]:
     nominal, varying = group.first.loaded.model, dict(group.varying())
     for place in range(len(group.worlds)):
-        model = copy.copy(nominal)
-        for name, own in varying.items():
-            values = flat(model, name).copy()
-            values[own.index] = own.values[place]
-            put(model, name, values)
-        yield model
+        yield with_numbers(nominal, {name: (own.index, own.values[place]) for name, own in varying.items()})
 
 
 def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: Sequence[str]) -> Model:

@@ -131,8 +131,7 @@ def write_parquet(path: Path, model: Model, table: Table) -> None:
         for column, (at, of) in enumerate(zip(varying.index, whose(model, name, varying.index), strict=True)):
             called = " ".join(word for word in (name, of.element, of.attribute) if word)
             place = {_ARRAY: name.encode(), _INDEX: str(at).encode()}
-            kind = arrow.from_numpy_dtype(varying.values.dtype)
-            fields.append(arrow.field(called, kind, metadata=place))
+            fields.append(arrow.field(called, arrow.from_numpy_dtype(varying.values.dtype), metadata=place))
             columns.append(np.ascontiguousarray(varying.values[:, column]))
     schema = arrow.schema(fields, metadata={_PARQUET_ABOUT: json.dumps(table.about()).encode()})
     arrow.parquet.write_table(arrow.table(columns, schema=schema), path)
@@ -157,9 +156,8 @@ def read_parquet(content: bytes) -> Table:
         index, values = numbers.setdefault(place[_ARRAY].decode(), ([], []))
         index.append(int(place[_INDEX]))
         values.append(column.to_numpy())
-    arrays = {}
-    for name, (places, values) in numbers.items():
-        arrays[name] = Varying(np.array(places, np.int64), np.stack(values, axis=1))
+    arrays = {name: Varying(np.array(places, np.int64), np.stack(values, axis=1))
+              for name, (places, values) in numbers.items()}  # fmt: skip
     return of_about(about, arrays, cell=given["cell"], sample=given["sample"])
 
 
@@ -208,6 +206,16 @@ def read(content: bytes) -> Table:
     return of_about(about, arrays, **given)
 
 
+def with_numbers(model: Model, numbers: Mapping[str, tuple[NDArray[np.int64], NDArray[Any]]]) -> Model:
+    """Return a copy of a model with other numbers: by array, their flat indices and values."""
+    model = copy.copy(model)
+    for name, (index, values) in numbers.items():
+        whole = flat(model, name).copy()
+        whole[index] = values
+        put(model, name, whole)
+    return model
+
+
 @dataclass(frozen=True, slots=True)
 class Worlds:
     """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
@@ -239,17 +247,13 @@ class Worlds:
         """Return one world as a `mujoco.MjModel` of its own. Raises IndexError."""
         if not -self.count <= world < self.count:
             raise IndexError(f"world {world} does not exist: there are {self.count}")
-        model = copy.copy(self.nominal)
-        for name, varying in self.arrays.items():
-            numbers = flat(model, name).copy()
-            numbers[varying.index] = varying.values[world]
-            put(model, name, numbers)
-        return model
+        return with_numbers(
+            self.nominal, {name: (each.index, each.values[world]) for name, each in self.arrays.items()}
+        )
 
     def models(self, worlds: Iterable[int] | None = None) -> Iterator[LoadModel]:
         """Yield the models of these worlds, or of all, one after another."""
-        for world in range(self.count) if worlds is None else worlds:
-            yield self.model(world)
+        yield from map(self.model, range(self.count) if worlds is None else worlds)
 
     def take(self, worlds: Iterable[int]) -> Worlds:
         """Return some of the worlds, in this order: `study.take(range(2000))`. Raises IndexError."""
