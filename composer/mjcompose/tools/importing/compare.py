@@ -14,7 +14,7 @@ from mjcompose.mujoco.arrays import ANGULAR, unit
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.elements import Changed, Entry, Item, Names, Pair
-from mjcompose.tools.importing.search import Instance, paired, parent_body
+from mjcompose.tools.importing.search import Instance, find, name_in_recipe, paired, parent_body, separator_of
 from mjcompose.tree.classes import MAIN, childclass_of, default_tag
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute
@@ -32,17 +32,19 @@ class Comparison:
     """Compares the parts with their state in the merged model, and writes the edits for the differences."""
 
     def __init__(
-        self, merged: Unit, parts: list[Unit], references: list[str], found: list[Instance], separator: str,
+        self, merged: Unit, parts: list[Unit], references: list[str], *,
         relative: Callable[[Path], str], likeness: Callable[[Instance, Names], elements.Likeness],
     ) -> None:  # fmt: skip
-        self.merged, self.parts, self.references, self.found = merged, parts, references, found
-        self.relative = relative
+        self.merged, self.parts, self.references, self.relative = merged, parts, references, relative
+        self.found = find(merged, parts)
+        self.separator = separator_of(self.found)
+        name_in_recipe(self.found, [part.label for part in parts], self.separator)
+        self.base_first = sorted(self.found, key=lambda each: not each.is_base)
         self.alike: dict[str, tuple[object, ...]] = {}
-        self.separator = separator
         self.there = elements.named(merged)
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
-        self.covered: set[Node] = {each.body for each in found}
+        self.covered: set[Node] = {each.body for each in self.found}
         self.entries: list[Entry] = []
         self.pairs: list[Pair] = []
         self.labels: set[str] = set()
@@ -52,9 +54,14 @@ class Comparison:
         self.likeness: dict[int, elements.Likeness] = {}
         self.new_names: dict[tuple[int, str, str], str] = {}
         """New names of a part's elements in the merged model, by instance, namespace and name."""
-        for each in found:
+        for each in self.found:
             self.find_renamed(each)
-        self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in found}
+        self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in self.found}
+
+    def pair(self, select: str, item: Item, there: Item, each: Instance) -> None:
+        """Note an element of a part with its counterpart in the merged model."""
+        self.covered.add(there.node)
+        self.pairs.append(Pair(select, item, each, changes=self.changes(item, there, each), moved={}))
 
     def theirs(self, each: Instance, namespace: str | None, name: str) -> str:
         """Return the name in the merged model of an element of a part; without a namespace, of any element."""
@@ -66,11 +73,8 @@ class Comparison:
     def find_renamed(self, each: Instance) -> None:
         """Find renamed elements: the only new one with that tag in its body, or one with the same references."""
         part = self.parts[each.part]
-        known = {
-            (namespace, one.prefix + name)
-            for one in self.found
-            for namespace, name in elements.named(self.parts[one.part])
-        }
+        names = ((one.prefix, each) for one in self.found for each in elements.named(self.parts[one.part]))
+        known = {(namespace, prefix + name) for prefix, (namespace, name) in names}
         new = [item for key, item in self.there.items() if key not in known]
         for (namespace, name), item in elements.named(part).items():
             if (namespace, each.prefix + name) in self.there:
@@ -238,18 +242,14 @@ class Comparison:
 
     def change(self, pair: Pair) -> None:
         attributes = pair.item.kind.attributes
-        removed = {name: "null" for name, value in pair.changes.items() if value is None}
-        written = removed | {
-            k: elements.written_value(attributes[k], self.name(attributes[k], v))
-            for k, v in pair.changes.items()
-            if v is not None
-        }
+        written = {name: "null" for name, value in pair.changes.items() if value is None}
         for name, value in pair.changes.items():
-            before, after, unit = self.ends(pair, name, value)
-            if before is not None or after is not None:
-                self.found_changes.append(
-                    Changed(pair.item.kind.tag, self.called(pair), name, before=before, after=after, unit=unit)
-                )
+            if value is not None:
+                written[name] = elements.written_value(attributes[name], self.name(attributes[name], value))
+        for name, value in pair.changes.items():
+            ends = self.ends(pair, name, value)
+            if ends[:2] != (None, None):
+                self.found_changes.append(Changed(pair.item.kind.tag, self.called(pair), name, *ends))
         if pair.changes or pair.moved:
             verbs = {"select": pair.select} | ({"set": elements.flow(written)} if written else {})
             self.edit(verbs | ({"move": elements.flow(pair.moved)} if pair.moved else {}))
@@ -287,7 +287,7 @@ class Comparison:
             if there is not None:
                 kind, select = GRAMMAR.element(tag), elements.selector_of(tag, tag, each.out + name)
                 item, other = (Item(one, kind, "asset", namespace=tag) for one in (node, there))
-                self.pairs.append(Pair(select, item, each, changes=self.changes(item, other, each), moved={}))
+                self.pair(select, item, other, each=each)
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by their references."""
@@ -305,8 +305,7 @@ class Comparison:
             if found is None or (found.kind != item.kind and not self.same(item.node, found.node, each)):
                 self.edit({"select": select, "remove": "true"}, elements.REMOVED)
             else:
-                self.covered.add(found.node)
-                self.pairs.append(Pair(select, item, each, changes=self.changes(item, found, each), moved={}))
+                self.pair(select, item, found, each=each)
 
     def compare_world(self, each: Instance) -> list[str]:
         """Return selectors of unnamed elements in the part's world that the merged model lacks."""
@@ -375,8 +374,7 @@ class Comparison:
                 if b is None:
                     self.edit({"select": select, "remove": "true"}, elements.REMOVED - one.index(a))
                 else:
-                    self.covered.add(b.node)
-                    self.pairs.append(Pair(select, a, each, changes=self.changes(a, b, each), moved={}))
+                    self.pair(select, a, b, each=each)
                     if tag == "body":
                         self.unnamed(a.node, b.node, select, each=each)
 

@@ -23,14 +23,12 @@ from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
 from mjcompose.text.faults import word
 from mjcompose.tools.diff.changes import Change, Value
+from mjcompose.tools.diff.elements import in_order
 from mjcompose.tools.diff.models import Values, references
-from mjcompose.tools.explain.query import ordered
 from mjcompose.tools.importing.search import Instance
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
-from mjcompose.tree.select import kind_of
-from mjcompose.tree.select import query as paths_of
 from mjcompose.tree.unit import Unit
 
 
@@ -77,8 +75,7 @@ def items(unit: Unit) -> Iterator[Item]:
     """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
     for section in unit.root.iterchildren(*SECTIONS):
         kinds = GRAMMAR.within(str(section.tag))
-        nodes = section.iter("*") if section.tag == "worldbody" else section.iterchildren("*")
-        for node in nodes:
+        for node in section.iter("*") if section.tag == "worldbody" else section.iterchildren("*"):
             kind = kinds.get(str(node.tag))
             name = None if kind is None else kind.attributes.get("name")
             if node is not section and kind is not None and name is not None and name.declares is not None:
@@ -274,7 +271,6 @@ ROUNDING = 1e-5
 
 _SMALLEST = 1e-6  # smaller numbers are compared as if they had this size
 _MASSES = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat"})
-_KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,19 +290,16 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not just
     prefixed, and the ``body`` that the part is attached to.
     """
-    matching = Correspondence(
-        NameTable(alone), NameTable(merged), prefix=given["prefix"], mount=Mount(given["body"], None),
-        renamed=given["names"], by_order=False,
-    )  # fmt: skip
+    tables, mount = (NameTable(alone), NameTable(merged)), Mount(given["body"], None)
+    matching = Correspondence(*tables, prefix=given["prefix"], mount=mount, renamed=given["names"], by_order=False)
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
     for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
         if not about(each.field).is_computed and not is_rounding(each):
             changed[each.kind].add(each.index)
             if each.field in _MASSES:
                 changed["mass"].add(each.index)
-    same = {
-        kind: [pair for pair in matching.pairs(kind) if pair not in changed[kind]] for kind in KINDS if kind != "key"
-    }
+    kinds = [kind for kind in KINDS if kind != "key"]
+    same = {kind: [pair for pair in matching.pairs(kind) if pair not in changed[kind]] for kind in kinds}
     heavier = {after for _, after in changed["mass"]}  # its own numbers do not say which geom causes that
     same["geom"] = [pair for pair in same["geom"] if int(merged.geom_bodyid[pair[1]]) not in heavier]
     counts = {kind: [len(getattr(model, KINDS[kind].addresses)) for model in (alone, merged)] for kind in KINDS}
@@ -347,10 +340,7 @@ def places(unit: Unit) -> dict[Node, tuple[str, int]]:
     """Return kind and number of every element in MuJoCo's order, unless one element of the file makes several."""
     found: dict[Node, tuple[str, int]] = {}
     count: dict[str, int] = defaultdict(int)
-    for node in ordered(unit.root):
-        kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
-        if kind is None or (node.tag == "worldbody" and count["body"]):
-            continue
+    for kind, node in in_order(unit.root):
         found[node] = (kind, count[kind])
         count[kind] += 1
     return found

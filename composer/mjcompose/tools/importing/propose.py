@@ -26,7 +26,7 @@ from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.compare import Comparison
 from mjcompose.tools.importing.elements import Changed, Entry, Likeness, Names
-from mjcompose.tools.importing.search import Instance, find, name_in_recipe, parent_body, separator_of
+from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.merged_settings import ReadRow
@@ -64,12 +64,7 @@ def propose(
 
     `likeness` returns which elements of a part compile to the same; without it, any difference in writing counts.
     """
-    found = find(merged, parts)
-    separator = separator_of(found)
-    name_in_recipe(found, [part.label for part in parts], separator)
-    return _Proposer(
-        merged, parts, references, found=found, separator=separator, relative=relative, likeness=likeness
-    ).proposal()
+    return _Proposer(merged, parts, references, relative=relative, likeness=likeness).proposal()
 
 
 class _Proposer(Comparison):
@@ -89,7 +84,7 @@ class _Proposer(Comparison):
         head, renamed = self.head(), self.rename()
         nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
         keys: dict[str, list[str]] = defaultdict(list)
-        for each in sorted(self.found, key=lambda each: not each.is_base):
+        for each in self.base_first:
             for key in self.parts[each.part].root.iter("key"):
                 keys[str(key.get("name") or "")].append("base" if each.is_base else each.key)
         return Proposal(
@@ -108,14 +103,13 @@ class _Proposer(Comparison):
     def match_assets(self) -> None:
         """Map assets of the merged model to assets of parts; the others become entries of the recipe."""
         assets = elements.assets_of(self.merged)
-        for each in sorted(self.found, key=lambda each: not each.is_base):
+        for each in self.base_first:
             unit = self.parts[each.part]
             for (tag, name), node in elements.assets_of(unit).items():
                 self.alike[each.out + name] = (tag, *sorted(self.values(node, unit).items()))
-                for there in (each.prefix + name, name):
-                    if (tag, there) in assets:
-                        self.names.setdefault((tag, there), each.out + name)
-                        break
+                keys = (key for key in ((tag, each.prefix + name), (tag, name)) if key in assets)
+                if (there := next(keys, None)) is not None:
+                    self.names.setdefault(there, each.out + name)
         for (tag, name), node in assets.items():
             if (tag, name) not in self.names:
                 self.names[tag, name] = name
@@ -156,8 +150,7 @@ class _Proposer(Comparison):
     def label(self, section: str, word: str) -> str:
         """Return an unused key for an unnamed element of a section."""
         kind = section.partition("/")[2] or section
-        taken = {name for (namespace, name) in self.there if namespace == kind}
-        taken |= {name for (tag, name) in elements.assets_of(self.merged) if tag == kind}
+        taken = {name for (namespace, name) in (*self.there, *elements.assets_of(self.merged)) if namespace == kind}
         keys = (word if number == 1 and section.startswith("asset/") else f"{word}_{number}" for number in count(1))
         key = next(key for key in keys if key not in taken | self.labels)
         self.labels.add(key)
@@ -194,8 +187,7 @@ class _Proposer(Comparison):
         """Return a part's site in this body with that pose."""
         for each in self.found:
             part = self.parts[each.part]
-            name = str(parent.get("name")).removeprefix(each.prefix)
-            body = elements.named(part).get(("body", name))
+            body = elements.named(part).get(("body", str(parent.get("name")).removeprefix(each.prefix)))
             for site in body.node.iterchildren("site") if body is not None else ():
                 if not site.get("name"):
                     continue
@@ -243,16 +235,12 @@ class _Proposer(Comparison):
                 for tag in inner:
                     into = into.setdefault(tag, {})  # type: ignore[assignment]
                 into[name] = elements.written_value(attribute, value)
-        for section, values in settled.items():
-            self.entries.append(Entry(section, elements.nested(values)))
+        self.entries += [Entry(section, elements.nested(values)) for section, values in settled.items()]
 
     def left_over(self) -> None:
         """Write the elements of the merged model that no part has."""
-        brought = {
-            (namespace, each.out + name)
-            for each in self.found
-            for namespace, name in elements.named(self.parts[each.part])
-        }
+        named = ((each.out, key) for each in self.found for key in elements.named(self.parts[each.part]))
+        brought = {(namespace, out + name) for out, (namespace, name) in named}
         for item in elements.items(self.merged):
             node = item.node
             if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
@@ -282,10 +270,8 @@ class _Proposer(Comparison):
 
     def is_empty(self, frame: Node) -> bool:
         """Return whether an unnamed frame holds only elements of the parts."""
-        return not frame.get("name") and all(
-            child in self.covered or (child.tag == "frame" and self.is_empty(child))
-            for child in frame.iterchildren("*")
-        )
+        others = (child for child in frame.iterchildren("*") if child not in self.covered)
+        return not frame.get("name") and all(child.tag == "frame" and self.is_empty(child) for child in others)
 
     def fragment(self, node: Node, called: str | None = None) -> str:
         """Return an element of the merged model as text, with the values from its classes; `called` is its name."""

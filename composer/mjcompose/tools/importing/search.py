@@ -206,8 +206,7 @@ def search(merged: Path, folders: Iterable[Path], context: Context, progress: Ca
     likely = sorted(likely, key=lambda each: -each[0])[:_MOST]
     read = [(candidate, parse_file(candidate.path, Sink(), file=str(candidate.path))) for _, candidate in likely]
     units = [(candidate, unit) for candidate, unit in read if unit is not None]
-    pieces = [each for each in units if _named(each[1]) != bodies]
-    parts, covered = _found(whole, pieces)
+    parts, covered = _found(whole, [each for each in units if _named(each[1]) != bodies])
     if covered != bodies:  # a copy of the whole model is less useful than its parts, but better than nothing
         parts, _ = _found(whole, units)
     return Search(parts, len(seen) - 1)
