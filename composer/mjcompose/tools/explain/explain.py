@@ -188,8 +188,7 @@ class Traced:
         if life.made_by is not None:
             cause = self.causes.made(life)
             yield Reason(cause.words, cause.span or (None if life.sources else self._span(life)))
-            for source in life.sources:
-                yield Reason("read from", self._span(source))
+            yield from (Reason("read from", self._span(source)) for source in life.sources)
         elif life.line is None and isinstance(life.owner, str):
             yield Reason(f"begun by the recipe `{life.owner}`, which has no base")
         else:
@@ -201,19 +200,16 @@ class Traced:
         return life.span(self.model.origins, attribute)
 
     def parts(self, life: Life) -> Iterator[Reason]:
-        for part in life.parts:
-            yield Reason(f"`{part.called}` {trace_words.place(part)}", part.span)
+        yield from (Reason(f"`{part.called}` {trace_words.place(part)}", part.span) for part in life.parts)
 
     def on_line(self, file: str, line: int) -> list[Node]:
-        found = []
-        for node in query.ordered(self.model.root):
-            for life in (self.watch.life(node), *self.watch.life(node).sources):
-                span = self._span(life)
-                if span is not None and (span.file == file or span.file.endswith(f"/{file}")):
-                    last = life.line if isinstance(life.owner, str) else None
-                    if span.line <= line <= (last or span.line) and node not in found:
-                        found.append(node)
-        return found
+        def is_there(life: Life) -> bool:
+            span, last = self._span(life), life.line if isinstance(life.owner, str) else None
+            is_in_file = span is not None and (span.file == file or span.file.endswith(f"/{file}"))
+            return span is not None and is_in_file and span.line <= line <= (last or span.line)
+
+        lives = ((node, self.watch.life(node)) for node in query.ordered(self.model.root))
+        return [node for node, life in lives if any(map(is_there, (life, *life.sources)))]
 
     def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
         for source in life.sources if len(life.sources) == 1 else ():
@@ -319,9 +315,8 @@ class Traced:
             found = [self.causes.made(life).span]
         else:
             found = [self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)]
-        for change in life.of(attribute):
-            if not trace_words.rewrites(change.cause):
-                found.append(self.causes.change(change, life).span)
+        changes = (each for each in life.of(attribute) if not trace_words.rewrites(each.cause))
+        found += [self.causes.change(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]
 
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
@@ -359,12 +354,10 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
     """Compose the model under observation. Compiles only parts that MuJoCo has to measure."""
     watch = Trace()
     if path.suffix.lower() in MJCF_FILES:
+        shown = context.shown(context.folder / path)
         for node in (given or {}).values():
-            message = f"`{context.shown(context.folder / path)}` is not a recipe and has no parameters"
-            context.sink.error("unknown-name", message, node.span)
-        if given:
-            return None
-        unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
+            context.sink.error("unknown-name", f"`{shown}` is not a recipe and has no parameters", node.span)
+        unit = None if given else parse_file(context.folder / path, context.sink, file=shown)
         if unit is None or not check_source(unit, context.sink):
             return None
         watch([unit], path)
@@ -373,12 +366,11 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
         _no_recipe(path, context)
         return None
     plan = make_plan(path, context, given, sample=sample)
-    if plan is not None and not check_sample(plan, sample, context.sink):
+    if plan is None or not check_sample(plan, sample, context.sink):
         return None
-    composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
-    if plan is not None:
-        acknowledge(plan, context.sink, context.shown, whole=False)
-    if plan is None or composed is None:
+    composed = Composer(context, measure_with(context), watch=watch).compose(plan)
+    acknowledge(plan, context.sink, context.shown, whole=False)
+    if composed is None:
         return None
     collect(composed.model, composed.files, context.sink, shown=context.shown)
     watch([composed.model], collect)
@@ -390,10 +382,9 @@ def _no_recipe(path: Path, context: Context) -> None:
     from mjcompose.build.bundle.manifest import from_json
     from mjcompose.build.bundle.read import ReadError, read
 
-    recipe = None
-    with suppress(ReadError, ValueError):
-        if (content := read(context.folder / path).files.get(MANIFEST)) is not None:
-            recipe = from_json(content).recipe
+    help = "use its recipe"
+    with suppress(ReadError, ValueError, KeyError):
+        if (recipe := from_json(read(context.folder / path).files[MANIFEST]).recipe) is not None:
+            help = f"use its recipe: `mjcompose explain {recipe.path}`"
     message = f"`{context.shown(context.folder / path)}` has the model, but not where its elements come from"
-    help = f"use its recipe: `mjcompose explain {recipe.path}`" if recipe is not None else "use its recipe"
     context.sink.error("source-kind", message, help=help)

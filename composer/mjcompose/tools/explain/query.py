@@ -80,8 +80,7 @@ def same_value(a: str, b: str) -> bool:
     """
     ours, theirs = a.split(), b.split()
     with suppress(ValueError):
-        pairs = zip(ours, theirs, strict=True)
-        return all(one == other or float(one) == float(other) for one, other in pairs)
+        return all(one == other or float(one) == float(other) for one, other in zip(ours, theirs, strict=True))
     return False
 
 

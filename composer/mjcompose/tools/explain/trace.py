@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import field, replace
+from itertools import pairwise
 from types import FunctionType
 from typing import Literal, NamedTuple
 
@@ -211,9 +212,7 @@ class Trace:
         if record is not None:
             life.sources += [self.lives[key] for key in record.keys if key in self.lives]
         else:
-            for old in lost:
-                if old.tag == life.tag and dict(old.items).get("name") == life.name:
-                    life.sources.append(old)
+            life.sources += [old for old in lost if old.tag == life.tag and dict(old.items).get("name") == life.name]
         if len(life.sources) == 1:
             life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
@@ -281,9 +280,8 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
         return []
     found, at = [], 0
     for holder, width in owners:
-        for run in _runs(known[at : at + width]):
-            text = " ".join(each.number.text for each in run)
-            found.append(Row(element_of(holder), text, reading.origin(run)))
+        found += [Row(element_of(holder), " ".join(each.number.text for each in run), reading.origin(run))
+                  for run in _runs(known[at : at + width])]  # fmt: skip
         at += width
     return found
 
@@ -340,12 +338,10 @@ class _Reading:
         if (key, vector) not in self.known:
             life, noted = self.trace.life(key), self._noted(key, vector)
             if noted is None:
-                source = KeySource("key", vector, key)
-                written = life.attributes.get(vector, "").split()
-                noted = [Number(text, source, at) for at, text in enumerate(written)]
+                noted = _numbered(life.attributes.get(vector, ""), KeySource("key", vector, key))
             changes = [each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)]
-            now = str(key.get(vector) or "").split()
-            self.known[key, vector] = _after([_Known(each) for each in noted], now, changes, vector=vector)
+            now = str(key.get(vector) or "")
+            self.known[key, vector] = _after(list(map(_Known, noted)), now, changes, vector=vector)
         return self.known[key, vector]
 
     def origin(self, run: list[_Known]) -> NumberOrigin:
@@ -355,10 +351,9 @@ class _Reading:
         found = self._of(source, (first.number.at, last.number.at))
         if first.change is not None:
             found = NumberOrigin("edit", change=first.change)
-        if found.written is not None and not source.moved:
-            text = [each.number.text for each in run]
-            if numbers.read(found.written) != numbers.read(" ".join(text)):
-                found = NumberOrigin("unknown")
+        text = " ".join(each.number.text for each in run)
+        if found.written is not None and not source.moved and numbers.read(found.written) != numbers.read(text):
+            found = NumberOrigin("unknown")
         return replace(found, taken=source.taken, moved=source.moved, lost=lost)
 
     def _of(self, source: KeySource, at: tuple[int, int]) -> NumberOrigin:
@@ -389,21 +384,23 @@ class _Reading:
         return NumberOrigin("file", span, " ".join(words.split()))
 
 
-def _after(known: list[_Known], now: list[str], changes: list[Change], vector: str) -> list[_Known]:
+def _after(known: list[_Known], now: str, changes: list[Change], vector: str) -> list[_Known]:
     """Apply the changes of recipe steps to the numbers; numbers that no step accounts for become unknown."""
+    source = KeySource("edited", vector)
     for change in changes:
-        before, after = (change.before or "").split(), (change.after or "").split()
-        source = KeySource("edited", vector)
-        made = [_Known(Number(text, source, at), change) for at, text in enumerate(after)]
-        if len(after) == len(before) and [each.number.text for each in known] == before:
+        before = (change.before or "").split()
+        made = [_Known(each, change) for each in _numbered(change.after or "", source)]
+        if len(made) == len(before) and [each.number.text for each in known] == before:
             pairs = zip(known, made, strict=True)
             made = [old if old.number.text == new.number.text else new for old, new in pairs]
-        if after or not now:
+        if made or not now:
             known = made
-    if [each.number.text for each in known] == now:
-        return known
-    source = KeySource("edited", vector)
-    return [_Known(Number(text, source, at)) for at, text in enumerate(now)]
+    is_known = [each.number.text for each in known] == now.split()
+    return known if is_known else list(map(_Known, _numbered(now, source)))
+
+
+def _numbered(text: str, source: KeySource) -> list[Number]:
+    return [Number(each, source, at) for at, each in enumerate(text.split())]
 
 
 def _layout(model: Unit, life: Life) -> Layout | None:
@@ -418,14 +415,11 @@ def _layout(model: Unit, life: Life) -> Layout | None:
 
 
 def _runs(numbers: list[_Known]) -> Iterator[list[_Known]]:
-    run: list[_Known] = []
-    for each in numbers:
-        if run:
-            before, source = run[-1], run[-1].number.source
-            alike = before.change is each.change and source == each.number.source
-            if not alike or (source.kind == "key" and each.number.at != before.number.at + 1):
-                yield run
-                run = []
-        run.append(each)
-    if run:
-        yield run
+    start = 0
+    for at, (before, after) in enumerate(pairwise(numbers), 1):
+        source = before.number.source
+        is_alike = before.change is after.change and source == after.number.source
+        if not is_alike or (source.kind == "key" and after.number.at != before.number.at + 1):
+            yield numbers[start:at]
+            start = at
+    yield from [numbers[start:]] if numbers else []

@@ -331,8 +331,7 @@ class Causes:
     def value(self, life: Life, attribute: str) -> Reason:
         """Return why an element that a pass created has this value of an attribute."""
         assert life.made_by is not None
-        value = life.attributes.get(attribute)
-        change = Change(attribute, None, value, cause=life.made_by, owner=life.owner)
+        change = Change(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
         return self._worded(VALUES, life, change) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
@@ -472,8 +471,7 @@ def total(found: list[tuple[Node, str]], name: str, values: list[str | None]) ->
 
 
 def _of_body(body: Node, name: str, classes: Classes) -> Iterator[tuple[Node, str]]:
-    root = body.getroottree().getroot()
-    rule = read_settings(root).inertiafromgeom
+    rule = read_settings(body.getroottree().getroot()).inertiafromgeom
     geoms = [geom for geom in own(body, "geom") if has_mass(geom, classes)]
     inertials = own(body, "inertial")
     if inertials and not (rule == "true" and geoms):
