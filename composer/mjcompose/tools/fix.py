@@ -59,8 +59,7 @@ def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
     if diagnostic.fix is None:
         return diagnostic
     edit = edit_of(diagnostic, source)
-    fix = None if edit is None else Fix(edit.text, None, place_of(diagnostic))
-    return replace(diagnostic, fix=fix)
+    return replace(diagnostic, fix=None if edit is None else Fix(edit.text, None, place_of(diagnostic)))
 
 
 def place_of(diagnostic: Diagnostic) -> Span | None:
@@ -159,8 +158,7 @@ class Fixing:
             after = self.found()
             useless = _persisting(left, tried, after)
             known = set(map(_identity, left))
-            new = [each for each in after if _identity(each) not in known]
-            if self._breaks(left, new):
+            if self._breaks(left, [each for each in after if _identity(each) not in known]):
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
                 self.at_once = 1  # trying single fixes shows which of them fails
             elif not useless:
@@ -225,8 +223,7 @@ class Fixing:
 
 def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
     """Return a finding without its place, which a fix above it moves."""
-    file = diagnostic.span.file if diagnostic.span is not None else ""
-    return file, diagnostic.code, diagnostic.message
+    return (diagnostic.span.file if diagnostic.span is not None else ""), diagnostic.code, diagnostic.message
 
 
 def _persisting(

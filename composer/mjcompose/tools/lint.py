@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -116,11 +116,9 @@ def _may_be_used(finding: Finding, others: bytes, may_be_part: bool) -> bool:
 
 
 def _head(path: Path) -> bytes:
-    try:
-        with open_regular(path) as file:
-            return file.read(_HEAD)
-    except OSError:
-        return b" "
+    with suppress(OSError), open_regular(path) as file:
+        return file.read(_HEAD)
+    return b" "
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,13 +195,12 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
 
 
 def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
-    error, crash = compiled.error or "", compiled.crash
+    error, crash, at = compiled.error or "", compiled.crash, Span(unit.file, 1, 1)
     if crash is not None:
-        context.sink.error(CRASHES.get(crash, "mujoco-crash"), f"`{unit.file}`: {error}", Span(unit.file, 1, 1))
+        context.sink.error(CRASHES.get(crash, "mujoco-crash"), f"`{unit.file}`: {error}", at)
         return
     fault = parse(error)
     element = None if fault.line is None else element_at(unit.root, text, fault.line)
-    at = Span(unit.file, 1, 1)
     report_message(translate(fault.message, element), element, unit, context=context, at=at)
 
 
@@ -257,15 +254,14 @@ def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
         return replaced(at, added, start=at.end_column)
     if len(edit.attributes) != 1:
         return None
-    name, value = edit.attributes[0]
+    ((name, value),) = edit.attributes
     at = text.attribute(tag, line, written, name=name)
     key = text.attribute(tag, line, written, name=name, key=True)
     if at is None or key is None or (value is None and at.line != key.line):
         return None
     if value is not None:
         return replaced(at, _escaped(value), start=at.column)
-    to_quote = at._replace(end_column=at.end_column + 1)
-    return replaced(to_quote, "", start=max(key.column - 1, 1))
+    return replaced(at._replace(end_column=at.end_column + 1), "", start=max(key.column - 1, 1))
 
 
 def _escaped(value: str | None) -> str:
@@ -290,16 +286,10 @@ class _Comments:
             lines = [] if text is None else text.text.split("\n")
             self._lines[span.file] = lines
             self._of_files[span.file] = {code for line in lines for code in _ignored(line, "ignore-file")}
-        lines, at = self._lines[span.file], span.line - 1
-        if diagnostic.code in self._of_files[span.file]:
-            return True
-        while 0 <= at < len(lines):
-            if diagnostic.code in _ignored(lines[at], "ignore"):
-                return True
-            at -= 1
-            if at < 0 or not lines[at].strip().startswith(("<!--", "#")):
-                return False
-        return False
+        above = self._lines[span.file][: span.line][::-1] if span.line <= len(self._lines[span.file]) else []
+        near = [*above[:1], *takewhile(lambda line: line.strip().startswith(("<!--", "#")), above[1:])]
+        is_ignored = any(diagnostic.code in _ignored(line, "ignore") for line in near)
+        return is_ignored or diagnostic.code in self._of_files[span.file]
 
 
 def _ignored(line: str, word: str) -> list[str]:
@@ -346,5 +336,4 @@ def lint_all(
 
 def merged(found: Collection[Diagnostic]) -> Iterator[tuple[Diagnostic, Cause]]:
     """Yield findings with a common cause: the findings of a rule in a file become one block."""
-    for each in found:
-        yield each, Cause(f"{each.code} {each.span.file if each.span else ''}", each.message)
+    yield from ((each, Cause(f"{each.code} {each.span.file if each.span else ''}", each.message)) for each in found)

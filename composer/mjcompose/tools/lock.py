@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -89,9 +90,8 @@ def write_lock(
             stage.write_bytes(text)
         if context.sink.errors:
             return None
-        if before is None:
-            changes = changes or ["no sources to pin"]
-        changes = changes or ["made with other versions" if before != after else "the same, written again"]
+        other = "made with other versions" if before != after else "the same, written again"
+        changes = changes or ["no sources to pin" if before is None else other]
     return context.shown(how.lock_file), changes
 
 
@@ -146,18 +146,15 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
     """Return the sources for some names, or None for all."""
     if not names or lock is None:
         return None
-    known: dict[str, set[str]] = {}
+    known: dict[str, set[str]] = defaultdict(set)
     for id, locked in lock.sources.items():
         for name in (id, *locked.used_by):
-            known.setdefault(name, set()).add(id)
-    found: set[str] = set()
-    for name in names:
-        if name not in known:
-            help = did_you_mean(name, known) or "run `mjcompose lock` for a new part"
-            notes = [exists_note("source", known, name)]
-            context.sink.error("unknown-name", f"the lock has no source `{name}`", notes=notes, help=help)
-        found |= known.get(name, set())
-    return frozenset(found)
+            known[name].add(id)
+    for name in (each for each in names if each not in known):
+        help = did_you_mean(name, known) or "run `mjcompose lock` for a new part"
+        notes = [exists_note("source", known, name)]
+        context.sink.error("unknown-name", f"the lock has no source `{name}`", notes=notes, help=help)
+    return frozenset(id for name in names if name in known for id in known[name])
 
 
 def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
@@ -178,8 +175,7 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
         if was is None or kind_of(was).is_local or id in fresh:
             continue
         there = {name: digest for name, digest in now.files.items() if name in was.files}
-        kept = {name: digest for name, digest in was.files.items() if name in there}
-        if changes := differences(kept, there):
+        if changes := differences({name: digest for name, digest in was.files.items() if name in there}, there):
             help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`"
             message = f"`{id}` has other files than the lock pins"
             context.sink.error("source-changed", message, notes=[Note(change) for change in changes[:8]], help=help)

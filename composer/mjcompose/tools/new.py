@@ -31,17 +31,16 @@ _NOT_MODELS = ("README.md", "make_meshes.py")
 
 def examples(schema: str) -> dict[str, bytes]:
     """Return the files of the examples by path, with their license; `schema` is the schema of recipes."""
-    folder, license = _places()
+    folder, license = _shipped("examples", "recipes"), _shipped("examples/LICENSE", "LICENSE")
     paths = (path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS)
     files = {path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts}
     return {**files, "LICENSE": license.read_bytes(), "recipe.schema.json": schema.encode()}
 
 
-def _places() -> tuple[Path, Path]:
-    """Return the folder and the license: next to this file in an installed package, at the top of a clone."""
-    beside = Path(__file__).with_name("examples")
-    root = Path(__file__).parents[3]
-    return (beside, beside / "LICENSE") if os.path.isdir(beside) else (root / "recipes", root / "LICENSE")
+def _shipped(installed: str, cloned: str) -> Path:
+    """Return a file or folder: next to this file in an installed package, at the top of a clone."""
+    beside = Path(__file__).parent / installed
+    return beside if os.path.exists(beside) else Path(__file__).parents[3] / cloned
 
 
 def _read(path: Path) -> bytes:
@@ -72,13 +71,15 @@ _ACTION = ".github/actions/mjcompose/action.yml"
 def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
     """Return the files of a project by path. `model` is the name of its first model, `schema` the schema of recipes."""
     given = {"PROJECT": title, "VERSION": __version__, "MUJOCO": mujoco}
-    files = {
-        path.replace("MODEL", model): _template(
-            name, {**given, "MODEL": yaml_name(model) if name == "recipe.yaml" else model}
-        )
-        for name, path in _FILES.items()
+    files = {}
+    for name, path in _FILES.items():
+        called = yaml_name(model) if name == "recipe.yaml" else model
+        files[path.replace("MODEL", model)] = _template(name, {**given, "MODEL": called})
+    return {
+        **files,
+        _ACTION: _shipped("action.yml", "action.yml").read_text("utf-8"),
+        "recipes/recipe.schema.json": schema,
     }
-    return {**files, _ACTION: _action(), "recipes/recipe.schema.json": schema}
 
 
 def needed(model: str) -> frozenset[str]:
@@ -103,12 +104,6 @@ def _template(name: str, given: Mapping[str, str]) -> str:
     """
     text = resources.files(__package__).joinpath("project", name).read_text(encoding="utf-8")
     return re.sub(rf"\b({'|'.join(given)})\b", lambda found: given[found[0]], text)
-
-
-def _action() -> str:
-    """Return the GitHub action: next to this file in an installed package, at the top of a clone."""
-    installed = Path(__file__).with_name("action.yml")
-    return (installed if os.path.exists(installed) else Path(__file__).parents[3] / "action.yml").read_text("utf-8")
 
 
 def write_project(

@@ -123,15 +123,12 @@ def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
 
 def _bodies(body: Body, parent: str | None, depth: int | None) -> Iterator[dict[str, Any]]:
     places = [
-        {
-            place.kind: place.name, "pos": place.pose.pos, "quat": place.pose.quat, "world_pos": place.world.pos,
-            "world_quat": place.world.quat,
-        }
-        for place in body.places
-    ]  # fmt: skip
+        {each.kind: each.name, **asdict(each.pose), "world_pos": each.world.pos, "world_quat": each.world.quat}
+        for each in body.places
+    ]
     yield {
         "name": body.name, "parent": parent, "part": body.part, "copies": body.copies,
-        "joints": [asdict(joint) for joint in body.joints], "places": places,
+        "joints": list(map(asdict, body.joints)), "places": places,
     }  # fmt: skip
     if depth is None or depth > 0:
         for child in body.children:
@@ -213,8 +210,7 @@ def render(outline: Outline, depth: int | None = None, color: bool = False) -> s
     """Return parts, then bodies with their joints, down to `depth` levels; without a final line break."""
     paint = Paint(color)
     counts = [counted(len(outline.bodies), "body", "bodies"), counted(len(outline.joints), "joint")]
-    if outline.parts:
-        counts.append(counted(len(outline.parts), "part"))
+    counts += [counted(len(outline.parts), "part")] if outline.parts else []
     width = max((len(part.name) for part in outline.parts), default=0)
     lines = [f"{paint('bold', outline.name)}: {', '.join(counts)}"]
     for part in outline.parts:
@@ -253,14 +249,13 @@ def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Itera
         last = number == len(body.children) - 1
         yield f"{paint('gutter', edge + ('└ ' if last else '├ '))}{_line(child, body, paint)}"
         inner = edge + ("  " if last else "│ ")
-        if depth is not None and depth <= 1:
-            if child.children:
-                hidden = list(child.walk())[1:]
-                joints = sum(len(each.joints) for each in hidden)
-                summary = f"… {counted(len(hidden), 'body', 'bodies')}, {counted(joints, 'joint')} below"
-                yield paint("dim", f"{inner}└ {summary}")
-        else:
+        if depth is None or depth > 1:
             yield from _below(child, None if depth is None else depth - 1, paint, edge=inner)
+        elif child.children:
+            hidden = list(child.walk())[1:]
+            joints = sum(len(each.joints) for each in hidden)
+            summary = f"… {counted(len(hidden), 'body', 'bodies')}, {counted(joints, 'joint')} below"
+            yield paint("dim", f"{inner}└ {summary}")
 
 
 def _line(body: Body, parent: Body, paint: Paint) -> str:
@@ -286,8 +281,7 @@ def _joint(joint: Joint, paint: Paint) -> str:
 
 
 def _places(body: Body, depth: int | None, level: int) -> Iterator[tuple[Body, Place]]:
-    for place in body.places:
-        yield body, place
+    yield from ((body, place) for place in body.places)
     if depth is None or level < depth:
         for child in body.children:
             yield from _places(child, depth, level + 1)

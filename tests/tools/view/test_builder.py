@@ -20,7 +20,7 @@ def watch(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Wa
     if request.param == "polling":
         monkeypatch.setitem(sys.modules, "watchfiles", None)
     found = Watch(Event())
-    if found.polls and request.param == "watchfiles":
+    if found._watchfiles is None and request.param == "watchfiles":
         pytest.skip("watchfiles is not installed")
     return found
 

@@ -323,7 +323,7 @@ _MOST_LOST = 10  # how many times a connection is re-established
 _LOOK_AGAIN = 5.0
 
 
-class Crew:
+class Crew(ExitStack):
     """The workers of the cluster at `address` (`--cluster`); `local` starts this many.
 
     They are connected with the first cell. `out` is the folder or address for all models, None for a run that
@@ -334,8 +334,8 @@ class Crew:
     def __init__(
         self, address: str, workers: int, out: Location | None, tell: Tell, away: Finish | None = None
     ) -> None:
+        super().__init__()
         self._address, self._count, self._out, self._tell, self._away = address, workers, out, tell, away
-        self._held = ExitStack()
         self._client: Client = None
         self._stations: Stations | None = None
         self._running: dict[Any, Part] = {}
@@ -351,17 +351,11 @@ class Crew:
         assert self._stations is not None
         return self._stations
 
-    def __enter__(self) -> Crew:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._end_run()
-        self._held.close()
-
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[CellResult | Died]:
         """Yield the result of each cell. If no worker can make a cell, this process makes it and raises errors."""
-        self._client = self._held.enter_context(client_of(self._address, self._count))
-        self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self._held)
+        self._client = self.enter_context(client_of(self._address, self._count))
+        self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self)
+        self.callback(self._end_run)
         self._cells = cells
         self._count_threads()
         stations.begin(self._client, list(self._client.nthreads()))
@@ -475,10 +469,9 @@ class Crew:
             self._ready[part.numbers[0]] = Died(f"ended with its worker: {' '.join(str(error).split())}")
 
     def _end_run(self) -> None:
-        if self._stations is not None:
-            if self._client.status == "running":
-                self._stations.close(self._client)
-            self._stations.end()
+        if self._client.status == "running":
+            self.stations.close(self._client)
+        self.stations.end()
 
     def _connect_again(self, error: Exception) -> None:
         help = "check that its scheduler runs, and run the same command again: finished models are kept"
@@ -493,7 +486,8 @@ class Crew:
             self._client.close(timeout=2)
         self._tell(f"connecting to `{self._address}` again")
         try:
-            self._client = self._held.enter_context(contextlib.closing(connected(self._address)))
+            self._client = self.enter_context(contextlib.closing(connected(self._address)))
+            self.callback(self._end_run)
         except ClusterError:
             raise lost from error
         self._threads = 0

@@ -331,8 +331,7 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
     has_store = order.store is None or os.path.exists(order.store)
     look = Files().look
     if not os.environ.get(_SHIPPED) and has_store and all(look(each.path).state == each.state for each in order.files):
-        opening = partial(opened, order.memory, order.job)
-        station = Station(order.run, opening, order.folder, held=ExitStack())
+        station = Station(order.run, partial(opened, order.memory, order.job), order.folder, held=ExitStack())
     else:
         lacking = [each for each in order.layout.files.values() if not os.path.exists(contents / each)]
         if lacking or not order.is_tried:

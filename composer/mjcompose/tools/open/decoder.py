@@ -91,8 +91,7 @@ def register() -> None:
 
     if hasattr(mujoco, _MARK):
         return
-    version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
-    if version < OLDEST:
+    if tuple(int(part) for part in mujoco.__version__.split(".")[:2]) < OLDEST:
         message = f"MuJoCo {mujoco.__version__} cannot open recipes: its decoders are older than those of MuJoCo 4.0"
         raise _error(message, "use `mjcompose.spec(recipe)`, or install `mujoco>=4`")
     folder = Path(mujoco.__file__).parent
@@ -264,8 +263,7 @@ def _provider(scheme: str) -> _Provider:
     contents: dict[int, bytes] = {}
 
     def path_of(name: str) -> Path:
-        place = name.partition(":")[2]
-        owner, _, inner = place.partition("/")
+        owner, _, inner = name.partition(":")[2].partition("/")
         if owner not in folders:
             folders[owner] = _folder(scheme, owner)
         root = os.path.realpath(folders[owner])

@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import field
+from dataclasses import field, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Event, Lock, RLock, Thread
@@ -42,9 +42,7 @@ def hopes(context: Context) -> Iterator[Path]:
         if read.node is not None:
             named = (text for text in texts(read.node) if text.startswith(("./", "../")))
             yield from (context.folder / recipe.parent / text.partition("#")[0] for text in named)
-    for each in context.sink.diagnostics:
-        if each.span is not None:
-            yield context.folder / each.span.file
+    yield from (context.folder / each.span.file for each in context.sink.diagnostics if each.span is not None)
 
 
 class Watch:
@@ -59,10 +57,6 @@ class Watch:
             self._watchfiles: Any = import_module("watchfiles")
         except ImportError:
             self._watchfiles = None
-
-    @property
-    def polls(self) -> bool:
-        return self._watchfiles is None
 
     def wait(self, before: dict[Path, Mark]) -> bool:
         """Return True as soon as a file is not as `before`; False once `stop` is set."""
@@ -81,12 +75,11 @@ class Watch:
             return
         # Network drives and sleeping laptops lose events, so look every few seconds.
         with contextlib.suppress(OSError):
-            next(
-                self._watchfiles.watch(
-                    *there, watch_filter=None, recursive=False, stop_event=self.stop, debounce=50, step=10,
-                    rust_timeout=2000, yield_on_timeout=True, raise_interrupt=False,
-                ), None,
+            seen = self._watchfiles.watch(
+                *there, watch_filter=None, recursive=False, stop_event=self.stop, debounce=50, step=10,
+                rust_timeout=2000, yield_on_timeout=True, raise_interrupt=False,
             )  # fmt: skip
+            next(seen, None)
             return
         self.stop.wait(POLL_SECONDS)
 
@@ -148,8 +141,7 @@ class Workshop:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
-                self.shown = Shown(old.version, old.text, old.blobs, title=old.title, fault=self._words(context))
-                self.shown.targets = old.targets
+                self.shown = replace(old, fault=self._words(context))
             self.shown.seconds = time.monotonic() - started
             return self.shown
 
@@ -220,8 +212,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
             array[:] = value
     data.time = asked.get("time", 0.0)
     pull(mujoco, model, data, asked=asked.get("pull") or {})
-    begun = data.time
-    stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
+    stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=data.time, most=_MOST_SECONDS)
     if stopped is not None:
         return {"stopped": stopped}
     state = {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {"time": float(data.time)}

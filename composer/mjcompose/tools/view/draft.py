@@ -221,8 +221,7 @@ class Offset:
             written.append(f"pos: [{', '.join(texts)}]")
         if _turn(before.quat, pose.quat) > _TURN / 10:
             form = self.form or "euler"
-            old = self._read(form) if self.form and not anew else []
-            texts = self._texts(form, pose.quat, old)
+            texts = self._texts(form, pose.quat, self._read(form) if self.form and not anew else [])
             if not texts:
                 form, texts = "quat", self._texts("quat", pose.quat, [])
             self.draft.numbers((*self.holder, self.form or form), texts)

@@ -16,7 +16,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from ipaddress import ip_address
+from ipaddress import IPv4Address, IPv6Address, ip_address
+from itertools import chain
 from threading import BoundedSemaphore, Lock
 from typing import Any
 
@@ -77,17 +78,17 @@ class Guard:
     @property
     def is_private(self) -> bool:
         """Whether only this machine can connect."""
-        try:
-            return self.host == "localhost" or ip_address(self.host).is_loopback
-        except ValueError:
-            return False
+        return self.host == "localhost" or bool(self._ip and self._ip.is_loopback)
 
     def _is_everywhere(self) -> bool:
         """Return whether the server listens on all addresses of this machine."""
-        try:
-            return not self.host or ip_address(self.host).is_unspecified
-        except ValueError:  # a name
-            return False
+        return not self.host or bool(self._ip and self._ip.is_unspecified)
+
+    @property
+    def _ip(self) -> IPv4Address | IPv6Address | None:
+        with contextlib.suppress(ValueError):  # a name
+            return ip_address(self.host)
+        return None
 
 
 def _bracketed(host: str) -> str:
@@ -212,13 +213,11 @@ class Server:
         self._http.server_close()
 
 
-def news(shown: Shown) -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
+def news(shown: Shown) -> Iterator[tuple[str, Any]]:
     if shown.version >= 0:
-        found.append(("model", {"version": shown.version, "fault": shown.fault is not None}))
+        yield "model", {"version": shown.version, "fault": shown.fault is not None}
     if shown.fault is not None:
-        found.append(("fault", {"text": shown.fault}))
-    return found
+        yield "fault", {"text": shown.fault}
 
 
 class _Http(ThreadingHTTPServer):
@@ -420,18 +419,16 @@ class _Handler(BaseHTTPRequestHandler):
         if page is None:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE)
             return
+        self.close_connection = True
         try:
-            self.send_response(HTTPStatus.OK)
-            self._headers("text/event-stream")
-            self.send_header("Connection", "close")
-            self.end_headers()
-            self.close_connection = True
-            for event, data in news(self.owner.workshop.shown):
-                self._write(encoded(event, data))
-            for message in page.messages():
-                self._write(message)
-        except OSError:
-            self.close_connection = True
+            with contextlib.suppress(OSError):
+                self.send_response(HTTPStatus.OK)
+                self._headers("text/event-stream")
+                self.send_header("Connection", "close")
+                self.end_headers()
+                known = (encoded(event, data) for event, data in news(self.owner.workshop.shown))
+                for message in chain(known, page.messages()):
+                    self._write(message)
         finally:
             self.owner.hub.leave(page)
 

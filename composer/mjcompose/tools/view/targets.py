@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
@@ -65,13 +66,13 @@ class Targets:
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
     """Return the table of movable things for the page, and for the server."""
     operand = side.operand
-    if side.plan is None or side.traced is None or operand.revision or operand.path.suffix.lower() not in RECIPES:
-        return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
-    if not (operand.context.folder / side.plan.file).samefile(operand.context.folder / operand.label):
+    folder, is_recipe = operand.context.folder, not operand.revision and operand.path.suffix.lower() in RECIPES
+    is_known = side.plan is not None and side.traced is not None and is_recipe
+    if side.plan is None or not is_known or not (folder / side.plan.file).samefile(folder / operand.label):
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
     found = _Movable(side, scene)
     rows = [*found.parts(), *found.additions()]
-    paths = {name: path for name in texts if operand.fetched(path := operand.context.folder / name) is None}
+    paths = {name: path for name in texts if operand.fetched(path := folder / name) is None}
     names = list(texts)
     for row in rows:
         row["at"][0] = names.index(row["at"][0])
@@ -96,8 +97,7 @@ class _Movable:
     def parts(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each part and each of its copies."""
         steps = {step.span: (plan, step.at) for plan in self.plans for step in plan.parts}
-        parts = dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts)
-        for part in parts:
+        for part in dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts):
             if part.content is None or part.span not in steps or not part.span.file:
                 continue
             content, moves = part.content, bool(part.joints or part.mocap)
@@ -158,10 +158,9 @@ class _Movable:
     def _row(self, target: Target, kind: str, nodes: list[Node], place: tuple[Node | None, Pose]) -> dict[str, Any]:
         at = (target.span.file, target.span.line, target.span.column)
         self.targets[at] = target
-        moved: dict[str, list[int]] = {}
-        for node in nodes:
-            if node in self.numbers:
-                moved.setdefault(self.numbers[node][0], []).append(self.numbers[node][1])
+        moved: dict[str, list[int]] = defaultdict(list)
+        for of, number in (self.numbers[node] for node in nodes if node in self.numbers):
+            moved[of].append(number)
         start, pose = place
         while start is not None and start.tag == "frame":
             pose, start = read_pose(start, *self.units) @ pose, start.getparent()
