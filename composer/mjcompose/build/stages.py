@@ -221,8 +221,7 @@ class Build:
         if compiled is None:
             help = "build without `--no-compile`, or without `--as worlds`"
             span = locate(plan.document, ("randomize",), key=True)
-            message = "the draws of worlds need the model that MuJoCo compiles"
-            context.sink.error(CODE, message, span, help=help)
+            context.sink.error(CODE, "the draws of worlds need the model that MuJoCo compiles", span, help=help)
             return draft.bundle
         table = DrawTable(plan, draft.composed.tabled, self.session, context=context)
         return table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle

@@ -136,8 +136,7 @@ class Portable:
     def name(self, path: Path) -> str:
         """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
 
-        A file that is neither below the recipe nor part of an origin is named relative to the reference of its
-        model, as the recipe writes it.
+        A file that is neither below the recipe nor part of an origin is named relative to its model's reference.
         """
         if path not in self.named:
             real = Path(real_path(path))
@@ -198,8 +197,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 class ManifestInput:
     """How a model was made, for its manifest.
 
-    `compiled` is the result of MuJoCo, None if the model was not compiled. `cell` is the name of its cell; `pictured`
-    says that a picture will be next to it.
+    `compiled` is None if the model was not compiled. `pictured` says that a picture will be next to it.
     """
 
     plan: Plan
@@ -317,8 +315,7 @@ def _licenses(named: Iterable[tuple[str, Source]]) -> Licenses:
 
 def _as(of: type[_Model], record: object, **changed: Any) -> _Model:
     """Return an entry of the manifest: the attributes of a record that have the names of its fields, some changed."""
-    same = {name: getattr(record, name) for name in of.model_fields if name not in changed}
-    return of(**same, **changed)
+    return of(**{name: getattr(record, name) for name in of.model_fields if name not in changed}, **changed)
 
 
 def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> entries.Input:

@@ -193,9 +193,8 @@ class BundleError(ValueError):
 class Bundle:
     """The model's MJCF and everything it needs, independent of its form on disk.
 
-    `files` maps relative paths with forward slashes to bytes; it is sorted and read-only. `model` is the path of
-    the MJCF. Raises BundleError for absolute paths, `..`, backslashes and paths that differ only in case, because a
-    bundle must be readable on every system. Can be pickled.
+    `files` maps relative paths with forward slashes to bytes; it is sorted and read-only. `model` is the path of the
+    MJCF. Raises BundleError for paths that are not valid and different on every system. Can be pickled.
     """
 
     files: Mapping[str, bytes]
@@ -245,8 +244,7 @@ def to_text(data: object) -> bytes:
 def files_in(manifest: bytes) -> set[str] | None:
     """Return the files that a manifest lists, including the manifest; None for any other text."""
     try:
-        data = json.loads(manifest)
-        return {MANIFEST, *(str(each["path"]) for each in data["files"])}
+        return {MANIFEST, *(str(each["path"]) for each in json.loads(manifest)["files"])}
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
 
@@ -308,9 +306,8 @@ class Licenses:
 def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular) -> Licenses:
     """Return every license file once, as `LICENSES/LABEL/FILE NAME`.
 
-    `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files
-    of one name go under the first label. Files of one label with the same name and different contents are numbered.
-    Raises OSError if a file cannot be read.
+    `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files of
+    one name go under the first label; different ones of one label are numbered. Raises OSError.
     """
     files: dict[str, bytes] = {}
     of: dict[str, tuple[str, ...]] = {}

@@ -46,8 +46,7 @@ _CODES = ("source-outside", "limit-exceeded")
 def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...]:
     """Return the faults in the files that a model names, and the files that are too large; empty if there are none.
 
-    The bundle was written to `folder`; `shown` is its name in messages. Invalid XML is a fault too, because it may
-    name any file.
+    The bundle is in `folder`; `shown` is its name in messages. Invalid XML is a fault, because it may name any file.
     """
     if not model.lower().endswith(".xml"):
         return ()
@@ -82,11 +81,9 @@ class ReadError(DiagnosticError):
 def read(path: Path, shown: str | None = None, content: bytes | None = None) -> Bundle:
     """Return the bundle in a folder, a zip or an MJZ. Raises ReadError, with `shown` as the path in messages.
 
-    `content` are the bytes of an archive that was read already.
-
-    Links, paths that lead out, encrypted files and files beyond the limits are refused before anything is
-    decompressed. The model is the one in the manifest, else `model.xml`, else `STEM.xml`, else the only model that
-    no other one names.
+    `content` are the bytes of an archive that was read already. Links, paths that lead out, encrypted files and files
+    beyond the limits are refused before anything is decompressed. The model is the one in the manifest, else
+    `model.xml`, else `STEM.xml`, else the only model that no other one names.
     """
     shown = shown or str(path)
     try:

@@ -52,8 +52,7 @@ def open_remote(address: str) -> Iterator[tuple[FileSystem, str]]:
     except (RemoteError, DiagnosticError):
         raise
     except Exception as error:  # each file system raises its own exceptions
-        said = " ".join(str(error).split()) or type(error).__name__
-        raise RemoteError(hide(said)) from error
+        raise RemoteError(hide(" ".join(str(error).split()) or type(error).__name__)) from error
 
 
 @contextmanager
@@ -189,11 +188,9 @@ _SHARED = re.compile(rf"((?:\.\./){{1,2}}){ASSETS}/([^/]+)")
 
 
 def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
-    """Write the folder `out`, and its assets to the folder `assets` next to it; return their paths.
+    """Write the folder `out`, and its assets to the folder `assets` next to it (`above` 1) or one level higher (2).
 
-    With `above` 2, that folder is one level higher.
-
-    Raises OutputError, and then leaves `out` as it was, with at most additional complete assets next to it.
+    Return the paths of the assets. Raises OutputError, and then leaves `out` as it was.
     """
     if out.name == ASSETS:
         raise OutputError("output-kind", f"the folder `{out}` is for assets", "give the model another name")

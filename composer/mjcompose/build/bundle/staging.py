@@ -104,8 +104,7 @@ def staged_folder(
 ) -> Iterator[Path]:
     """Yield a path for a folder that the block makes and that moves to `out`, as `staged_file` does.
 
-    It `replaces` an older output, or takes the place of an empty folder. Or the block moves single files `into` the
-    folder, with `move`.
+    It `replaces` an older output or an empty folder, or the block moves single files `into` the folder, with `move`.
     """
     target = resolved_output(out)
     if not target.name:
@@ -264,8 +263,7 @@ _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 def write_folder(bundle: Bundle, out: Path) -> None:
     """Write the bundle's files into the folder `out`, which then holds nothing else.
 
-    The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
-    output without other files in it. Raises OutputError, and then leaves `out` as it was.
+    A folder is replaced only if it is empty or an earlier output without other files in it. Raises OutputError.
     """
     check_is_no_source(out)
     try:
@@ -318,8 +316,7 @@ def _own_files(folder: Path) -> set[str] | None:
 def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = None) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
-    A manifest that lists this one file is written next to it. Raises OutputError, even if the model does not
-    compile, and then leaves an older `out` untouched.
+    A manifest that lists this one file is written next to it. Raises OutputError, even if the model does not compile.
     """
     from mjcompose.mujoco import engine
 

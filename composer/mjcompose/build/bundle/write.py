@@ -131,10 +131,8 @@ _MODE = 0o100644
 def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = pack_file) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
-    (Other XML files come before the model, because `MjSpec.from_zip` takes the last one.)
-
-    All files are dated 1980-01-01, or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError, and
-    then leaves an older `out` untouched.
+    Other XML files come before the model, because `MjSpec.from_zip` takes the last one. All files are dated 1980-01-01,
+    or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError.
     """
     write_packed(bundle.files, bundle.model, out, environment=environment, packed=lambda path: packing(bundle, path))
 
@@ -173,8 +171,7 @@ def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> No
 def write_text(bundle: Bundle, out: Path) -> None:
     """Write only the model's MJCF to `out`, without manifest and licenses.
 
-    Raises OutputError if the model needs other files, which would be lost, and then leaves an older `out`
-    untouched.
+    Raises OutputError if the model needs other files, which would be lost.
     """
     needed = [
         path for path in bundle.files if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
@@ -193,9 +190,8 @@ def write_usd(
 ) -> None:  # fmt: skip
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
-    `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the
-    same bytes; files of a package are dated SOURCE_DATE_EPOCH as in an archive. Raises OutputError, and then leaves
-    an older `out` untouched.
+    `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the same
+    bytes; files of a package are dated as in an archive. Raises OutputError.
     """
     if session is None:
         with engine.Session() as own:
@@ -278,8 +274,7 @@ def write(
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold
-    SOURCE_DATE_EPOCH. `session` is for MJB and USD, which need MuJoCo, `packing` for archives. `warn` receives the
-    losses of USD.
+    SOURCE_DATE_EPOCH. `session` is for MJB and USD, `packing` for archives, `warn` receives the losses of USD.
     """
     form = form_of(out)
     path = Path(out)

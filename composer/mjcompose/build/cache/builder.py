@@ -336,8 +336,7 @@ class Maker:
         if files is None or len(recipes) != len(states) or not all(each.sha256 for each in recipes):
             return None
         hashes = {each.name: each.sha256 for each in recipes}
-        manifest = with_read(files[MANIFEST], recipes[0].sha256, hashes)
-        bundle = Bundle({**files, MANIFEST: manifest}, record.model)
+        bundle = Bundle({**files, MANIFEST: with_read(files[MANIFEST], recipes[0].sha256, hashes)}, record.model)
         known = {file.sha256: file.source for file in record.files if file.source is not None}
         return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=recipes)
 

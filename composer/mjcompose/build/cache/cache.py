@@ -2,7 +2,7 @@
 
     asked/    by the digest of a key, the files that were read and their hashes → a record, the last key of a
               subject; the last content of an output
-    built/    records of successful builds (`entry.py`)
+    built/    records of successful builds
     raw/      files without a source, such as `model.xml`, by their sha256
     packed/   compressed files, by their sha256 and compression level
 
@@ -109,8 +109,7 @@ class Record(Facts):
     """A record of a successful build.
 
     `text` is the hash of the model's text, if only that was requested. `recipes` are the recipe files, the outermost
-    first. `places` is a hash of all positions in them, and `mentions_positions` says that the record contains such
-    positions.
+    first, `places` is a hash of all positions in them, `mentions_positions` says that the record has some of these.
     """
 
     model: str

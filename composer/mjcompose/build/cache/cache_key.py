@@ -42,8 +42,7 @@ _PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__fi
 def tool_version(store: Path) -> str:
     """Return the version and a hash of all files of the package.
 
-    In a checkout the code changes without the version. The hash is stored by a hash of the files' sizes and times,
-    which is faster to compute.
+    In a checkout the code changes without the version. The hash is stored by one of sizes and times, which is faster.
     """
     stamp = hashlib.sha256(repr(list(_files())).encode()).hexdigest()
     known = blobs.get(store, "asked", stamp)
@@ -212,8 +211,7 @@ class BuildOptions:
     """The options of builds.
 
     `text_beside` is the folder from which a model's text refers to its files, if only text is requested. `choices` are
-    the given values of parameters and variants, by their names for the user; `locked` and `offline` limit how
-    sources are fetched.
+    the given values of parameters and variants, by their names for the user.
     """
 
     verified: bool = True

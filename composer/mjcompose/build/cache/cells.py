@@ -109,8 +109,7 @@ def cells_of(
 ) -> list[Cell]:
     """Return the cells that `--all` builds, in order, with all names and values checked.
 
-    If the recipe draws samples, each cell is followed by its samples, unless they are `worlds` of one model. The result
-    is empty after errors, which are reported.
+    Each cell is followed by its samples, unless they are `worlds` of one model. Empty after errors, which are reported.
     """
     if use_lock(recipe, context) is None:
         return []
@@ -125,8 +124,7 @@ def cells_of(
 def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
     """Return the picked cells, each once, in the order of the picks; a pick that matches nothing is an error.
 
-    A pick is the name of a sample, of a cell (which selects all its samples), or `AXIS=VALUE[,AXIS=VALUE...]`: all
-    cells with these values.
+    A pick is the name of a sample, of a cell (all its samples), or `AXIS=VALUE[,AXIS=VALUE...]`: all with these values.
     """
 
     def text_of(cell: Cell, axis: str) -> str | None:

@@ -49,8 +49,7 @@ def mentions_positions(plan: Plan, record: Record, manifest: bytes) -> bool:
 
 
 def _spans_of(diagnostic: Diagnostic) -> Collection[Span]:
-    found = [diagnostic.span, *(note.span for note in diagnostic.notes)]
-    return [span for span in found if span is not None]
+    return [span for span in [diagnostic.span, *(note.span for note in diagnostic.notes)] if span is not None]
 
 
 PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
@@ -68,8 +67,7 @@ class Inputs:
     def recipes(self, plan: Plan) -> tuple[str, ...]:
         """Return the recipe files of a plan: its own, extended and nested ones."""
         chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plan.plans())
-        paths = [path for chain in chains for path in chain]
-        return tuple(dict.fromkeys(map(os.path.abspath, paths)))
+        return tuple(dict.fromkeys(map(os.path.abspath, [path for chain in chains for path in chain])))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
         """Return all other files: models, included files, assets, licenses and the folders searched for them, lock.
@@ -77,8 +75,7 @@ class Inputs:
         Shapes made of meshes are next to the lock; they count even if there are none yet.
         """
         found = self._planned(built.plan, built.plan.sources(), context)
-        model = built.composed.model
-        used = [*(context.folder / name for name in model.origins.texts)]
+        used = [*(context.folder / name for name in built.composed.model.origins.texts)]
         used += [Path(use.source) for use in built.composed.files if use.content is None]
         if context.fetching is not None and context.fetching.lock_file is not None:
             folder = shapes_folder(context.fetching.lock_file)

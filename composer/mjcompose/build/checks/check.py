@@ -80,9 +80,8 @@ SOLVED = 4
 class Scope:
     """The names of a recipe in a compiled model, where each of them starts with `prefix`.
 
-    `others` are longer prefixes that do not belong to the recipe. `keys` is the prefix of its keyframes, or
-    None if they were left out. `whole` says that the whole model belongs to the recipe. `values` are the
-    values that a check found, whether it holds or not.
+    `others` are longer prefixes that do not belong to the recipe. `keys` is the prefix of its keyframes, or None if
+    they were left out. `whole` says that the whole model is the recipe's. `values` are those that a check found.
     """
 
     mujoco: Any
@@ -420,8 +419,7 @@ CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", 
 def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
     """Return the failures and the values of a check as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
-    ``question`` has the `kind`, the arguments of the check under `asked`, and the fields of a `Scope` under
-    `scope`.
+    ``question`` has the `kind`, the arguments of the check under `asked`, and the fields of a `Scope` under `scope`.
     """
     scope = Scope(mujoco, model, **question["scope"])
     try:

@@ -153,8 +153,7 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
             radius = float(model.geom_rbound[one] + model.geom_rbound[other])
             if model.geom_rbound[one] and model.geom_rbound[other] and apart - radius >= max(least, 0.0):
                 continue  # their bounding spheres are apart: no need to ask MuJoCo
-            limit = max(least, 0.0) + _SLACK
-            distance = float(mujoco.mj_geomDistance(model, data, one, other, limit, None))
+            distance = float(mujoco.mj_geomDistance(model, data, one, other, max(least, 0.0) + _SLACK, None))
             yield (("geom", one), ("geom", other)), distance
 
 

@@ -341,8 +341,7 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
     tag = select["tag"]
     for each in select["where"]:
         if each["word"] is not None:
-            words = set(words_of(scope, tag, index, attr=each["key"]))
-            if not scope.fitting(each["word"], words):
+            if not scope.fitting(each["word"], set(words_of(scope, tag, index, attr=each["key"]))):
                 return False
             continue
         try:

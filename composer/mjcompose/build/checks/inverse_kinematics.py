@@ -175,8 +175,7 @@ class Solver:
         for joint in self.chain:
             at, kind = int(model.jnt_qposadr[joint]), int(model.jnt_type[joint])
             if kind == BALL:
-                turn = random.uniform(-np.pi / 2, np.pi / 2, 3)
-                self.mujoco.mju_quatIntegrate(qpos[at : at + 4], turn, 1.0)
+                self.mujoco.mju_quatIntegrate(qpos[at : at + 4], random.uniform(-np.pi / 2, np.pi / 2, 3), 1.0)
                 continue
             reach = np.pi if kind == HINGE else 1.0
             low, high = qpos[at] - reach, qpos[at] + reach

@@ -36,8 +36,7 @@ from mjcompose.mujoco.solids import Shapes, faults
 class Rule(CheckPart):
     """The settings of a rule.
 
-    `kinds` are the kinds of element that `except` can name. A rule with `limits` runs only if a recipe writes one of
-    them.
+    `kinds` are the elements that `except` can name. A rule with `limits` runs only if a recipe writes one of them.
     """
 
     word: ClassVar[str]

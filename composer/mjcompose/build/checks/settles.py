@@ -104,12 +104,10 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
     where = f"`{key}`" if key else "the reference configuration"
     off = beside(farthest, near["within"])
     message = f"{scope.called('joint', joint)} is {off} {unit} from where it is in {where}"
-    wanted = f"at most {near['within']:g} {unit}"
-    return [failed(message, wanted, f"{off} {unit}", "near", "within")]
+    return [failed(message, f"at most {near['within']:g} {unit}", f"{off} {unit}", "near", "within")]
 
 
 def _unit(model: Any, dof: int, joint: int) -> str:
     from mjcompose.mujoco.addresses import span
 
-    units = JOINT_TYPES[int(model.jnt_type[joint])].velocity_units
-    return units[dof - span(model, "qvel", joint).start]
+    return JOINT_TYPES[int(model.jnt_type[joint])].velocity_units[dof - span(model, "qvel", joint).start]

@@ -1,9 +1,8 @@
 """Actuators as MuJoCo compiles them, and the units of their controls and activations.
 
-The control of a position servo is a position, the control of a velocity servo a velocity, of whatever the servo moves;
-`compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a
-fixed tendon adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1
-scales the number, so it is not an angle of the joint.
+The control of a position servo is a position, the control of a velocity servo a velocity, of whatever the servo moves.
+Only a joint determines whether that is an angle: a fixed tendon adds up hinges by coefficients, and MJCF gives its
+`range` no unit either. A gear other than 1 and -1 scales the number, so it is not an angle of the joint.
 """
 
 from __future__ import annotations

@@ -158,8 +158,7 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
             for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
                 if kind == DECLARES and name in written and (value := node.get(name)):
                     _declare(linking, making, node, name=name, namespace=namespace, value=str(value))
-            own = own_references(node, section)
-            references += [Reference(node, *each) for each in own if each[0] in written]
+            references += [Reference(node, *each) for each in own_references(node, section) if each[0] in written]
     for each in references:
         if each.namespace == "key":
             making.of_keys.append(each)
@@ -191,8 +190,7 @@ def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
 
 
 def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str) -> None:
-    known = linking.names.declared.setdefault(namespace, {})
-    earlier = known.setdefault(value, node)
+    earlier = linking.names.declared.setdefault(namespace, {}).setdefault(value, node)
     if earlier is not node and namespace != "key":
         code = "class-clash" if namespace == "default" else "name-clash"
         message, span = f"the name `{value}` is taken by another {word(namespace)}", making.span_of(node, name)

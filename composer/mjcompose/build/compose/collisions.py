@@ -80,8 +80,7 @@ class _CollisionWriter:
             TOUCHING: "they touch in {}",
             NEVER: f"they touched in none of {samples} random poses (seed {seed})",
         }
-        argument = {"samples": samples, "seed": seed}
-        pairs = self._found_pairs(step, needless, argument, verb="need not collide")
+        pairs = self._found_pairs(step, needless, {"samples": samples, "seed": seed}, verb="need not collide")
         return self._exclude(step, {tuple(each["bodies"]): words[each["why"]].format(each["where"]) for each in pairs})
 
     def _found_pairs(
@@ -102,8 +101,7 @@ class _CollisionWriter:
             reason = f"{more}, and a body without a name cannot be excluded"
             message = f"{one} and {other} {verb}{where and f' in {where}'}{reason}"
             edit = '`edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
-            help = f"give it a name: {edit} in the part"
-            self.making.sink.error("bad-name", message, step.span, help=help)
+            self.making.sink.error("bad-name", message, step.span, help=f"give it a name: {edit} in the part")
         return [pair for pair in answer.value if all(pair["bodies"])]
 
     def _bodies(self, step: SetCollisions, index: int) -> list[Node]:

@@ -62,8 +62,7 @@ class EditCost:
         if self.spent > most and not self.ended:
             self.ended = True
             message = f"the edits up to here cost as much as {self.spent:.0f} values; {most} are allowed"
-            help = advice("edits", max(2 * most, int(self.spent) + 1))
-            sink.error("limit-exceeded", message, span, help=help)
+            sink.error("limit-exceeded", message, span, help=advice("edits", max(2 * most, int(self.spent) + 1)))
         return not self.ended
 
 

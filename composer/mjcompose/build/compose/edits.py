@@ -79,8 +79,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     values = count_values(entry.verbs)
     found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=values)
     if not found:
-        is_right = entry.expect == 0 or entry.optional
-        return EditOutcome({}) if is_right and not editing.cost.ended else None
+        return EditOutcome({}) if (entry.expect == 0 or entry.optional) and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
     work = Entry(editing, found, Masses(editing), workshop=workshop)
     try:

@@ -394,8 +394,7 @@ def _top_class(linking: Linking) -> Node:
 def append_element(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
     """Append an element to a section that holds several."""
     section = linking.base.section(step.section)
-    kind = GRAMMAR.section(step.section)
-    child = kind.children[step.element.tag]
+    child = GRAMMAR.section(step.section).children[step.element.tag]
     node = make_node(step.element, child, making)
     if step.section == "extension":
         # All instances of a plugin are in one element, whichever part declares them.

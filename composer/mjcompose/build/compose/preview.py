@@ -79,8 +79,7 @@ def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes
     try:
         with engine.Session() as session:
             for plan in working:
-                measure = measure_with(context, session=session)
-                composer = Composer(context, measure, session, library=library)
+                composer = Composer(context, measure_with(context, session=session), session, library=library)
                 composer.compose(plan)
                 acknowledge(plan, context.sink, context.shown, whole=False)
                 if composer.workshop is not None:

@@ -228,8 +228,7 @@ class _FieldDraws:
         attribute = kind.attributes.get(name)
         is_mass = kind.path == "body" and name == MASS
         self._check_unit(node)
-        values = self._values(node)
-        now = values.now(attribute, subscript) if attribute is not None and not is_mass else None
+        now = self._values(node).now(attribute, subscript) if attribute is not None and not is_mass else None
         if attribute is not None and now is None and entry.operation != "set" and not is_mass:
             message = f"{self.editing.called(node)} has no `{entry.attr}` that `{entry.operation}` could start from"
             self._fault("wrong-type", message, node)
@@ -239,8 +238,7 @@ class _FieldDraws:
         count = None if is_mass or subscript is not None else self._count(node)
         bases = now if isinstance(now, tuple) else (now,)
         for component in range(count or 1):
-            place = component if subscript is None else subscript
-            if not must_not_be_negative(name, place):
+            if not must_not_be_negative(name, component if subscript is None else subscript):
                 continue
             if entry.operation != "offset" and min(distribution.extremes(component), default=0.0) >= 0:
                 continue
@@ -249,8 +247,7 @@ class _FieldDraws:
 
     def _check_numbers(self, node: Node, samples: Sequence[int], component: int, base: Any) -> None:
         entry = self.step.field
-        drawn = self._all_drawn(node, samples, component)
-        for sample, one in zip(samples, drawn, strict=True):
+        for sample, one in zip(samples, self._all_drawn(node, samples, component), strict=True):
             number = one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
             # MuJoCo 4.0 refuses a negative mass or size, but takes a negative damping, armature, stiffness or friction
             # silently.

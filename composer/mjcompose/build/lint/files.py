@@ -87,8 +87,7 @@ def same_file_twice(subject: Subject) -> Found:
     for alike in sizes.values():
         first: dict[str, str] = {}
         for element, attribute, real in alike if len(alike) > 1 else ():
-            digest = hashlib.sha256(read_regular(real)).hexdigest()
-            other = first.setdefault(digest, real)
+            other = first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)
             if other != real:
                 message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
                 yield Finding(element, message, attribute)

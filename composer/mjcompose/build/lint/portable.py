@@ -25,8 +25,7 @@ def _rule(name: str, title: str) -> Callable[[Subject], Found]:
     def run(subject: Subject) -> Found:
         from mjcompose.targets.table import TARGETS
 
-        target = TARGETS[name]
-        refusing = [limit.refuses for limit in target.limits if limit.refuses is not None]
+        refusing = [limit.refuses for limit in TARGETS[name].limits if limit.refuses is not None]
         for refuses in refusing:
             by_reason: dict[str, list[Refusal]] = {}
             for each in refuses(subject.mujoco, subject.model):

@@ -147,8 +147,7 @@ class Subject:
     """The model that rules read.
 
     `root` is its tree without includes. `unit` is the model with its files; None in the child process, where `mujoco`
-    and `model` are the module and the compiled model. `is_part` is False for a bundle or recipe, which nothing else
-    completes.
+    and `model` are the module and the compiled model. `is_part` is False if nothing else completes it.
     """
 
     def __init__(

@@ -180,8 +180,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
 class FilledValues:
     """The values for planning a recipe without a chosen cell.
 
-    Parameters without a default take the values of the first cell: `cell` is its name, None if it is not needed,
-    and `taken` are these parameters.
+    The parameters `taken`, without a default, have the values of the first cell, `cell`; None if it is not needed.
     """
 
     given: Map[str, Node]

@@ -114,8 +114,7 @@ _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     """Validate the pieces of a recipe that a build leaves out, and report their faults.
 
-    These are the items that `when` limits to other builds, and each piece of `variants` that is not chosen, merged
-    over the recipe.
+    These are items that `when` limits to other builds, and unchosen pieces of `variants`, merged over the recipe.
     """
     if has_conditions(document):
         _report_faults(document, given, None, sink=sink)

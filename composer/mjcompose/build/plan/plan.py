@@ -44,9 +44,8 @@ if TYPE_CHECKING:
 class Drawn:
     """A draw for an attribute of an element, or (`element` None) for the parameter `attribute`.
 
-    `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have
-    the same draw. Angles are in radians, those of parameters in the parameter's unit; the first number is component
-    `start` of the attribute.
+    `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have the
+    same draw. Angles are in radians, those of parameters in the parameter's unit; `start` is the first component.
     """
 
     field: str
@@ -93,8 +92,7 @@ def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
     name, _ = attribute_and_index(step.field.attr)
     tag = step.field.select.tag if step.field.select is not None else None
     # Actuators with `inheritrange` copy the range of their joint.
-    following = {"actuator_ctrlrange"} if name == "range" else set()
-    return following.union(arrays_of(name, tag))
+    return ({"actuator_ctrlrange"} if name == "range" else set()).union(arrays_of(name, tag))
 
 
 @dataclass(frozen=True, slots=True)

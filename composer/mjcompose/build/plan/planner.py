@@ -391,8 +391,7 @@ class _Planner:
         recipe = read.recipe
         if recipe.separator != around.recipe.separator:
             self._separators("the model in place", recipe, around.recipe, span=model.span)
-        own = {"angle", "eulerseq"} & model.entries.keys()
-        others = {} if own else around.angle_context.others
+        others = {} if ({"angle", "eulerseq"} & model.entries.keys()) else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         loaded = _LoadedRecipe(
             recipe.name or str(at[-1]), around.path, recipe, document=read.document, concrete=around.concrete,

@@ -125,8 +125,7 @@ def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], R
     known = context.concrete.pop(key, None)
     if known is None:
         own = replace(context, sink=Sink())
-        result = work(own)
-        known = result, tuple(own.sink.diagnostics)
+        known = work(own), tuple(own.sink.diagnostics)
         while len(context.concrete) >= _KEPT:
             del context.concrete[next(iter(context.concrete))]
     context.concrete[key] = known
@@ -164,8 +163,7 @@ def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[s
         yield start, span
         for item in value.items:
             if isinstance(item, Mapping) and not _is_short(item):
-                inner = list(_lines(item, indent + "  "))
-                (first, place), *rest = inner
+                (first, place), *rest = list(_lines(item, indent + "  "))
                 yield f"{indent}- {first.lstrip()}", place
                 yield from rest
             else:

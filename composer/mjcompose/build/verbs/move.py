@@ -83,8 +83,7 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
         message, span = f"{editing.called(node)} cannot be moved into itself", editing.span((*at, "to"))
         editing.sink.error("wrong-type", message, span, subjects=(*editing.subjects(node), *editing.subjects(target)))
         raise UnusableValue
-    kind = kind_of(target)
-    if str(node.tag) not in kind.children:
+    if str(node.tag) not in kind_of(target).children:
         message = f"{editing.called(node)} cannot stand in {editing.called(target)}"
         fault = Fault("unknown-element", message, (*at, "to"), names=editing.subjects(target))
         report_unusable(editing, node, fault, it="it")
@@ -157,8 +156,7 @@ def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
 def _keep_class(editing: Editing, node: Node, target: Node) -> None:
     """Write the class in force at the old place onto the node if the new place has another class."""
     before = childclass_of(node)
-    after = str(target.get("childclass") or "") or childclass_of(target)
-    if before == after:
+    if before == (str(target.get("childclass") or "") or childclass_of(target)):
         return
     if node.tag in NESTED:
         if not node.get("childclass"):

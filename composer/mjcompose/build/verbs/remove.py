@@ -78,8 +78,7 @@ def _named(node: Node) -> list[DroppedElement]:
         if each.tag in ("frame", "replicate") or is_section(each):
             continue
         declared = declaration(each, section)
-        naming = naming_attribute(kind_of(each))
-        if declared is None and naming is None and each is not node:
+        if declared is None and naming_attribute(kind_of(each)) is None and each is not node:
             continue
         found.append(DroppedElement(listed_kind(each, section), declared[1] if declared else ""))
     return found

@@ -62,8 +62,7 @@ def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]
         if each is None:
             going[name] = each
         elif isinstance(each, Mapping):
-            inner = _parted(each)
-            for found, kept in zip((going, values), inner, strict=True):
+            for found, kept in zip((going, values), _parted(each), strict=True):
                 if kept:
                     found[name] = kept
         else:

@@ -30,9 +30,8 @@ from mjcompose.text.node import Mapping, Scalar, find, locate
 class NestedRecipe:
     """A recipe within another one.
 
-    `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its
-    names, `others` are longer prefixes that do not belong to it, and `keys` starts the names of its keyframes; None
-    if they were omitted.
+    `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its names,
+    `others` are longer prefixes that do not belong to it, `keys` starts the names of its keyframes, if there are any.
     """
 
     plan: Plan

@@ -46,8 +46,7 @@ def compile_and_report(
 ) -> Compiled | None:
     """Compile the bundle and report errors and warnings. Return None if MuJoCo gave no verdict.
 
-    With `keep` the session keeps the compiled model under that name. `at` is the place of messages that are
-    about no element, as a rule the recipe.
+    With `keep` the session keeps the compiled model under that name. `at` is the place of messages about no element.
     """
     try:
         verified = verify(bundle, session=session, keep=keep)
@@ -100,11 +99,7 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
 
 
 def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """Return the element that a message is about.
-
-    It is the one on the given line of `model.xml`, a plugin instance, the only element of that name, or a
-    setting.
-    """
+    """Return the element that a message is about: by the line, a plugin instance, the only one of a name, a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
@@ -168,8 +163,7 @@ _MATERIAL = re.compile(rb"<material\b[^>]*>")
 class Verified:
     """MuJoCo's verdict on a bundle; `compiled` has the sizes and the index.
 
-    `error` says why MuJoCo refused the model. If MuJoCo gave no verdict, `crash` is set (see
-    `engine.Compiled`) and `error` describes the crash. `code` is the code of the diagnostic for `error`.
+    `error` says why MuJoCo refused the model. If MuJoCo gave no verdict, `crash` is set and `error` describes that.
     """
 
     compiled: engine.Compiled
@@ -201,10 +195,9 @@ def verify(
 ) -> Verified:  # fmt: skip
     """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
 
-    If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it
-    names no files outside of itself. A failing first forward step is an error too. With a `session`, `keep`
-    names the compiled model for later calls. Raises OutputError if the bundle cannot be written to a
-    temporary folder, and OutsideFilesError.
+    If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it names no
+    files outside of itself. A failing first forward step is an error too. With a `session`, `keep` names the compiled
+    model for later calls. Raises OutputError if no temporary folder can be written, and OutsideFilesError.
     """
     try:
         with _written(bundle, session) as (folder, is_reused):

@@ -176,8 +176,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     last = asked["start"] + asked["count"]
     if found is None or last > width:
         return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
-    components = range(asked["start"], last)
-    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in components]
+    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in range(asked["start"], last)]
     return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
 
 
@@ -185,8 +184,7 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
     """Return the id of an element, or why it has none."""
     family, name, place = asked["family"], asked["name"], asked["place"]
     if name:
-        kind = getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}")
-        number = int(mujoco.mj_name2id(model, kind, name))
+        number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
         return number if number >= 0 else f"the compiled model has no {family} `{name}`"
     if place is None:
         return f"`{asked['tag']}` without a name cannot be found in the compiled model"
@@ -375,8 +373,7 @@ _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
 def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
     """Yield the numbers that the compiler copies from the pose of a body and mj_setConst does not update.
 
-    The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set
-    it.
+    The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set it.
     """
     every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):

@@ -185,15 +185,13 @@ class _Comparison:
                 value: Value | None
                 if node not in computed:
                     copies = values.get((node, holder[2], number if holder[2] else 0), [])
-                    default = self.answer["reference"][vector][start:stop]
-                    value = _value_of(copies, within, default)
+                    value = _value_of(copies, within, self.answer["reference"][vector][start:stop])
                 elif vector == "ctrl" and controls is not None:
                     value = Value([each or 0.0 for each in controls[start:stop]], within, computed[node])
                 else:
                     continue  # the activation of a filter or an integrator holds, too
                 if value is not None and not _same(vector, found, value.numbers):
-                    called = body if name.startswith(MARK) else name or body
-                    yield _Difference(vector, called, found, meant=value)
+                    yield _Difference(vector, body if name.startswith(MARK) else name or body, found, meant=value)
 
 
 def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float]) -> Value | None:
@@ -359,8 +357,7 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None
 
 def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
     """Return whether the recipe gives this entry in degrees."""
-    values = key.values.get(entry[0], {}).get(entry[1], ())
-    angles = [each.unit for each in values if isinstance(each, Angle)]
+    angles = [each.unit for each in key.values.get(entry[0], {}).get(entry[1], ()) if isinstance(each, Angle)]
     return angles[0] == "deg" if angles else plan.angle_context.at((*key.at, *entry)).angle == "degree"
 
 

@@ -175,9 +175,8 @@ class PartComparison:
 class PartComparer:
     """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
 
-    `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by
-    part and kind, the names that edits give to its elements. `cut` has the differences between a subtree that
-    was taken from a source and the same subtree in the whole source.
+    `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by part and
+    kind, the names that edits give to its elements. `cut` has the differences of subtrees from their whole sources.
     """
 
     session: engine.Session
@@ -191,8 +190,7 @@ class PartComparer:
     ) -> PartComparison:
         """Compare a part with its source.
 
-        `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the
-        recipe wrote.
+        `excused` are arrays, or ends of their names; `replaced_keys` are keys that the recipe wrote.
         """
         if member.obscure is not None:
             return PartComparison(member, obscure=member.obscure)
