@@ -58,10 +58,9 @@ class Built:
 class Request:
     """A request for one model.
 
-    `given` are values of parameters and variants; `name` is the name of a cell of the matrix or of a `sample`, whose
-    draws the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are merged,
-    `pictured` whether the manifest names a picture next to the bundle. `target` is the program that reads it, None for
-    MuJoCo. `worlds` says whether the samples become worlds of the model.
+    `given` are values of parameters and variants; `name` is the name of a cell or of a `sample`, whose draws it has.
+    MuJoCo compiles it if `verified`, equal assets are merged if `deduplicated`, the manifest names a picture if
+    `pictured`, samples become `worlds`. `target` is the program that reads it, None for MuJoCo.
     """
 
     recipe: Path
@@ -81,8 +80,7 @@ def build(
 ) -> Built | None:  # fmt: skip
     """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
 
-    MuJoCo runs in the process of `session`, or in a process with `limits` that ends with the build. `library` has
-    source files that were read before; `outcomes` gets the outcome of each check.
+    MuJoCo runs in `session`, or in a process with `limits` of its own. `library` and `outcomes` are those of `Build`.
     """
     plan = planned(request, context)
     if plan is None:
@@ -125,10 +123,7 @@ class Build:
     on_bundle: Callable[[Bundle], None] | None = None
 
     def run(self) -> Built | None:
-        """Compose, link, bundle and verify the model; return None if the context has errors.
-
-        Warnings that the recipes allow are removed; with `context.strict` the others become errors.
-        """
+        """Compose, link, bundle and verify the model, without allowed warnings; with `strict` others become errors."""
         plan, request, context = self.plan, self.request, self.context
         log("building `%s` from %s", plan.name, plan.file)
         built = self._build()

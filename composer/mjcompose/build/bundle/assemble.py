@@ -134,10 +134,7 @@ class Portable:
         )
 
     def name(self, path: Path) -> str:
-        """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
-
-        A file that is neither below the recipe nor part of an origin is named relative to its model's reference.
-        """
+        """Return the name of a file: `models/arm.xml`, `menagerie:panda/panda.xml`, or by the nearest model."""
         if path not in self.named:
             real = Path(real_path(path))
             if (origin := self.origin_of(real)) is not None:
@@ -195,10 +192,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 @dataclass(frozen=True, slots=True)
 class ManifestInput:
-    """How a model was made, for its manifest.
-
-    `compiled` is None if the model was not compiled. `pictured` says that a picture will be next to it.
-    """
+    """How a model was made; `compiled` is None without MuJoCo, `pictured` says that it has a picture."""
 
     plan: Plan
     composed: Composed

@@ -24,8 +24,7 @@ from mjcompose.tree.xml_text import write
 def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
     """Return the text for the output `out`, `-` for standard output.
 
-    Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so the text loads
-    where it is written. Raises OutputError for files that are not on disk.
+    Files are named by paths from its folder (from `folder` for `-`). Raises OutputError for files that are not on disk.
     """
     target = folder / out
     start = folder if out == "-" else target.parent
@@ -42,10 +41,7 @@ def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> 
 
 
 def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> dict[str, bytes]:
-    """Return the bytes by path in the bundle.
-
-    A missing file is reported where the model names it, under the name `shown`.
-    """
+    """Return the bytes by path in the bundle. A missing file is reported where the model names it, `shown`."""
     files: dict[str, bytes] = {}
     stored: dict[tuple[str, bytes], str] = {}  # shared files, by suffix and content: an equal file is stored once
     paths: dict[str, str | None] = {}

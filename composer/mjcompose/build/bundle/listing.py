@@ -100,10 +100,7 @@ def column(name: str) -> str:
 
 
 def rows(path: Location, shown: str) -> Iterator[Row]:
-    """Yield the models of an index, given as a folder, one of its parts, or the index itself. Raises ListingError.
-
-    A folder or an index may be at an address.
-    """
+    """Yield the models of an index: a folder, an address, one of its parts, or itself. Raises ListingError."""
     if isinstance(path, str):
         yield from _rows_at(path, shown)
         return

@@ -15,7 +15,6 @@ import stat
 import struct
 import zipfile
 import zlib
-from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 
@@ -44,10 +43,7 @@ _CODES = ("source-outside", "limit-exceeded")
 
 
 def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...]:
-    """Return the faults in the files that a model names, and the files that are too large; empty if there are none.
-
-    The bundle is in `folder`; `shown` is its name in messages. Invalid XML is a fault, because it may name any file.
-    """
+    """Return the faults in the files that a model in `folder` names, in their sizes, or in its XML; usually none."""
     if not model.lower().endswith(".xml"):
         return ()
     path, sink, found = folder / model, Sink(), Sink()
@@ -180,7 +176,10 @@ def _model(files: dict[str, bytes], path: Path, shown: str) -> str:
     for candidate in (named_model(files.get(MANIFEST, b"")), MODEL, f"{path.stem}.xml"):
         if candidate in files:
             return candidate
-    models = _models(files)
+    texts = {path: content for path, content in files.items() if _ROOT.match(content)}
+    references = [name.decode("utf-8", "replace") for content in texts.values() for name in _NAMED.findall(content)]
+    named = set(map(posixpath.basename, references))
+    models = sorted(path for path in texts if posixpath.basename(path) not in named)
     if len(models) == 1:
         return models[0]
     several = f", and several other models: {', '.join(f'`{each}`' for each in models)}" if models else ""
@@ -194,11 +193,3 @@ def named_model(manifest: bytes) -> str:
     except (KeyError, TypeError, ValueError, RecursionError):
         return ""
     return named if isinstance(named, str) else ""
-
-
-def _models(files: Mapping[str, bytes]) -> list[str]:
-    """Return the MJCF files that no other MJCF file includes or attaches."""
-    models = {path: content for path, content in files.items() if _ROOT.match(content)}
-    references = [name.decode("utf-8", "replace") for content in models.values() for name in _NAMED.findall(content)]
-    named = set(map(posixpath.basename, references))
-    return sorted(path for path in models if posixpath.basename(path) not in named)

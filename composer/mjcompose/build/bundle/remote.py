@@ -133,10 +133,7 @@ def stamps(address: str) -> list[list[object]]:
 
 
 def download(address: str, folder: Path, files: int, size: int) -> Path:
-    """Download a bundle and the shared assets next to it to an empty folder; return its path there.
-
-    Raises RemoteError, even for more than `files` files or `size` bytes.
-    """
+    """Download a bundle with its shared assets to an empty folder; return its path. Raises RemoteError."""
     name = PurePosixPath(address.rstrip("/")).name
     with open_remote(address) as (fs, path):
         if not fs.isdir(path):
@@ -228,10 +225,7 @@ def split_shared_assets(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[st
 
 
 def with_shared_assets(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
-    """Return the files of such a folder, with the shared assets in its manifest, as a self-contained bundle.
-
-    If the manifest lists no shared assets, the files are unchanged. Raises OSError.
-    """
+    """Return the files of such a folder, with shared assets in its manifest, as a bundle of its own. Raises OSError."""
     try:
         manifest = from_json(files.get(MANIFEST, b""))
     except ValueError:  # the reader of the bundle reports it

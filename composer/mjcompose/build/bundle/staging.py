@@ -102,10 +102,7 @@ def replace_text(
 def staged_folder(
     out: Path, option: str | None = None, *, inputs: Iterable[Path] = (), into: bool = False, replaces: bool = False
 ) -> Iterator[Path]:
-    """Yield a path for a folder that the block makes and that moves to `out`, as `staged_file` does.
-
-    It `replaces` an older output or an empty folder, or the block moves single files `into` the folder, with `move`.
-    """
+    """Yield a path, as `staged_file` does, for a folder that `replaces` another, or from which `move` takes files."""
     target = resolved_output(out)
     if not target.name:
         raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
@@ -137,10 +134,7 @@ def move(stage: Path, target: Path, paths: Iterable[str], inputs: Iterable[str |
 
 
 def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[str | Path] = ()) -> None:
-    """Refuse an output that is a source of this run, or a folder with one in it. Raises OutputError.
-
-    If that cannot be found out, for whatever reason, the output is refused.
-    """
+    """Refuse an output that is a source of this run, has one in it, or may be one. Raises OutputError."""
     written = f"`{option} {out}`" if option else f"`{out}`"
     try:
         source = sources.current().taken(str(out), more=inputs)
@@ -261,10 +255,7 @@ _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 
 
 def write_folder(bundle: Bundle, out: Path) -> None:
-    """Write the bundle's files into the folder `out`, which then holds nothing else.
-
-    A folder is replaced only if it is empty or an earlier output without other files in it. Raises OutputError.
-    """
+    """Write the files into the folder `out`, if it is new, empty or an earlier output alone. Raises OutputError."""
     check_is_no_source(out)
     try:
         _check_replaceable(resolved_output(out), out)
@@ -314,10 +305,7 @@ def _own_files(folder: Path) -> set[str] | None:
 
 
 def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = None) -> None:
-    """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
-
-    A manifest that lists this one file is written next to it. Raises OutputError, even if the model does not compile.
-    """
+    """Compile the bundle into MuJoCo's binary form, for this version, and a manifest next to it. Raises OutputError."""
     from mjcompose.mujoco import engine
 
     with staged_file(out) as stage:

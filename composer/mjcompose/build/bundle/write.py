@@ -52,10 +52,7 @@ class Packed(NamedTuple):
 
 
 class BackgroundPacker:
-    """The files of a bundle, compressed by a thread during MuJoCo's work.
-
-    `find` returns a known compressed file by hash and level, or None.
-    """
+    """The files of a bundle, compressed by a thread; `find` returns a known one by hash and level, or None."""
 
     def __init__(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
         self._known: dict[str, tuple[Packed, bool]] = {}
@@ -161,18 +158,14 @@ def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> No
     assert archive.fp is not None
     info.CRC, info.file_size, info.compress_size = packed.crc, packed.size, len(packed.data)
     info.header_offset = archive.fp.tell()
-    archive.fp.write(info.FileHeader())
-    archive.fp.write(packed.data)
+    archive.fp.write(info.FileHeader() + packed.data)
     archive.filelist.append(info)
     archive.NameToInfo[info.filename] = info
     archive.start_dir = archive.fp.tell()
 
 
 def write_text(bundle: Bundle, out: Path) -> None:
-    """Write only the model's MJCF to `out`, without manifest and licenses.
-
-    Raises OutputError if the model needs other files, which would be lost.
-    """
+    """Write only the model's MJCF to `out`. Raises OutputError if it needs other files, which would be lost."""
     needed = [
         path for path in bundle.files if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
     ]

@@ -35,10 +35,9 @@ if TYPE_CHECKING:
 class BuildResult(Facts):
     """A built model.
 
-    `built` is set for a model that was built now, `record` for a model from the cache, which has only the data that
-    the form of its output needs: `packed` for archives, `text` for text, `bundle` for folders and MuJoCo's binary
-    form, and nothing if the output `is_written` already. `inputs` are its input files. `why` says why the cache did
-    not have it. `replaced` has the origin of the previous output, as far as that differs.
+    `built` is set for a model that was built now, `record` for one from the cache, which has only the data that its
+    output needs: `packed` for archives, `text`, `bundle` for folders and MuJoCo's binary form, nothing if it
+    `is_written`. `why` says why the cache did not have it, `replaced` how the origin of the previous output differs.
     """
 
     built: Built | None = None
@@ -151,10 +150,7 @@ class ModelChoice(NamedTuple):
 
 
 class Maker:
-    """Makes the models of a recipe.
-
-    `form` is the form of the output, `place` returns its place by the name of the model, or None to write nothing.
-    """
+    """Makes the models of a recipe in a `form` of output; `place` returns the output's place, None for nothing."""
 
     def __init__(
         self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
@@ -181,10 +177,7 @@ class Maker:
     def recall(
         self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
     ) -> tuple[BuildResult | None, tuple[str, ...]]:
-        """Return the model if the cache has it, before anything is read; or why it does not.
-
-        The context reports the stored diagnostics again, the outcomes of checks to `outcomes`.
-        """
+        """Return the model with its diagnostics and outcomes if the cache has it, or why it does not."""
         if self.cache is None or key is None:
             return None, ("the cache is not used",)
         found = self.cache.find(key)

@@ -80,11 +80,10 @@ class KeptRecipe:
 class Facts:
     """Facts of a built model that a run reports and the cache keeps.
 
-    `mujoco` is the version that compiled it. `draws` are the numbers drawn for a sample, by table column; None if it
-    is not a sample. `cells` is the number of cells of the recipe's matrix if this model is none of them, and
-    `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts. `allowed` are
-    the codes of warnings that the recipe allows at its top. `excluded` is how many pairs of bodies the recipe's
-    `exclude: auto` or `touching` keeps from colliding.
+    `mujoco` is the version that compiled it. `draws` are the numbers drawn for a sample, by table column. `cells` is
+    the number of cells of the recipe's matrix if this model is none of them, and `cells_at` the place of the first.
+    `adopted` are settings that it takes from its parts, `allowed` the codes that the recipe allows at its top,
+    `excluded` is how many pairs of bodies `exclude: auto` or `touching` keeps from colliding.
     """
 
     name: str
@@ -193,10 +192,7 @@ class Lookup:
 
 @dataclass(slots=True)
 class Cache:
-    """The build cache in a store. It never fails: errors on writing are reported once through `warn`.
-
-    `on_keep` is called with everything that is stored.
-    """
+    """The build cache. Errors on writing are reported once by `warn`; `on_keep` gets all that is stored."""
 
     store: Store
     warn: Callable[[str], None]

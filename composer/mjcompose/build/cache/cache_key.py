@@ -40,10 +40,7 @@ _PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__fi
 
 
 def tool_version(store: Path) -> str:
-    """Return the version and a hash of all files of the package.
-
-    In a checkout the code changes without the version. The hash is stored by one of sizes and times, which is faster.
-    """
+    """Return the version and a hash of all files of the package, which is kept by their sizes and times."""
     stamp = hashlib.sha256(repr(list(_files())).encode()).hexdigest()
     known = blobs.get(store, "asked", stamp)
     if known is not None:
@@ -248,10 +245,7 @@ class BuildOptions:
 
 
 def plan_content(plan: Plan) -> list[object]:
-    """Return everything that determines the result of a plan besides the contents of files, as JSON data. No I/O.
-
-    It has the files of recipes, because paths are relative to them, but no lines and columns.
-    """
+    """Return all that determines the result of a plan except contents of files and places, as JSON data. No I/O."""
     found: list[object] = []
     for each in plan.plans():
         scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]

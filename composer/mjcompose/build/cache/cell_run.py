@@ -39,10 +39,9 @@ Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 
 @dataclass(frozen=True, slots=True)
 class CellResult:
-    """The result of a cell: `result` is None if it failed.
+    """The result of a cell: `result` is None if it failed. Can be pickled.
 
-    `diagnostics` are its own, `of_run` the diagnostics of the run as a whole; `outcomes` are its checks, `files` its
-    inputs, and `timings` the time of each stage. Can be pickled.
+    `diagnostics` are its own, `of_run` the diagnostics of the run; `outcomes` are its checks, `files` its inputs.
     """
 
     cell: Cell

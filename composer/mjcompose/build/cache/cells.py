@@ -49,10 +49,7 @@ def sample_name(name: str, sample: int) -> str:
 
 
 def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
-    """Return every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
-
-    A cell that draws nothing stays as it is.
-    """
+    """Return every cell, or the recipe without a matrix, as its samples, if it draws any; the nominal model first."""
     document, cells, sink = matrix.document, matrix.cells, context.sink
     if not {"randomize", "variants"} & document.entries.keys() or ("matrix" in document.entries and not cells):
         return cells
@@ -107,10 +104,7 @@ def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
 def cells_of(
     recipe: Path, context: Context, given: dict[str, Node] | None = None, *, worlds: bool = False
 ) -> list[Cell]:
-    """Return the cells that `--all` builds, in order, with all names and values checked.
-
-    Each cell is followed by its samples, unless they are `worlds` of one model. Empty after errors, which are reported.
-    """
+    """Return the cells that `--all` builds, each with its samples unless they are `worlds`; none after errors."""
     if use_lock(recipe, context) is None:
         return []
     matrix = read_matrix(recipe, context, given)
@@ -155,10 +149,7 @@ def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> lis
 
 
 def select_cell(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink, recipe: str) -> Cell | None:
-    """Return the one picked cell; if it has samples, the nominal model or the given `sample`.
-
-    Anything else is an error.
-    """
+    """Return the one picked cell; of samples, the nominal model or the given `sample`. Anything else is an error."""
     chosen = select_cells(every, [pick], sink, recipe=recipe)
     if sample is not None:
         chosen = of_samples(chosen, [sample], sink)

@@ -70,10 +70,7 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, [path for chain in chains for path in chain])))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """Return all other files: models, included files, assets, licenses and the folders searched for them, lock.
-
-        Shapes made of meshes are next to the lock; they count even if there are none yet.
-        """
+        """Return all other files: models, includes, assets, licenses and folders searched for them, lock, shapes."""
         found = self._planned(built.plan, built.plan.sources(), context)
         used = [*(context.folder / name for name in built.composed.model.origins.texts)]
         used += [Path(use.source) for use in built.composed.files if use.content is None]

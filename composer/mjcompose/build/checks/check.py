@@ -23,10 +23,7 @@ from mjcompose.tree.values import is_in_degrees
 def failed(
     message: str, expected: str, actual: str, *at: str | int, more: Iterable[str] = (), help: str | None = None
 ) -> Fault:
-    """Return a finding with the expected and the actual value.
-
-    `at` is the path of the value that does not hold, below the check's kind.
-    """
+    """Return a finding with the expected and the actual value; `at` is the value's place below the check's kind."""
     notes = (f"expected: {expected}", f"actual: {actual}", *more)
     return Fault("check-failed", message, at, notes=tuple(map(Note, notes)), help=help)
 
@@ -147,10 +144,7 @@ class Scope:
         return index
 
     def matching(self, kind: str, glob: str) -> list[int]:
-        """Return the ids of the recipe's elements that a glob or regular expression matches.
-
-        `**` alone also matches unnamed elements. Raises BadPattern.
-        """
+        """Return the ids of elements that a pattern matches; `**` also matches unnamed ones. Raises BadPattern."""
         if glob == "**":
             return list(self.own(kind))
         before = self.before(kind)
@@ -159,17 +153,11 @@ class Scope:
         return [index for index, name in named if name in fitting]
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
-        """Return those of `names`, as the recipe writes them, that a glob or regular expression matches.
-
-        Raises BadPattern.
-        """
+        """Return those of `names`, as the recipe writes them, that a pattern matches. Raises BadPattern."""
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
     def at_key(self, key: str | None, *at: str | int) -> Any:
-        """Return an mjData at a keyframe or the reference configuration. The caller still calls `mj_forward`.
-
-        Raises CheckEnds if there is no such keyframe. `at` is the place of its name, by default `key`.
-        """
+        """Return an mjData at a keyframe or the reference configuration, before `mj_forward`. Raises CheckEnds."""
         at = at or ("key",)
         data = self.mujoco.MjData(self.model)
         if key is None:
@@ -185,10 +173,7 @@ class Scope:
         return data
 
     def found(self, name: str, value: float, digits: int = 9) -> None:
-        """Note a value that a check found.
-
-        Simulated or solved values have few `digits`, because further digits differ between machines.
-        """
+        """Note a value that a check found. Further `digits` of simulated or solved values differ between machines."""
         exact = isinstance(value, int) or not math.isfinite(value)
         self.values[name] = value if exact else float(f"{round(value, digits):.{digits}g}")
 
@@ -199,10 +184,7 @@ class Scope:
 
 
 def keys_named(scope: Scope, globs: Sequence[str]) -> list[str]:
-    """Return the names of the keyframes that the globs match, as in the recipe; all of them without globs.
-
-    Raises CheckEnds.
-    """
+    """Return the names of the keyframes that the globs match; all of them without globs. Raises CheckEnds."""
     known = [] if scope.keys is None else scope.names("key")
     if not globs:
         return known
@@ -264,10 +246,7 @@ def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
 
 @cache
 def naming(tag: str) -> Mapping[str, str | None]:
-    """Return the attributes of a tag that name another element, with its kind.
-
-    The kind is None if another attribute gives it.
-    """
+    """Return the attributes of a tag that name another element, with its kind; None if another attribute gives it."""
     if tag not in _NAMING:
         return {}
     return {
@@ -282,10 +261,7 @@ _SECOND = ("refsite", "slidersite", "refname")
 
 
 def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
-    """Yield the value of an attribute.
-
-    There are several if MuJoCo does not store which of two it is, and none if the attribute is not set.
-    """
+    """Yield the value of an attribute; several if MuJoCo does not store which of two it is, none if it is not set."""
     if attr in ENUMERATED.get(tag, ()):
         array = array_of(tag, attr)
         values = getattr(scope.model, array, None)
@@ -417,10 +393,7 @@ CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", 
 
 
 def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
-    """Return the failures and the values of a check as JSON data; runs under `mjcompose.mujoco.engine.call`.
-
-    ``question`` has the `kind`, the arguments of the check under `asked`, and the fields of a `Scope` under `scope`.
-    """
+    """Return the findings and values of the check `kind` on `asked` in a `scope`; runs under `engine.call`."""
     scope = Scope(mujoco, model, **question["scope"])
     try:
         found = CHECKS[question["kind"]](scope, question["asked"])

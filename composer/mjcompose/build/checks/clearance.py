@@ -103,10 +103,7 @@ def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -
 
 
 def _touching(scope: Scope, data: Any, least: float) -> Iterator[tuple[Pair, float]]:
-    """Yield the pairs that can touch with their distance, if it is at most `least` or they do touch.
-
-    Options of the model that disable contacts do not count.
-    """
+    """Yield the pairs nearer than `least`, or touching, even if options of the model disable contacts."""
     mujoco, option = scope.mujoco, scope.model.opt
     before = int(option.disableflags), int(option.enableflags), float(option.o_margin)
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)

@@ -34,10 +34,7 @@ from mjcompose.mujoco.solids import Shapes, faults
 
 
 class Rule(CheckPart):
-    """The settings of a rule.
-
-    `kinds` are the elements that `except` can name. A rule with `limits` runs only if a recipe writes one of them.
-    """
+    """The settings of a rule, and the `kinds` that `except` can name. One with `limits` runs only if one is written."""
 
     word: ClassVar[str]
     kinds: ClassVar[tuple[str, ...]]

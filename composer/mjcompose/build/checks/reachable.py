@@ -57,10 +57,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:
-    """Convert a point from the recipe's world frame to the model's.
-
-    `frame` is the pose of the recipe's world in the model.
-    """
+    """Convert a point from the recipe's world, whose pose in the model is `frame`, to the model's."""
     import numpy as np
 
     turned = np.zeros(3)

@@ -63,10 +63,7 @@ KIND = Unchanged
 
 
 def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
-    """Compare each source of the part with the source alone, and return how many there are.
-
-    The part goes by the name that the outermost recipe gives it.
-    """
+    """Compare each source of the part, by its name in the outermost recipe, and return how many there are."""
     from mjcompose.build.plan.plan import of_part
 
     separator = checks.plan.separator

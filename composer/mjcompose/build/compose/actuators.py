@@ -199,11 +199,7 @@ class ControlMeaning(NamedTuple):
 
 @dataclass
 class ControlUnits:
-    """Determines the units for the actuators of a model that is complete except for its keys.
-
-    `joints` has the types of joints by name. `in_doubt` is set if there were errors before, so MuJoCo may not be
-    able to read the model.
-    """
+    """Determines the units for the actuators of a model without keys; `in_doubt` if MuJoCo may not read it."""
 
     linking: Linking
     sink: Sink
@@ -246,10 +242,7 @@ class ControlUnits:
         return actuator_models(self.linking, self.sink, found) or {}
 
     def _control(self, actuator: Node) -> str | None:
-        """Return the quantity of an actuator's control as far as the tree tells it.
-
-        As in MuJoCo, all actuator tags share the settings of classes.
-        """
+        """Return the quantity of a control if the tree tells it. All actuator tags share settings of classes."""
         tag = str(actuator.tag)
         found = self.linking.base.classes.get(str(actuator.get("class") or "") or None)
         given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}

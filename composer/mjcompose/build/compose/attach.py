@@ -67,10 +67,7 @@ _OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
 def unplaced_records(
     plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
 ) -> list[UnplacedRecord]:
-    """Return the records of a plan: the records of its own sources and of nested recipes, in the manifest's order.
-
-    `wanted`, `parts` and `inner`, the records of each request that is a nested recipe, begin with the base.
-    """
+    """Return the records of the sources of a plan and of nested recipes, `inner`, in the manifest's order."""
     records: list[UnplacedRecord] = []
     for request, part, below in zip(wanted, parts, inner, strict=True):
         name, model = part.path(plan.separator), request.model
@@ -444,7 +441,9 @@ class EarlyAdditions:
     def make(self, kind: str, name: str) -> list[Place]:
         """Add a place and the elements above it. Return all new places, none if it cannot be added yet."""
         steps = steps_adding(self.places, kind, name, done=self.done)
-        if not steps or not self._is_ready(steps[0]):
+        holder = self.linking.names.find(steps[0].to_kind, steps[0].to) if steps else None
+        is_there = holder is not None and holder.getroottree().getroot() is self.linking.base.root
+        if not steps or not (is_there or steps[0].to_kind == "world"):
             return []
         for step in steps:
             # Changes so far belong to the pass.
@@ -471,8 +470,3 @@ class EarlyAdditions:
         """Return the target of an added place and the span of the place's name, or None if no entry adds it."""
         steps = steps_adding(self.places, kind, name)
         return (steps[0].to, self.places[kind, name].span) if steps else None
-
-    def _is_ready(self, step: AddElement) -> bool:
-        holder = None if step.to_kind == "world" else self.linking.names.find(step.to_kind, step.to)
-        is_there = holder is not None and holder.getroottree().getroot() is self.linking.base.root
-        return is_there or step.to_kind == "world"

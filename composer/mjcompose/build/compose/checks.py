@@ -28,8 +28,7 @@ from mjcompose.tree.select import name_of
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
     """Report the first joint that takes an angle of a class for a length, or a length for an angle.
 
-    MuJoCo 4.0 compiles `range="0 90"` of a class to 0 1.5708 for hinges, and to 0 90 for slides: in a model in radians
-    no number is right for both.
+    MuJoCo 4.0 compiles `range="0 90"` of a class to 0 1.5708 for hinges, and to 0 90 for slides.
     """
     for giver, element, name, angular in making.of_classes:
         attribute = GRAMMAR.element("joint").attributes[name]
@@ -63,8 +62,7 @@ def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[No
 def check_intervals(making: ElementBuilder) -> None:
     """Report ranges that end before they begin, which MuJoCo silently takes for no range.
 
-    This comes after all edits, because `"range[0]"` and `"range[1]"` may be set one after the other. Two zeros mean no
-    range. Ranges of sources are not checked.
+    This comes after all edits, which may set one end after the other. Two zeros mean no range. Sources are not checked.
     """
     for (node, attribute), span in making.intervals.items():
         ends = numbers.read(str(node.get(attribute) or ""))
@@ -89,10 +87,7 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Report a joint without mass, unless only MuJoCo knows the mass.
-
-    MuJoCo requires mass of the body with the joint, or of a body that is fixed to it.
-    """
+    """Report a joint without mass on its body, or on one that is fixed to it, unless only MuJoCo knows the mass."""
     settings, default = linking.base.settings, Settings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
         return
@@ -147,10 +142,7 @@ def _may_have_mass(body: Node, linking: Linking) -> bool:
 
 
 def check_names(linking: Linking, making: ElementBuilder) -> None:
-    """Declare every new name, then look up every reference: elements may refer to later ones.
-
-    References to keys wait for `check_names_of_keys`.
-    """
+    """Declare every new name, then look up every reference; those to keys wait for `check_names_of_keys`."""
     references: list[Reference] = []
     for top, section in making.registered:
         for node in top.iter("*"):

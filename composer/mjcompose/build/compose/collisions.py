@@ -33,10 +33,7 @@ def set_collisions(
     plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None,
     samples: bool = True,
 ) -> list[tuple[Node, str]]:  # fmt: skip
-    """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
-
-    Return the excludes that MuJoCo finds, each with the reason; "" for bodies that touch.
-    """
+    """Write the recipe's excludes and pairs in order. Return those that MuJoCo finds, with reasons, "" for a touch."""
     writer = _CollisionWriter(plan, linking, making, context=context, session=session)
     excluded: list[tuple[Node, str]] = []
     for step in plan.steps:

@@ -96,8 +96,7 @@ check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in S
 class Composed:
     """One flat model with its files, sources, draws and generated shapes.
 
-    `excluded` are the bodies that need not collide, if the recipe requests them. `tables` has the elements that were
-    read, or skipped, of sources that are not MJCF.
+    `excluded` are bodies that need not collide, `tables` has the elements of sources that are not MJCF.
     """
 
     model: Unit
@@ -127,9 +126,8 @@ class ComposeOptions:
 class Composer:
     """Composes plans.
 
-    `subtrees` has the result for each model of which only one body is used, by recipe and path. `parts` has the
-    recipe's name for the part of an element, if the options or the plan need it. `edits` has the outcome of each entry
-    of `edit`, by recipe and path.
+    `subtrees` has each model of which only one body is used, and `edits` the outcome of each entry, by recipe and path.
+    `parts` has the part of each element, if the options or the plan need it.
     """
 
     def __init__(

@@ -47,10 +47,7 @@ _LOOKS, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 100, 500, 100,
 
 @dataclass(slots=True)
 class EditCost:
-    """The cost of all edits of one composition so far; `ended` is set once it exceeds the limit.
-
-    The unit is the time in which one value is written.
-    """
+    """The cost of all edits so far, in the time in which one value is written; `ended` is set beyond the limit."""
 
     spent: float = 0
     ended: bool = False
@@ -98,8 +95,7 @@ _LAID_OUT = (*JOINTS, "default")
 class Editing:
     """A model that is edited: one unit alone, or the flat one.
 
-    `parts` has the part of each element, `scope` the values of the recipe's parameters, `datasheets` its data sheets.
-    `cost` is the cost of all edits of the composition.
+    `parts` has the part of each element, `scope` the recipe's parameters, `cost` the cost of all edits.
     """
 
     linking: Linking
@@ -277,10 +273,7 @@ class Count(NamedTuple):
 
 
 def select_counted(editing: Editing, selector: Selector, path: Path, count: Count, *, values: float = 1) -> list[Node]:
-    """Return the selected elements. Report if their number is wrong; the result is empty then.
-
-    `values` is how many values are written on each element, which counts towards the limit on edits.
-    """
+    """Return the selected elements, on each of which `values` are written; none if their number is wrong."""
     expect = count.expect
     found = select(editing, selector, path)
     if found is None:

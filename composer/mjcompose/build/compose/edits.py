@@ -181,10 +181,7 @@ class ModelEdits:
     tabled: list[ElementDraws] = field(default_factory=list)
 
     def in_doubt(self) -> bool:
-        """Carry out the edits that select one name on a model which lacks elements, to find more errors.
-
-        Report only errors that do not depend on the missing elements. Return whether keys can refer to the names.
-        """
+        """Carry out the edits of one name each, to find more errors. Return whether keys can refer to the names."""
         making, own = self.making, self.making.sink
         making.sink = self.linking.sink = aside = own.fork()
         sections = [v for name, (_, v) in self.plan.document.entries.items() if name not in _SECTIONS_WITHOUT_NAMES]
@@ -212,7 +209,13 @@ class ModelEdits:
     def of_keys(self) -> None:
         """Carry out edits and draws about keys. The edits do not change the keys that the recipe itself writes."""
         if any(is_of_keys(step) for step in self.plan.edits):
-            places = self._taken_out()
+            # A comment marks the place of each of the recipe's own keys.
+            names = {key.name for key in self.linking.keys.written}
+            own = [key for key in keys_of(self.linking.base) if key.get("name") in names]
+            places: list[tuple[Node, Node]] = [(key, etree.Comment("")) for key in own]
+            for key, place in places:
+                if (section := key.getparent()) is not None:
+                    section.replace(key, place)
             self.edit(of_keys=True)
             self._put_back(places)
         self.draw(of_keys=True)
@@ -247,10 +250,7 @@ class ModelEdits:
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
-        """Carry out an edit on a model that also has the keys which are replaced later.
-
-        Return those of them that are still to be replaced: an edit may have removed or renamed some.
-        """
+        """Carry out an edit on a model with the keys that are replaced later. Return those of them that are left."""
         names = [str(key.get("name")) for key in keys]
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:
@@ -264,17 +264,6 @@ class ModelEdits:
                 section.remove(key)
                 left.append(key)
         return left
-
-    def _taken_out(self) -> list[tuple[Node, Node]]:
-        """Replace each of the recipe's own keys by a comment that marks its place. Return both."""
-        names = {key.name for key in self.linking.keys.written}
-        places: list[tuple[Node, Node]] = []
-        for key in keys_of(self.linking.base):
-            if key.get("name") in names and (section := key.getparent()) is not None:
-                place = etree.Comment("")
-                section.replace(key, place)
-                places.append((key, place))
-        return places
 
     def _put_back(self, places: list[tuple[Node, Node]]) -> None:
         base = self.linking.base

@@ -49,15 +49,12 @@ class Reference(NamedTuple):
 class ElementBuilder:
     """Turns a recipe's elements into nodes of one model, and records them.
 
-    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model. Paths of files
-    in messages are relative to `folder`. `door_of_text` returns the door for a recipe in a folder, which decides
-    which files it may name.
+    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model. Paths of files in
+    messages are relative to `folder`. `door_of_text` returns the door that decides which files a recipe may name.
 
-    `made` has the recipe's element for every node, `fragments` the line of nodes that came as text, counted as if
-    the text began below its key. `pending` are the angles of joints, which wait until the node is in the tree and
-    its class is known. `of_keys` are references to keys, which wait until the keys are laid out. `of_classes` are
-    the numbers in classes whose value depends on whether they are angles or lengths, with a flag for angles.
-    `intervals` are the pairs of lower and upper ends that the recipe writes, each with its place.
+    `made` has the recipe's element for every node, `fragments` the line of nodes that came as text below a key.
+    `pending` are angles of joints, which wait for their class, `of_keys` references to keys, which wait for the layout.
+    `of_classes` are numbers in classes that are angles (the flag) or lengths, `intervals` pairs of ends with places.
     """
 
     document: Located
@@ -155,8 +152,16 @@ class ElementBuilder:
 
 
 def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
-    if element.xml is not None:
-        return _parse_fragment(element, kind, making)
+    if element.xml is not None:  # an MJCF fragment, whose angles are in the recipe's unit
+        # A recipe from elsewhere must not open files or addresses.
+        parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
+        node = etree.fromstring(element.xml, parser)
+        for name, value in element.attributes.items():
+            node.set(name, to_text(kind.attributes[name], value))
+        scalar = find(making.document, (*element.at, "xml"))
+        line = scalar.span.line if isinstance(scalar, Scalar) else 0
+        _read_fragment(node, element, kind, making=making, line=line)
+        return node
     node = etree.Element(element.tag)
     making.made[node] = element
     _set_attributes(node, element, kind, making=making)
@@ -301,18 +306,6 @@ def _plain(value: object, unit: str) -> object:
 def pose_number(value: Single) -> float:
     """Return a number of a pose. An angle with a unit is converted to radians."""
     return float(_plain(value, "radian"))  # type: ignore[arg-type]
-
-
-def _parse_fragment(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
-    """Return the node of an MJCF fragment, whose angles are in the recipe's unit."""
-    # A recipe from elsewhere must not open files or addresses.
-    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
-    node = etree.fromstring(element.xml or "", parser)
-    for name, value in element.attributes.items():
-        node.set(name, to_text(kind.attributes[name], value))
-    scalar = find(making.document, (*element.at, "xml"))
-    _read_fragment(node, element, kind, making=making, line=scalar.span.line if isinstance(scalar, Scalar) else 0)
-    return node
 
 
 def _read_fragment(node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int) -> None:

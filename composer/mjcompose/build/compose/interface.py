@@ -1,7 +1,4 @@
-"""Step: joints, actuators, sensors and keys in the order of `interface`, and errors for other names and orders.
-
-It also compares the interface with the lock of the recipe.
-"""
+"""Step: joints, actuators, sensors and keys in the order of `interface`, which is compared with the lock."""
 
 from __future__ import annotations
 

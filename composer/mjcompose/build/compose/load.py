@@ -50,10 +50,7 @@ FINISHED = "finished"
 
 
 def keep_finished(unit: Unit, context: Context, session: engine.Session) -> bool:
-    """Compile a finished model and keep it in the session as `FINISHED`.
-
-    Return False if MuJoCo refuses it, which is reported.
-    """
+    """Compile a finished model and keep it as `FINISHED`. Return False if MuJoCo refuses it, which is reported."""
     text = write(unit.root)
     with folder_of(unit) as folder:
         found = engine.compile(folder, text=text.decode(), keep=FINISHED, session=session)
@@ -75,9 +72,8 @@ Library = dict[Key, Unit]
 class Loader:
     """Loads the units of source files.
 
-    `expect` announces how often each is needed, so the last use needs no copy. Units that are in the `library` are
-    not read again, and new ones are added to it. With `checks`, every file must be valid MJCF as a whole. `embed`
-    puts the models of recipes into a unit that attaches them.
+    `expect` announces how often each is needed, so the last use needs no copy. The `library` has known units and gets
+    new ones. With `checks`, every file must be valid MJCF. `embed` puts models of recipes into units that attach them.
     """
 
     context: Context
@@ -136,11 +132,7 @@ class Loader:
 def _urdf_unit(
     source: Source, context: Context, session: Session | None, span: Span | None, is_fixed: bool
 ) -> Unit | None:
-    """Return the unit of a URDF file or xacro template, or None after a reported error.
-
-    `span` is the place in the recipe that refers to it. If the robot `is_fixed` in the world, its root link is merged
-    with the world, as MuJoCo does for a URDF alone.
-    """
+    """Return the unit of a URDF file or xacro template that `span` names, or None after a reported error."""
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     own = _RecipeContext(context, span)
@@ -187,11 +179,7 @@ def source_key(model: Source, is_fixed: bool) -> Key:
 
 @dataclass(frozen=True, slots=True)
 class PartRequest:
-    """A model of a plan, base or part, and the name of the body to take; None for the whole model.
-
-    `at` is the path to the model's mapping in the recipe, `span` the place of `subtree`. `is_fixed_in_world` is
-    about the world of the final model.
-    """
+    """A request for a base or part of a plan at `at`, or one `body` of it, named at `span`; for the final world."""
 
     model: Source | Plan | None
     body: str | None
@@ -238,10 +226,7 @@ class PartRequest:
 
 
 def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
-    """Yield the requests for the base of a plan and for its parts, in their order.
-
-    `is_fixed` says whether the model of the plan is fixed in the world.
-    """
+    """Yield the requests for the base of a plan, which is fixed in the world if it `is_fixed`, and for its parts."""
     document = plan.document
     if plan.base is None:
         yield PartRequest(None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed)
@@ -257,10 +242,7 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
 
 @dataclass(slots=True)
 class InnerModels:
-    """Puts the models that a unit attaches into its contents, next to their files, as compositions have them.
-
-    `plans` has the plans of recipes by their real paths; `compose` returns the model of a plan, or None after errors.
-    """
+    """Puts models that a unit attaches into its contents: `compose` makes those of recipes, whose `plans` it has."""
 
     plans: Mapping[str, Plan]
     compose: Callable[[Plan], Unit | None]

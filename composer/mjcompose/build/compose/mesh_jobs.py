@@ -227,10 +227,7 @@ class MeshResult:
 
 @dataclass(slots=True)
 class MeshWorkshop:
-    """Finds or computes results. Without `makes` it computes none, because an editor has no time for it.
-
-    `records` has all results. `stopped` is set if the tools are missing.
-    """
+    """Finds or computes the results, `records`. Without `makes` it computes none; `stopped` if tools are missing."""
 
     context: Context
     makes: bool = True

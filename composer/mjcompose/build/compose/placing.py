@@ -1,7 +1,6 @@
 """Steps: a part gets a place that follows from others: its mirror image has one, or it is a scattered copy.
 
-MuJoCo finds a place for each copy on a model in which these copies are free bodies. A part that mirrors another one may
-have its keyframes, too.
+MuJoCo finds places for copies on a model in which they are free bodies. A mirror image may have the other's keyframes.
 """
 
 from __future__ import annotations
@@ -112,10 +111,7 @@ _APART = 100.0
 def scattered(
     plan: Plan, compose: Callable[[Plan], Composed | None], context: Context, session: engine.Session | None
 ) -> Plan | None:
-    """Return the plan with a pose for each scattered copy, or None after reported errors.
-
-    `compose` composes a plan in which these copies are free bodies.
-    """
+    """Return the plan with a pose for each scattered copy, or None. `compose` composes it with these as free bodies."""
     waiting = [step for step in plan.parts if step.waits]
     away = {step.prefix: Pose((0.0, 0.0, _APART * (1 + n))) for n, step in enumerate(waiting)}
     free = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]

@@ -25,10 +25,7 @@ from mjcompose.tree.grammar import GRAMMAR
 
 
 def preview_plan(plan: Plan, context: Context) -> PlanPreview:
-    """Return the elements that the plan removes and selects, and the settings of its parts. Report errors.
-
-    The model is composed once if edits or contacts need it. Otherwise only the relevant sources are read.
-    """
+    """Return the removed and selected elements of a plan, and its settings, composed at most once. Report errors."""
     library: Library = {}
     measure = measure_with(context)
     composer = Composer(context, measure, library=library)

@@ -27,11 +27,7 @@ from mjcompose.tree.values import is_in_degrees
 
 
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
-    """Write the draw of every selected element, and report at most one error for the field.
-
-    For sample 0, only check the draws of all other samples, so errors are known before those are built. Return the
-    draws for a table if the step needs it.
-    """
+    """Write and return the draws of every selected element, and for a table; for sample 0, check all samples."""
     entry = step.field
     assert entry.select is not None
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
@@ -145,10 +141,7 @@ class _FieldDraws:
         return self.identity(node)
 
     def identity(self, node: Node) -> str:
-        """Return the name of an element, or the identity of its parent and its number there.
-
-        Only elements without a name are counted.
-        """
+        """Return the name of an element, or the identity of its parent and its number among the unnamed ones there."""
         if name := name_of(node):
             return name
         # The place in the model does not count: an element that is added elsewhere must not change the draws.

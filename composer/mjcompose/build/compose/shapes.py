@@ -1,7 +1,6 @@
 """Verbs `collision` and `simplify`: collision shapes for meshes, and meshes with fewer faces.
 
-New geoms collide instead of the geom of a mesh, which stays visible. The mass and the inertia of the body stay as they
-are: the old geom keeps its mass, and the new geoms have none.
+New geoms, which have no mass, collide instead of the geom of a mesh, which stays visible and keeps its mass.
 """
 
 from __future__ import annotations

@@ -34,11 +34,7 @@ if TYPE_CHECKING:
 
 
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
-    """Report the fault, with the place where the element is written, and raise `UnusableValue`.
-
-    The entry ends there, because the other elements would have the same fault. `it` replaces the tag and name of the
-    element in the note.
-    """
+    """Report the fault and where the element, `it`, is written, and raise `UnusableValue`, which ends the entry."""
     notes = fault.all_notes()
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))

@@ -59,10 +59,7 @@ Found = Iterator[Finding]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule. `profiles` are those that include it; a rule that is not `usual` runs only if it is selected.
-
-    A rule that is `in_mujoco` runs next to the compiled model, one that is `in_files` reads the files of the model.
-    """
+    """A rule. It runs next to the model if `in_mujoco`, on files if `in_files`, unasked if `usual` or in `profiles`."""
 
     code: str
     family: str
@@ -85,10 +82,7 @@ def rule(
     usual: bool = True,
     profiles: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
-    """Return a decorator that makes a function the rule `code`.
-
-    `profiles` are the profiles that include it, each with its source: the sentence or section that asks for it.
-    """
+    """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that ask for it."""
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
         if code in CODES:
@@ -123,10 +117,7 @@ class UnknownRuleError(ValueError):
 
 
 def chosen(select: Collection[str] = (), ignore: Collection[str] = (), profile: str | None = None) -> list[Rule]:
-    """Return the rules that codes and families select: without any, the usual rules or the rules of a profile.
-
-    `all` selects every rule. Raises UnknownRuleError.
-    """
+    """Return the rules that codes, families and `all` select: the usual, or a profile's. Raises UnknownRuleError."""
     every = rules()
     for name in (*select, *ignore):
         if name not in every and name not in FAMILIES and name != "all":
@@ -288,10 +279,7 @@ def subject_of(text: str, mujoco: Any, model: Any, is_part: bool = False) -> Sub
 
 
 def in_child(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> list[list[Any]]:
-    """Return the findings of the rules `codes` on `text` and its compiled model; runs under `mujoco.engine.call`.
-
-    Each is code, number of the element in document order or None, attribute, message, help and edit.
-    """
+    """Return the findings of the rules `codes` on `text` and its model as lists; runs under `mujoco.engine.call`."""
     subject = subject_of(asked["text"], mujoco, model, is_part=asked["is_part"])
     places = {element: at for at, element in enumerate(subject.root.iter("*"))}
     every = rules()

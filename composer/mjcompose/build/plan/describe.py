@@ -29,10 +29,7 @@ _BEYOND = ("license-missing", "usd-loss", "target-loss", "store-unusable", "lock
 
 @dataclass(frozen=True, slots=True)
 class Allowance:
-    """An allowed code, written at `span`: for warnings without a file, in these files, or on one of these lines.
-
-    `everywhere` is set for codes at the top of the built recipe.
-    """
+    """A code allowed at `span`, `everywhere` from the top of the recipe, or in these files or on these lines."""
 
     code: str
     span: Span
@@ -50,10 +47,7 @@ class Allowance:
 
 
 def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
-    """Drop the warnings that the recipes allow; with `whole`, warn of allowed codes that do not occur.
-
-    `shown` returns a file's name in messages. Errors stay.
-    """
+    """Drop the warnings that the recipes allow; with `whole`, warn of allowed codes that do not occur. Errors stay."""
     allowances = list(_allowances(plan, shown))
     if not allowances:
         return

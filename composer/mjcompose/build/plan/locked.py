@@ -26,10 +26,7 @@ from mjcompose.sources.store import Store
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
-    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty.
-
-    Read once a run. `disputes` is for a lock with merge conflicts, see `read_lock`.
-    """
+    """Return how to fetch for a recipe, by its lock if it has one; None if it is faulty. `disputes`: `read_lock`."""
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
         return fetching
@@ -84,10 +81,7 @@ class _SourceUse:
 def lock_of(
     plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context, shapes: Mapping[str, str] | None = None
 ) -> Lock:
-    """Return the lock for plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
-
-    `shapes` are the hashes of generated shapes, by key. Damaged files in the store are reported.
-    """
+    """Return the lock in `folder` for plans of one recipe, its variants. Damaged files in the store are reported."""
     plans = tuple(plans)
     uses = _FileGatherer(fetching, folder, context).of(plans)
     for id, use in uses.items():
@@ -102,10 +96,7 @@ def lock_of(
 
 
 def check_lock(plan: Plan, context: Context) -> None:
-    """Report differences from the lock, if there is one: changed bytes, and sources that are not in it.
-
-    Damaged files in the store are reported with or without a lock.
-    """
+    """Report changed bytes and sources that are not in the lock, if there is one; in the store also without one."""
     fetching = context.fetching
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
         return
@@ -155,10 +146,7 @@ def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
 
 
 def plan_with_intact_store(make: Callable[[], Plan | None], context: Context) -> Plan | None:
-    """Return the plan that `make` returns. If files in the store are damaged, fetch them and plan again.
-
-    Offline nothing is fetched, and `check_lock` reports them.
-    """
+    """Return the plan that `make` returns. Fetch damaged files again, unless offline, and plan again."""
     forget = context.sink.marked()
     plan = make()
     if not _forgot_damaged(plan, context):

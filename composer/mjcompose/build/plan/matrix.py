@@ -178,10 +178,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
 
 @dataclass(frozen=True, slots=True)
 class FilledValues:
-    """The values for planning a recipe without a chosen cell.
-
-    The parameters `taken`, without a default, have the values of the first cell, `cell`; None if it is not needed.
-    """
+    """The values for planning without a chosen cell: those `taken` from the first cell, `cell`, have no default."""
 
     given: Map[str, Node]
     cell: str | None = None

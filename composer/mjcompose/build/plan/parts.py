@@ -112,10 +112,7 @@ _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 
 
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
-    """Validate the pieces of a recipe that a build leaves out, and report their faults.
-
-    These are items that `when` limits to other builds, and unchosen pieces of `variants`, merged over the recipe.
-    """
+    """Report faults in pieces of a recipe that a build leaves out: by `when`, or `variants` that are not chosen."""
     if has_conditions(document):
         _report_faults(document, given, None, sink=sink)
     axes = read_axes(document, Sink())
@@ -180,10 +177,7 @@ _NAMED = re.compile(rb"""<(?:model|include)\b[^>]*?\bfile\s*=\s*["']([^"']+)["']
 
 
 def inner_recipes(source: Source, context: Context) -> Iterator[tuple[Path, Path, Span]]:
-    """Yield the recipes that a model attaches: the file, the folder of the MJCF that names it, and the place there.
-
-    A file that the model may not read is reported.
-    """
+    """Yield the recipes that a model attaches: file, folder of the MJCF that names it, place. Others are reported."""
     # Few models attach recipes, and a look at the text takes a fraction of the time of parsing it.
     if source.format == "mjcf" and _reaches(source.path, source.path.parent, source.door, seen=set()):
         yield from _recipes(source.path, source.door, context, seen=set())

@@ -139,10 +139,7 @@ RecipePath: TypeAlias = tuple[str, Path]
 
 @dataclass(frozen=True, slots=True)
 class EditOutcome:
-    """The effect of an entry of `edit`: how many elements of each kind it selects, and the elements it removes.
-
-    `removed` has the selected elements first, then the elements that depend on them.
-    """
+    """The elements that an entry of `edit` selects, by kind, and removes, with those that depend on them behind."""
 
     selected: Mapping[str, int]
     removed: tuple[DroppedElement, ...] = ()
@@ -160,10 +157,7 @@ class Excluded:
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """The stiffness and the damping that a servo gives a joint or a tendon through its `gear`.
-
-    `unit` is the unit of its force: N or N·m, or "" along a tendon.
-    """
+    """The stiffness and damping of a servo at its joint or tendon, by its `gear`; `unit` is N, N·m, or ""."""
 
     actuator: str
     kp: float
@@ -176,8 +170,7 @@ class Gains:
 class PlanPreview:
     """Facts about a plan that only composing finds out.
 
-    `adopted` are the settings that the model takes from its parts, `excluded` the bodies that need not collide, `gains`
-    has the gains of the servos of a model whose actuators are edited, as their joints feel them.
+    `adopted` are settings from its parts, `excluded` bodies that need not collide, `gains` those of edited servos.
     """
 
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
@@ -196,14 +189,11 @@ Tables: TypeAlias = Mapping[ReadAs, tuple[ReadRow, ...]]
 class PartRecord:
     """A source model, the prefix of its names (separator included), and the pose of its own world.
 
-    `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part
-    of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in the body's
-    frame, or None if the pose is unknown. `keys` starts the names of its keys; None if they were dropped. `welded`
-    says that free joints at its root were removed, `is_fixed_in_world` is about the final model: the root link of a
-    URDF is then fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it,
-    `replaced_keys` the keys that the recipe writes instead of the source's keys of these names. `obscure` is the reason
-    if it cannot be compared, `reduced` the reason if it is compared only on request. `subtree` is the only body of
-    the source that is used, if any.
+    `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part of a
+    part. Its world is fixed to `body`, None for the world, with the `pose` there, None if unknown. `keys` starts the
+    names of its keys; None if they were dropped. `welded` says that free joints at its root were removed,
+    `is_fixed_in_world` is about the final model. The recipe changes the arrays `changed` and writes `replaced_keys`.
+    `obscure` is why it cannot be compared, `reduced` why only on request. `subtree` is the only body that is used.
     """
 
     part: str
@@ -383,10 +373,7 @@ class Plan:
         return replace(self, steps=steps, sample=sample)
 
     def walk(self, is_fixed: bool = True) -> Iterator[PlacedModel]:
-        """Yield the plan itself, then its base and its parts in their order, each followed by its contents.
-
-        `is_fixed` says that the plan itself is fixed in the world.
-        """
+        """Yield the plan, fixed in the world if `is_fixed`, then its base and parts, each followed by its contents."""
         yield from _walk(PlacedModel(self, is_fixed_in_world=is_fixed))
 
     def places(self) -> Iterator[PlacedModel]:
@@ -441,10 +428,9 @@ class Plan:
 class PlacedModel:
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
-    `outer` is the plan that it is the base or a part of, by `step`; both are None for the outermost plan. `part` is
-    its name in the outermost recipe, empty for that recipe itself. `prefix` starts its names, `keys` the names of
-    its keyframes, None if they are left out. `others` are longer prefixes that do not belong to it. `is_fixed_in_world`
-    is about the final model, `span` is its place in the outermost recipe.
+    It is the base or a part of `outer` by `step`, None for the outermost plan. `part` is its name in the outermost
+    recipe, empty for that itself. `prefix` starts its names, `keys` the names of its keyframes, None without any.
+    `others` are longer prefixes. `is_fixed_in_world` is about the final model, `span` about the outermost recipe.
     """
 
     model: Source | Plan | None

@@ -86,10 +86,7 @@ Outer = tuple[tuple[Path, "Span | None"], ...]
 def make_plan(
     recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
 ) -> Plan | None:
-    """Return the steps of a build of the recipe, or None if it or something that it refers to has errors.
-
-    `name` and `sample` are as in `plan_what_remains`.
-    """
+    """Return the plan of a recipe as `plan_what_remains` does, or None if it or something it refers to has errors."""
     before = context.sink.error_count
     plan = plan_what_remains(recipe, context, given, name=name, sample=sample)
     return plan if context.sink.error_count == before else None
@@ -125,8 +122,7 @@ def plan_what_remains(
 class _LoadedRecipe:
     """A recipe that was read from a file, or from the path `at` in a file.
 
-    `source` is the reference to the file if another recipe names it, `extended` are the recipes that it extends.
-    `drawn` are the values of parameters that were drawn for the sample.
+    `source` is the reference to the file, if any, `extended` has those of `extends`, `drawn` the sample's parameters.
     """
 
     name: str

@@ -79,10 +79,7 @@ _KEPT = 256
 
 
 class ValidRecipe(NamedTuple):
-    """A recipe without its faulty pieces, the tree that it was read from, and its expansion.
-
-    `concrete` is None if the file is not a mapping. `lost` has the names of the faulty pieces.
-    """
+    """A recipe without faulty pieces, whose names are `lost`, its tree, and its expansion, None for no mapping."""
 
     recipe: Recipe
     document: Mapping
@@ -91,10 +88,7 @@ class ValidRecipe(NamedTuple):
 
 
 def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | None:
-    """Return the concrete recipe, or None if the file is not a mapping.
-
-    The context reports errors on each call.
-    """
+    """Return the concrete recipe, or None if it is not a mapping. The context reports errors on each call."""
 
     def work(own: Context) -> Concrete | None:
         node = read_recipe(path, own)
@@ -204,10 +198,7 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """Return the tree of a recipe merged with all that it extends, or None after errors.
-
-    The context reports errors. Each recipe is read once in a run.
-    """
+    """Return the tree of a recipe merged with all that it extends, read once in a run, or None after errors."""
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
     known = context.recipes.get(path)
@@ -387,10 +378,7 @@ _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
 
 
 def files_of_source(source: Source) -> Iterator[Path]:
-    """Yield the files of a model that exist and that it may read.
-
-    Files that are missing, broken or outside are reported where they are read.
-    """
+    """Yield the files of a model that exist and that it may read; others are reported where they are read."""
     files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
     seen = (path for path in files if source.door.sees(path))
     yield from filter(os.path.isfile, (*seen, *source.licenses))
@@ -462,10 +450,7 @@ _OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
 
 
 def _load_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
-    """Load the extensions for the words of one file. If it was fetched with `origin`, they are errors.
-
-    Words that no installed package knows are left to the validation.
-    """
+    """Load the extensions for the words of one file. They are errors if it was fetched with `origin`."""
     for group, word, span in _foreign(node):
         try:
             if origin is not None and origin.is_fetched:

@@ -31,10 +31,7 @@ SETTINGS = ("angle", "eulerseq")
 
 @dataclass(frozen=True, slots=True)
 class AngleSettings:
-    """The settings of one file.
-
-    `angle` is the unit of angles without a unit (None: they are not allowed), `eulerseq` the sequence of `euler`.
-    """
+    """The settings of one file: the unit of bare angles (None: not allowed), and the sequence of `euler`."""
 
     angle: str | None = None
     eulerseq: str = "xyz"
@@ -100,8 +97,7 @@ class StepInput:
 class Step(ABC):
     """An entry that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row of `planner.STEPS`.
 
-    `sections` are the top-level keys of a recipe that steps of this type carry out. Steps that have `waits` are carried
-    out when all of the others have been.
+    `sections` are the top-level keys that it carries out. Steps that have `waits` come after all of the others.
     """
 
     __slots__ = ()
@@ -186,10 +182,7 @@ def added_places(steps: Sequence[Step], document: Mapping) -> dict[tuple[str, st
 def steps_adding(
     places: Map[tuple[str, str], AddedPlace], kind: str, name: str, done: Container[int] = ()
 ) -> list[AddElement]:
-    """Return the steps that create a place, in the order in which they must run; none if no step does.
-
-    A place on an added element needs the step that adds this element first. `done` has the ids of steps that have run.
-    """
+    """Return the steps that create a place, in order, without those `done`, by id; none if no step does."""
     found: dict[int, AddElement] = {}
     while (place := places.get((kind, name))) is not None and id(place.step) not in found:
         if id(place.step) in done:

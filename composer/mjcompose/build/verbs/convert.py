@@ -57,7 +57,13 @@ class _Conversion(ByGrammar):
     """A kind of actuator in `to`, with attributes of it, each a value or `from-ATTRIBUTE`."""
 
     def schema(self) -> Schema:
-        return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": _conditions()}
+        found: list[Schema] = []
+        for kind in _KINDS:
+            attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
+            given = {each.name: _or_taken(attribute_schema(each)) for each in attributes if each.name != "name"}
+            target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
+            found.append({"if": target, "then": {"properties": {_TO: _KIND, **given}, "additionalProperties": False}})
+        return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": found}
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
@@ -102,21 +108,10 @@ def _no_target(value: Mapping[str, Any]) -> Fault:
     )  # fmt: skip
 
 
-def _conditions() -> list[Schema]:
+def _or_taken(schema: Schema) -> Schema:
     taken: Schema = {"type": "string", "pattern": f"^{FROM}"}
-    found: list[Schema] = []
-    for kind in _KINDS:
-        attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
-        given = {each.name: _either(attribute_schema(each), taken) for each in attributes if each.name != "name"}
-        target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
-        then: Schema = {"properties": {_TO: _KIND, **given}, "additionalProperties": False}
-        found.append({"if": target, "then": then})
-    return found
-
-
-def _either(schema: Schema, other: Schema) -> Schema:
-    both: Schema = {"anyOf": [{key: each for key, each in schema.items() if key != "description"}, other]}
-    return {**both, "description": schema["description"]} if "description" in schema else both
+    about = {key: each for key, each in schema.items() if key == "description"}
+    return {"anyOf": [{key: each for key, each in schema.items() if key not in about}, taken], **about}
 
 
 class Convert(Verb):
@@ -323,10 +318,7 @@ def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
 
 
 def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
-    """Report an `actrange` from a class for an actuator without an activation.
-
-    MuJoCo refuses it, and nothing on the actuator can undo its class's range.
-    """
+    """Report an `actrange` of a class, which nothing undoes, for an actuator without an activation."""
     kind = GRAMMAR.element("actuator/general")
     found = levels(node, kind, kind.attributes["actrange"], classes=editing.classes)
     level = next((each for each in found if each.kind == "class" and each.text), None)
@@ -456,10 +448,7 @@ def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
 def _limits(
     editing: Editing, node: Node, to: str, model: ActuatorModel, keeps: bool, written: Mapping[str, str]
 ) -> dict[str, str] | None:
-    """Return the limits of the new control, or None if the old limits are for another quantity and must be removed.
-
-    `written` are the attributes of the new kind, those that the entry gives included.
-    """
+    """Return the limits of the new control, or None if the old ones limit another quantity and must be removed."""
     inherits = editing.effective(node, "inheritrange") not in (None, "") and to in ("position", "pid")
     of_range = {"inheritrange": "0"} if inherits and _in_classes(editing) else {}
     limited = editing.effective(node, "ctrllimited")

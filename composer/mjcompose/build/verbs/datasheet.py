@@ -116,10 +116,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
 
 @dataclass(frozen=True, slots=True)
 class _Drive:
-    """An actuator and the hinge that it turns, with the motor that they become.
-
-    `effort` is the greatest torque at the joint, in N·m, and `gear` the actuator's gear.
-    """
+    """An actuator with its `gear` and its hinge, and the motor that they become; `effort` is the peak torque in N·m."""
 
     editing: Editing
     node: Node
@@ -141,7 +138,9 @@ class _Drive:
                 values["kp"] = kp / self.gear**2
                 _without_dampratio(self.editing, self.node, self.at)
         if delay := self.sheet.delay:
-            values |= {"delay": delay, "nsample": math.ceil(round(delay / _timestep(self.editing), 9))}
+            option = self.editing.root.find("option")
+            step = numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
+            values |= {"delay": delay, "nsample": math.ceil(round(delay / step, 9))}
         return values
 
     def _gains(self) -> tuple[float, float]:
@@ -189,11 +188,6 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
     message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
     help = "write `convert: {to: position}` next to it, or `to: motor`"
     report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
-
-
-def _timestep(editing: Editing) -> float:
-    option = next(editing.root.iterchildren("option"), None)
-    return numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
 
 
 VERB = Datasheet

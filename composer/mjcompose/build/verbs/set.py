@@ -1,7 +1,4 @@
-"""Verb `set`: give attributes new values, or remove them.
-
-Attributes that an element then lacks are reported when its entry is done.
-"""
+"""Verb `set`: give attributes new values, or remove them. Those that are then lacking are reported at the end."""
 
 from __future__ import annotations
 
@@ -38,8 +35,11 @@ class Set(Verb):
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         going, values = _parted(self.written)
-        if going:
-            _take_out(entry, going, at)
+        names = tuple(name for name, each in going.items() if each is None)
+        if names:  # required attributes that are then lacking are reported at the end of the entry
+            lacked = {node: _missing_attributes(entry.editing, node) for node in entry.found}
+            entry.checks.append(lambda: _report_newly_missing(entry.editing, lacked, names, at=at))
+        _remove(entry.editing, entry.found, going, at=at)
         if values:
             change_all(entry, SET, values, at=at)
 
@@ -68,15 +68,6 @@ def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]
         else:
             values[name] = each
     return going, values
-
-
-def _take_out(entry: Entry, going: Mapping[str, Any], at: Path) -> None:
-    """Remove attributes. Required ones that are missing afterwards are reported at the end of the entry."""
-    names = tuple(name for name, each in going.items() if each is None)
-    if names:
-        lacked = {node: _missing_attributes(entry.editing, node) for node in entry.found}
-        entry.checks.append(lambda: _report_newly_missing(entry.editing, lacked, names, at=at))
-    _remove(entry.editing, entry.found, going, at=at)
 
 
 def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 class Entry:
     """The elements that an entry selects, and the results of its verbs.
 
-    `workshop` is where meshes are worked on. `checks` are the checks that can run only after all values are
-    written. `gone` lists the removed elements, and `records` the meshes and shapes that were made.
+    `workshop` is for meshes, `checks` wait until all values are written, `gone` were removed, `records` were made.
     """
 
     editing: Editing
@@ -59,8 +58,7 @@ class Entry:
 class Operation:
     """One of the verbs.
 
-    `combine` gives the new number, of the present number and the recipe's number. With `is_factor` the written
-    number has no unit; otherwise it is in the unit of the attribute.
+    `combine` gives the new number, of the present one and the recipe's, which has no unit if it `is_factor`.
     """
 
     verb: str
@@ -215,10 +213,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
 
 
 def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Path) -> None:
-    """Report numbers of a joint that its new type, `wanted`, turns from lengths into angles or back.
-
-    Only those: numbers that are written next to the type belong to it.
-    """
+    """Report unwritten numbers of a joint that its new type, `wanted`, turns from lengths into angles or back."""
     editing, joint = values.editing, values.node
     now = joint_type(joint, editing.classes)
     for attribute in kind_of(joint).attributes.values():

@@ -47,10 +47,7 @@ class NestedRecipe:
         return {**fields, "keys": self.keys, "whole": whole}
 
     def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
-        """Return the body and pose of its world in the model, or None if the pose is unknown.
-
-        The base of a recipe is placed at the origin of the recipe's world, so the base has the place of the recipe.
-        """
+        """Return the body and pose of its world in the model, which its base has; None if the pose is unknown."""
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
         end, name, plan = self.plan.separator, f"{self.part}{BASE}", self.plan
@@ -80,10 +77,7 @@ _RUNS: Table[Callable[..., dict[str, Any]]] = Table("checks", {}, "run", modules
 
 @dataclass(frozen=True)
 class Checks:
-    """The checks of a model that the session keeps; `run` reports failed checks to `context`.
-
-    `bundle` is the model with its files, and `shapes` are made of meshes.
-    """
+    """The checks of a model with its files; `run` reports failed checks to `context`. `shapes` are made of meshes."""
 
     plan: Plan
     members: Sequence[PartRecord]
@@ -126,10 +120,7 @@ class Checks:
                 break
 
     def _ask(self, check: Check, recipe: NestedRecipe, context: Context) -> tuple[bool, dict[str, Any]]:
-        """Run a check on the compiled model, in the process that keeps it.
-
-        Return whether that process still keeps the model, and the values that the check found.
-        """
+        """Run a check on the compiled model in its process. Return whether that still keeps it, and the values."""
         path = check.at
         written = next((key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select")
         asked = {

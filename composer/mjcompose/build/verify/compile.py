@@ -44,10 +44,7 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
 def compile_and_report(
     bundle: Bundle, model: Unit, context: Context, *, session: Session, keep: str | None = None, at: Span | None = None
 ) -> Compiled | None:
-    """Compile the bundle and report errors and warnings. Return None if MuJoCo gave no verdict.
-
-    With `keep` the session keeps the compiled model under that name. `at` is the place of messages about no element.
-    """
+    """Compile the bundle, keep it as `keep`, and report faults, without an element at `at`. None without verdict."""
     try:
         verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
@@ -161,10 +158,7 @@ _MATERIAL = re.compile(rb"<material\b[^>]*>")
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """MuJoCo's verdict on a bundle; `compiled` has the sizes and the index.
-
-    `error` says why MuJoCo refused the model. If MuJoCo gave no verdict, `crash` is set and `error` describes that.
-    """
+    """MuJoCo's verdict on a bundle; `error` says why it refused the model or, with `crash`, why there is no verdict."""
 
     compiled: engine.Compiled
     error: messages.Fault | None = None

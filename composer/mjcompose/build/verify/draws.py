@@ -210,10 +210,7 @@ Build = Callable[[int], bool]
 
 
 def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
-    """Return the bundle with the worlds of a filled table, one for each sample from 1; report errors.
-
-    The first, middle and last sample are built, and each array of mjModel is compared.
-    """
+    """Return the bundle with the worlds of a filled table, three of which are compared with samples; report errors."""
     wanted = table.plan.randomize
     assert wanted is not None
     with scratch("worlds") as folder:
@@ -256,8 +253,7 @@ _BLOCK = 1024
 def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
     """Write every number that differs in some world to the file `out`, and return the names of the arrays.
 
-    Runs under `mjcompose.mujoco.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
-    `columns` says where the numbers go. The model is restored afterwards.
+    Runs under `engine.call`. `draws` is a file, `(worlds, columns)`; `columns` says where the numbers go.
     """
     draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
     found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
@@ -307,10 +303,7 @@ def _drawn(
 
 
 def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
-    """Return the arrays in which `world` of the file `out` differs from a built sample.
-
-    Runs under `mjcompose.mujoco.engine.call`. The nominal model is restored afterwards.
-    """
+    """Return the arrays in which `world` of the file `out` differs from a built sample; runs under `engine.call`."""
     before = {name: flat(nominal, name).copy() for name in arrays(nominal)}
     with np.load(asked["out"], allow_pickle=False) as stored:
         for name in {each.partition("/")[0] for each in stored.files}:
@@ -371,10 +364,7 @@ _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
 
 
 def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
-    """Yield the numbers that the compiler copies from the pose of a body and mj_setConst does not update.
-
-    The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set it.
-    """
+    """Yield numbers that the compiler copies from a body's pose, for free joints too, and mj_setConst does not."""
     every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
         for body, component in sorted({(each[1], each[2]) for each in every if each[0] == array}):

@@ -188,10 +188,7 @@ class PartComparer:
     def compare(
         self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
     ) -> PartComparison:
-        """Compare a part with its source.
-
-        `excused` are arrays, or ends of their names; `replaced_keys` are keys that the recipe wrote.
-        """
+        """Compare a part with its source, except for `excused` arrays, or ends of their names, and `replaced_keys`."""
         if member.obscure is not None:
             return PartComparison(member, obscure=member.obscure)
         name = _kept(member)

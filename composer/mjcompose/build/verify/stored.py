@@ -32,8 +32,7 @@ from mjcompose.tree.parse import all_admitted, parse_file
 class InputFinder:
     """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
 
-    Without `recipe`, a file of the recipe's name in the folder is used if it has the hash in the manifest. Errors in a
-    given recipe are reported.
+    Without `recipe`, a file of its name is used if it has the hash in the manifest. A given one's errors are reported.
     """
 
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
