@@ -78,10 +78,7 @@ def build(
     request: Request, context: Context, *, session: Session | None = None, limits: Limits | None = None,
     library: Library | None = None, outcomes: list[Outcome] | None = None,
 ) -> Built | None:  # fmt: skip
-    """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
-
-    MuJoCo runs in `session`, or in a process with `limits` of its own. `library` and `outcomes` are those of `Build`.
-    """
+    """Return the bundle of a recipe, unwritten, or None after errors. MuJoCo runs in `session`, or within `limits`."""
     plan = planned(request, context)
     if plan is None:
         return None
@@ -108,11 +105,7 @@ class _Draft:
 
 @dataclass(slots=True)
 class Build:
-    """One build of a planned model, from composing it on; `run` carries it out.
-
-    `library` has source files that were read before. `outcomes` gets the outcome of each check. `on_bundle` gets the
-    bundle before MuJoCo does, so it can process its files in parallel.
-    """
+    """One build of a planned model; `on_bundle` gets the bundle before MuJoCo does, to work in parallel."""
 
     plan: Plan
     request: Request

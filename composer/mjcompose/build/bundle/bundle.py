@@ -90,8 +90,6 @@ def with_moment(archive: bytes, moment: Moment) -> bytes:
 
 
 class OutputForm(StrEnum):
-    """The forms that a bundle is written in."""
-
     FOLDER = "folder"
     ARCHIVE = "archive"
     TEXT = "text"
@@ -390,7 +388,6 @@ def license_rows(plan: Plan, context: Context) -> list[LicenseRow]:
 
 
 def license_table(rows: Iterable[LicenseRow]) -> str:
-    """Return the rows in columns, with headings."""
     from mjcompose.sources.license import UNKNOWN
 
     lines = [("part", "source", "license", "file")]
@@ -401,7 +398,6 @@ def license_table(rows: Iterable[LicenseRow]) -> str:
 
 
 def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:
-    """Warn of the parts without a license, all at once."""
     bare = [row for row in rows if row.has_none]
     if not bare:
         return

@@ -22,10 +22,7 @@ from mjcompose.tree.xml_text import write
 
 
 def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
-    """Return the text for the output `out`, `-` for standard output.
-
-    Files are named by paths from its folder (from `folder` for `-`). Raises OutputError for files that are not on disk.
-    """
+    """Return the text for `out` (`-`: in `folder`), with paths to its files. Raises OutputError for made files."""
     target = folder / out
     start = folder if out == "-" else target.parent
     help = f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)"

@@ -463,7 +463,6 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
 
 
 def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> None:
-    """Report files that are missing, changed, or not listed."""
     listed = {file.path: file for file in manifest.files}
     for path, file in listed.items():
         if path not in bundle.files:

@@ -74,7 +74,6 @@ def check_writable(address: str) -> None:
 
 
 def deliver_file(file: Path, address: str) -> None:
-    """Write a file to an address in one step. Raises OutputError."""
     with _writing(address) as (fs, path):
         _put(fs, path, read_regular(file, is_source=False))
 

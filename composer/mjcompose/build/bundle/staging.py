@@ -168,10 +168,7 @@ def check_kind(target: Path, out: Path, option: str | None = None) -> None:
 
 @contextlib.contextmanager
 def stage_beside(target: Path) -> Iterator[Path]:
-    """Yield a path that can be renamed to `target`, whose folder exists, in one step. Raises OSError.
-
-    It is in a locked folder that is removed after the block. Leftovers of killed processes are removed as well.
-    """
+    """Yield a path in a locked folder, to be renamed to `target`. Leftovers of killed processes are removed."""
     sweep_once(target.parent, lambda name: _STAGE.fullmatch(name) is not None, _put_back)
     with locked_folder(sibling(target, "tmp")) as folder:
         yield folder / "new-output"

@@ -73,7 +73,6 @@ class BackgroundPacker:
         return self._known.get(digest)
 
     def end(self) -> None:
-        """Stop the thread and discard the files."""
         self._is_wanted = False
         self._thread.join()
         self._known.clear()
@@ -105,17 +104,14 @@ def pack(content: bytes, level: int) -> Packed:
 
 
 def pack_file(bundle: Bundle, path: str) -> Packed:
-    """Compress a file of a bundle without a cache."""
     return pack(bundle.files[path], level_of(path))
 
 
 def packed_to_bytes(packed: Packed) -> bytes:
-    """Serialize a compressed file for the store. No I/O."""
     return _HEAD.pack(packed.crc, packed.size) + packed.data
 
 
 def packed_from_bytes(content: bytes) -> Packed:
-    """Parse the result of `packed_to_bytes`. No I/O."""
     crc, size = _HEAD.unpack_from(content)
     return Packed(crc, size, content[_HEAD.size :])
 
@@ -137,7 +133,6 @@ def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str], pac
 def write_packed(
     paths: Iterable[str], model: str, out: Path, environment: Mapping[str, str], packed: Callable[[str], Packed]
 ) -> None:
-    """Write a bundle, given its paths and its compressed files."""
     if model.endswith(".xml") and model not in (MODEL, f"{out.stem}.xml"):  # MuJoCo opens only MJCF
         message = f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`"
         raise OutputError("output-kind", message, f"name the archive `{PurePosixPath(model).stem}{out.suffix}`")

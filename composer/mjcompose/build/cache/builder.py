@@ -76,7 +76,6 @@ def result_of_build(
 
 
 def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
-    """Return a model from the cache, without its files."""
     return BuildResult(**record.facts(), record=record, inputs=inputs)
 
 
@@ -87,7 +86,6 @@ def shown_input_files(result: BuildResult | None, context: Context) -> set[str]:
 
 
 def input_files(result: BuildResult) -> Iterator[Path]:
-    """Yield the files that a model is made from."""
     if result.built is None:
         yield from map(Path, result.inputs)
     else:
@@ -96,7 +94,6 @@ def input_files(result: BuildResult) -> Iterator[Path]:
 
 
 def source_files(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
-    """Yield the recipes, models and assets that a model is made from."""
     yield from (each.path for each in plan.plans())
     yield from (source.path for source in plan.sources())
     yield from (text.path for text in model.origins.texts.values() if text.path is not None)
@@ -230,13 +227,11 @@ class Maker:
         return replace(result, text=text)
 
     def content(self, result: BuildResult) -> str:
-        """Return an identifier of an output's bytes."""
         if result.text is not None:
             return sha256(result.text).hexdigest()
         return key_of([result.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
 
     def note_written(self, result: BuildResult, beside: Iterable[Path] = ()) -> None:
-        """Record the content of an output and of the files `beside` it."""
         target = self.place(result.name, result.mujoco)
         if self.cache is not None and target is not None and not result.is_written:
             self.cache.note_written(target, self.content(result), beside)
@@ -258,7 +253,6 @@ class Maker:
         return None if self.cache is None else self.cache.packed(digest, level)
 
     def _pack_ahead(self, bundle: Bundle) -> None:
-        """Compress the files of the output during MuJoCo's work."""
         from mjcompose.build.bundle.write import BackgroundPacker
 
         if self.form == "archive":

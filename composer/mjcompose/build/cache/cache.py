@@ -230,7 +230,6 @@ class Cache:
         return Lookup(why=("nothing was kept of its last build",))
 
     def _mark_used(self, answer: Answer) -> None:
-        """Mark the fetched sources that the answer needs as used."""
         own = os.path.join(self.store.folder, "")
         inside = (each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own))
         for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
@@ -263,7 +262,6 @@ class Cache:
         return None
 
     def packed(self, sha256: str, level: int) -> Packed | None:
-        """Return a file in compressed form."""
         from mjcompose.build.bundle.write import packed_from_bytes
 
         content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
@@ -303,7 +301,6 @@ class Cache:
         return []
 
     def _changes(self, answer: Answer) -> list[str]:
-        """Return the changed dependencies, in words."""
         changed = [each for each in answer.inputs if not self.files.is_same(each)]
         lines = [_change(each, self.files.look(each.path)) for each in changed]
         return lines + [

@@ -159,7 +159,6 @@ class Files:
 
 
 def stamp_of(status: os.stat_result) -> Stamp:
-    """Return the stamp for a file's status. No I/O."""
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
@@ -176,11 +175,7 @@ def _sha256(path: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class CacheKey:
-    """The key of a model in the build cache.
-
-    `subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed. `parts`
-    are all values that count, by their names for the user.
-    """
+    """The key of a model: the `parts` that count, by their names for the user, and the `subject`, whatever they are."""
 
     subject: str
     parts: Mapping[str, str]
@@ -205,11 +200,7 @@ class CacheKey:
 
 @dataclass(frozen=True, slots=True)
 class BuildOptions:
-    """The options of builds.
-
-    `text_beside` is the folder from which a model's text refers to its files, if only text is requested. `choices` are
-    the given values of parameters and variants, by their names for the user.
-    """
+    """The options of builds. `text_beside` is the folder of a text; `choices` are values by names for the user."""
 
     verified: bool = True
     deduplicated: bool = False

@@ -39,10 +39,7 @@ Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 
 @dataclass(frozen=True, slots=True)
 class CellResult:
-    """The result of a cell: `result` is None if it failed. Can be pickled.
-
-    `diagnostics` are its own, `of_run` the diagnostics of the run; `outcomes` are its checks, `files` its inputs.
-    """
+    """The result of a cell, None if it failed, with its diagnostics and those `of_run`. Can be pickled."""
 
     cell: Cell
     result: BuildResult | None
@@ -69,7 +66,6 @@ class CellMaker:
             self.session.begin()
 
     def make(self, cell: Cell) -> CellResult:
-        """Return the cell, from the cache or built, with its errors."""
         made = self.known(cell, builds=True)
         assert made is not None
         return made
@@ -268,7 +264,6 @@ class CellRun:
         self._held.close()
 
     def made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
-        """Yield the result of each cell, in order."""
         for place, cell in enumerate(cells):
             known = self.making.known(cell)
             if known is None:

@@ -27,7 +27,6 @@ from mjcompose.text.node import spans
 
 
 def hash_of_positions(plan: Plan) -> str:
-    """Return a hash of all positions in the recipes of a plan. No I/O."""
     whole = hashlib.sha256()
     for each in plan.plans():
         for span in spans(each.document):

@@ -42,8 +42,6 @@ def beside(value: float, *bounds: float, digits: int = 4) -> str:
 
 
 class CheckEnds(Exception):
-    """Raised with the finding that ends a check."""
-
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault.message)
         self.fault = fault
@@ -95,11 +93,9 @@ class Scope:
         self.roster = NameTable(self.model)
 
     def before(self, kind: str) -> str:
-        """Return the prefix of the recipe's names of a kind."""
         return (self.keys or "") if kind == "key" else self.prefix
 
     def own(self, kind: str) -> Iterator[int]:
-        """Yield the ids of the recipe's elements."""
         return (index for index in range(self.roster.count(kind)) if self.owns(kind, index))
 
     def owns(self, kind: str, index: int) -> bool:
@@ -179,7 +175,6 @@ class Scope:
 
     @cached_property
     def joints(self) -> frozenset[int]:
-        """The ids of the recipe's joints."""
         return frozenset(self.own("joint"))
 
 

@@ -90,7 +90,6 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _measure(distance: float, least: float) -> str:
-    """Return a distance in words."""
     return f"{beside(distance, least)} m" if distance >= 0 else f"{beside(-distance, -least)} m inside"
 
 

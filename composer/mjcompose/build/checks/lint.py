@@ -57,7 +57,6 @@ def chosen(scope: Scope, kind: str, settings: Mapping[str, Any], usual: Iterable
 
 
 def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]]:
-    """Return the elements that `except` names, by kind and id."""
     check_globs(scope, kinds, settings["except"], at=("except",))
     return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
 

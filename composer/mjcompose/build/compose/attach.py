@@ -423,8 +423,6 @@ Place = tuple[str, str]
 
 @dataclass(slots=True)
 class EarlyAdditions:
-    """Carries out the `add` entries that parts wait for."""
-
     plan: Plan
     linking: Linking
     making: ElementBuilder
@@ -458,7 +456,6 @@ class EarlyAdditions:
         return id(step) in self.done
 
     def names(self) -> list[Place]:
-        """Return the kind and the name of each place that is not made yet."""
         return [key for key, place in self.places.items() if not self.has_done(place.step)]
 
     def waits_for(self, kind: str, name: str) -> Place | None:

@@ -60,10 +60,7 @@ def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[No
 
 
 def check_intervals(making: ElementBuilder) -> None:
-    """Report ranges that end before they begin, which MuJoCo silently takes for no range.
-
-    This comes after all edits, which may set one end after the other. Two zeros mean no range. Sources are not checked.
-    """
+    """Report ranges of the recipe that end before they begin, after all edits. Two zeros mean no range."""
     for (node, attribute), span in making.intervals.items():
         ends = numbers.read(str(node.get(attribute) or ""))
         # MuJoCo 4.0 compiles `<joint range="1 0"/>` to a joint without limits, and refuses it with `limited="true"`.
@@ -159,7 +156,6 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
 
 
 def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
-    """Look up the references to keys, when these are laid out."""
     if making.of_keys:
         linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
     for each in making.of_keys:

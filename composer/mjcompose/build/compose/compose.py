@@ -94,10 +94,7 @@ check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in S
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model with its files, sources, draws and generated shapes.
-
-    `excluded` are bodies that need not collide, `tables` has the elements of sources that are not MJCF.
-    """
+    """One flat model and all that a manifest says of it; `tables` has elements of sources that are not MJCF."""
 
     model: Unit
     files: tuple[FileUse, ...]
@@ -124,11 +121,7 @@ class ComposeOptions:
 
 
 class Composer:
-    """Composes plans.
-
-    `subtrees` has each model of which only one body is used, and `edits` the outcome of each entry, by recipe and path.
-    `parts` has the part of each element, if the options or the plan need it.
-    """
+    """Composes plans. `subtrees` and `edits` are by recipe and path, `parts` by element, if the plan needs it."""
 
     def __init__(
         self, context: Context, measure: Measure | None, session: Session | None = None, *, watch: Watch = nobody,
@@ -467,7 +460,6 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
 
 
 def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
-    """Return a unit with only the settings of a plan's model."""
     units: list[Unit] = []
     for request in part_requests(plan, is_fixed):
         if isinstance(request.model, Plan):

@@ -64,7 +64,6 @@ class EditCost:
 
 
 def cost_of_selecting(selector: Selector, root: Node) -> float:
-    """Return the cost of finding the elements of a selector."""
     selectors = list(selector.all())
     looks = 0 if selector.is_one_name else len(selectors) * written(root)
     expressions = sum(is_regular(name) for each in selectors for name in (each.pattern, each.dclass or ""))
@@ -93,10 +92,7 @@ _LAID_OUT = (*JOINTS, "default")
 
 @dataclass(eq=False)
 class Editing:
-    """A model that is edited: one unit alone, or the flat one.
-
-    `parts` has the part of each element, `scope` the recipe's parameters, `cost` the cost of all edits.
-    """
+    """A model that is edited, one unit alone or the flat one, with the part of each element."""
 
     linking: Linking
     making: ElementBuilder
@@ -142,7 +138,6 @@ class Editing:
         return self.linking.kinds_of(name)
 
     def may_generate(self, name: str) -> bool:
-        """Return whether MuJoCo may generate the name itself."""
         return self.linking.may_generate(name)
 
     def names_of(self, node: Node) -> list[tuple[str, str]]:
@@ -192,7 +187,6 @@ class Editing:
         return text_in_effect(node, kind_of(node), name, classes=self.classes)
 
     def called(self, node: Node) -> str:
-        """Return the description of an element for messages."""
         if node.tag == "worldbody":
             return f"`{WORLD}`"
         name = name_of(node)
@@ -200,7 +194,6 @@ class Editing:
         return f"{tag} `{name}`" if name else f"a {tag} without a name"
 
     def subjects(self, node: Node) -> tuple[str, ...]:
-        """Return the names that an error about an element concerns."""
         name = name_of(node)
         return (name,) if name else ()
 
@@ -363,7 +356,6 @@ def _names_in(condition: str) -> frozenset[str]:
 
 @cache
 def _attributes_of(family: str) -> frozenset[str]:
-    """Return the attributes that any element of a family has."""
     return frozenset(name for path in paths_of(family) for name in GRAMMAR.element(path).attributes)
 
 

@@ -131,7 +131,6 @@ class ElementBuilder:
         return NamedFile(node, attribute, name, folder=folder, door=self.door_of_text(folder), span=span)
 
     def written(self, node: Node) -> Collection[str]:
-        """Return the attributes of a node that the recipe wrote."""
         if node in self.fragments:
             return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
         made = self.made.get(node)
@@ -281,10 +280,7 @@ def turned(
     value: object, settings: AngleSettings, unit: str = "radian",
     radians: Callable[[float], float] = numbers.orientation_radians,
 ) -> float:  # fmt: skip
-    """Return an angle in `unit`. An angle without a unit is in the recipe's unit.
-
-    `radians` converts degrees as MuJoCo does for the attribute.
-    """
+    """Return an angle in `unit`, a bare one in the recipe's; `radians` converts degrees as MuJoCo does."""
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:
@@ -385,7 +381,6 @@ def _top_class(linking: Linking) -> Node:
 
 
 def append_element(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
-    """Append an element to a section that holds several."""
     section = linking.base.section(step.section)
     child = GRAMMAR.section(step.section).children[step.element.tag]
     node = make_node(step.element, child, making)

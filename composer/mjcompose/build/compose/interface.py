@@ -90,7 +90,6 @@ def check_locked_interface(plan: Plan, index: Index, context: Context) -> None:
 def interface_changes(
     before: Mapping[str, Sequence[LockedName]], after: Mapping[str, Sequence[LockedName]]
 ) -> Iterator[str]:
-    """Yield how the names of an interface differ from earlier ones."""
     for kind in dict.fromkeys((*before, *after)):
         old, new = ({each.name: each for each in rows.get(kind, ())} for rows in (before, after))
         yield from (f"the {kind} `{name}` is no longer listed" for name in old if name not in new)

@@ -108,8 +108,6 @@ def _joint_of(actuator: Node) -> str | None:
 
 @dataclass(slots=True)
 class _KeyWriter:
-    """One key that is being written."""
-
     step: WriteKeyframe
     linking: Linking
     making: ElementBuilder
@@ -358,8 +356,6 @@ def hold_poses(
 
 @dataclass(frozen=True, slots=True)
 class _PoseHolder:
-    """Writes the controls that hold the pose of one key."""
-
     step: WriteKeyframe
     layout: Layout
     linking: Linking

@@ -104,7 +104,6 @@ class Loader:
         return unit
 
     def tables(self) -> Tables:
-        """Return the tables of the sources that are not MJCF."""
         return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
 
     def _known_or_read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:

@@ -79,7 +79,6 @@ class ShapeStore:
         return result
 
     def keep(self, key: str, result: dict[str, Any]) -> None:
-        """Put a result into the store of this machine."""
         content = (json.dumps(result, separators=(",", ":"), sort_keys=True, allow_nan=False) + "\n").encode()
         self.used[key] = content
         with suppress(OSError):  # it is computed again the next time

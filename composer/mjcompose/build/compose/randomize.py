@@ -57,8 +57,6 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
 
 @dataclass(slots=True)
 class _FieldDraws:
-    """The draws of one field in one model."""
-
     step: DrawValues
     editing: Editing
     masses: Masses
@@ -93,7 +91,6 @@ class _FieldDraws:
         return written if isinstance(drawn, list) else written[0]
 
     def tabled(self, node: Node) -> ElementDraws:
-        """Return the draws of all samples for an element."""
         step = self.step
         first = self._stated(node, self._drawn(node, 1))
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
@@ -251,7 +248,6 @@ class _FieldDraws:
                 self._fault("out-of-range", message, node, help=help)
 
     def _check_unit(self, node: Node) -> None:
-        """Report an angle that is drawn without a unit."""
         entry = self.step.field
         distribution = entry.distribution
         if entry.operation == "scale" or distribution.unit is not None or self._angle_settings.angle is not None:
@@ -267,7 +263,6 @@ class _FieldDraws:
             self._fault("bare-angle", message, node, help=help)
 
     def _angles(self, node: Node) -> list[bool]:
-        """Return for each drawn number whether it is an angle."""
         name, subscript = attribute_and_index(self.step.field.attr)
         attribute = kind_of(node).attributes.get(name)
         if attribute is None or attribute.angle is None:

@@ -222,7 +222,6 @@ def _pose(editing: Editing, node: Node) -> Pose:
 
 
 def _orientation(editing: Editing, node: Node) -> tuple[str, str] | None:
-    """Return the orientation that a class gives a geom."""
     name = node.get("class") or childclass_of(node)
     dclass = editing.classes.get(str(name) if name else None)
     return None if dclass is None else dclass.orientation("geom")

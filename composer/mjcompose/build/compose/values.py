@@ -248,7 +248,6 @@ class Masses:
         editing.linking.base.forget_settings(*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
     def _inertial(self, body: Node) -> Node | None:
-        """Return the effective `<inertial>` of a body, or None."""
         inertials = own(body, "inertial")
         # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
         #   <body><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom size="1" mass="2"/></body>

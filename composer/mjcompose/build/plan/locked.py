@@ -67,8 +67,6 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
 
 @dataclass(slots=True)
 class _SourceUse:
-    """Facts about a source while its files are gathered."""
-
     root: Path
     origin: Origin | None
     source: Source | None

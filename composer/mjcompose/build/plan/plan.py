@@ -116,7 +116,6 @@ class GeneratedShapes:
 
     @property
     def how(self) -> str:
-        """The method with its settings."""
         return in_words(self.method, self.wanted)
 
     @property
@@ -168,10 +167,7 @@ class Gains:
 
 @dataclass(frozen=True, slots=True)
 class PlanPreview:
-    """Facts about a plan that only composing finds out.
-
-    `adopted` are settings from its parts, `excluded` bodies that need not collide, `gains` those of edited servos.
-    """
+    """Facts that only composing finds out, such as settings from parts, and bodies that need not collide."""
 
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
     edits: Mapping[RecipePath, EditOutcome] = field(default_factory=dict)
@@ -212,7 +208,6 @@ class PartRecord:
 
     @property
     def called(self) -> str:
-        """Its name in messages."""
         return self.prefix or self.part
 
 
@@ -266,8 +261,6 @@ class AttachPart:
 
 @dataclass(frozen=True, slots=True)
 class DropElements:
-    """Drop elements of a part or the base."""
-
     drop: tuple[Drop, ...]
     span: Span
 
@@ -324,12 +317,10 @@ class Plan:
 
     @property
     def members(self) -> tuple[AttachPart, ...]:
-        """The base, if there is one, and the parts."""
         return self.parts if self.base is None else (self.base, *self.parts)
 
     @property
     def base_keys(self) -> KeyPolicy:
-        """The key policy of the base."""
         return "merge" if self.base is None else self.base.attachment.key_policy
 
     @property
@@ -344,7 +335,6 @@ class Plan:
 
     @property
     def interface(self) -> tuple[Order, ...]:
-        """The lists of `interface`."""
         return tuple(step.order for step in self.steps if isinstance(step, OrderElements))
 
     @property
@@ -354,17 +344,14 @@ class Plan:
 
     @property
     def edits(self) -> tuple[EditElements, ...]:
-        """The steps that edit the whole model."""
         return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
     def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
-        """The bodies, frames and sites that are added, by kind and name."""
         return added_places(self.steps, self.document)
 
     @property
     def draws(self) -> tuple[DrawValues, ...]:
-        """The steps that draw attributes of the whole model."""
         return tuple(step for step in self.steps if isinstance(step, DrawValues))
 
     def of_sample(self, sample: int) -> Plan:
@@ -387,11 +374,9 @@ class Plan:
                     yield replace(each, part=part, span=place.span)
 
     def plans(self) -> Iterator[Plan]:
-        """Yield the plan, and the plans of its nested recipes."""
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
 
     def sources(self) -> Iterator[Source]:
-        """Yield the model files of the plan and of its nested recipes."""
         yield from (place.model for place in self.places() if isinstance(place.model, Source))
 
     @property
@@ -445,7 +430,6 @@ class PlacedModel:
 
     @property
     def request(self) -> Attachment | None:
-        """The entry of the recipe around it that attaches it."""
         return None if self.step is None else self.step.attachment
 
 

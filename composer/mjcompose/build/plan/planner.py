@@ -120,10 +120,7 @@ def plan_what_remains(
 
 @dataclass(frozen=True, slots=True)
 class _LoadedRecipe:
-    """A recipe that was read from a file, or from the path `at` in a file.
-
-    `source` is the reference to the file, if any, `extended` has those of `extends`, `drawn` the sample's parameters.
-    """
+    """A recipe that was read from a file, or from the path `at` in it, with all that its plan needs."""
 
     name: str
     path: Path

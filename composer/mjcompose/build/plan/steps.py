@@ -46,7 +46,6 @@ class AngleContext:
     others: Map[str, AngleSettings] = dataclasses.field(default_factory=dict)
 
     def at(self, path: Path) -> AngleSettings:
-        """Return the settings for the value at a path."""
         return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
 
 
@@ -206,8 +205,6 @@ def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str,
 
 @dataclass(frozen=True, slots=True)
 class AppendElement(Step):
-    """Append an element to a section."""
-
     why: ClassVar[str] = "written in the recipe"
     sections: ClassVar[tuple[str, ...]] = tuple(
         name for name in Recipe.model_fields if name in (*sections_of(Elements), "contact")

@@ -77,7 +77,6 @@ class Collision(Verb):
 
     @property
     def method(self) -> str:
-        """The key that is written."""
         return next(iter(self.model_fields_set))
 
     @property

@@ -1,8 +1,4 @@
-"""Verb `convert`: replace an actuator by one of another kind that does the same, or report the losses.
-
-MuJoCo computes the actuator's effect from its attributes and classes: gain, bias and the dynamics of the
-activation. It computes the attributes of the new kind from these.
-"""
+"""Verb `convert`: replace an actuator by one of another kind that does the same in MuJoCo, or report the losses."""
 
 from __future__ import annotations
 
@@ -125,7 +121,6 @@ class Convert(Verb):
 
     @property
     def to(self) -> str:
-        """The kind of actuator that it becomes."""
         return str(self.written[_TO])
 
     def words(self) -> str:
@@ -506,7 +501,6 @@ def _in_words(control: str, otherwise: str) -> str:
 
 
 def _gain_and_bias(model: ActuatorModel) -> str:
-    """Return the gains in words."""
     if model.gain == PLUGIN:
         return "its plugin, which computes the force"
     if model.form == "position" or model.gain == "pid":

@@ -85,7 +85,6 @@ def _named(node: Node) -> list[DroppedElement]:
 
 
 def listed_kind(node: Node, section: str) -> str:
-    """Return the name of an element's kind in lists of elements."""
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
     return "joint" if node.tag == "freejoint" else word(str(node.tag))

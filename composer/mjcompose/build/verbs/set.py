@@ -91,7 +91,6 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
 
 
 def _missing_attributes(editing: Editing, node: Node) -> list[Fault]:
-    """Return a fault for each required attribute that an element lacks."""
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:

@@ -35,10 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Entry:
-    """The elements that an entry selects, and the results of its verbs.
-
-    `workshop` is for meshes, `checks` wait until all values are written, `gone` were removed, `records` were made.
-    """
+    """The elements that an entry selects, `checks` that wait for all values, and the removed and made elements."""
 
     editing: Editing
     found: list[Node]
@@ -56,10 +53,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One of the verbs.
-
-    `combine` gives the new number, of the present one and the recipe's, which has no unit if it `is_factor`.
-    """
+    """One of the verbs: `combine` takes the present number and the recipe's, without a unit if it `is_factor`."""
 
     verb: str
     combine: Callable[[float, float], float]
@@ -263,8 +257,6 @@ def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], a
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Gives the attributes of elements new values, by one operation."""
-
     editing: Editing
     operation: Operation
     masses: Masses

@@ -28,11 +28,7 @@ from mjcompose.text.node import Mapping, Scalar, find, locate
 
 @dataclass(frozen=True, slots=True)
 class NestedRecipe:
-    """A recipe within another one.
-
-    `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its names,
-    `others` are longer prefixes that do not belong to it, `keys` starts the names of its keyframes, if there are any.
-    """
+    """A recipe within another one: its name there with a separator, its prefix, longer ones of `others`, its `keys`."""
 
     plan: Plan
     part: str = ""
@@ -41,7 +37,6 @@ class NestedRecipe:
     keys: str | None = ""
 
     def scope(self) -> dict[str, object]:
-        """Return the fields of a `Scope` of checks as JSON data."""
         whole, separator = not self.prefix and not self.others, self.plan.separator
         fields = {"prefix": self.prefix, "others": list(self.others), "separator": separator}
         return {**fields, "keys": self.keys, "whole": whole}
@@ -94,7 +89,6 @@ class Checks:
 
     @cached_property
     def drawn(self) -> list[str]:
-        """The arrays that samples draw."""
         return sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
 
     def run(self, outcomes: list[Outcome]) -> None:

@@ -251,10 +251,7 @@ _BLOCK = 1024
 
 
 def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
-    """Write every number that differs in some world to the file `out`, and return the names of the arrays.
-
-    Runs under `engine.call`. `draws` is a file, `(worlds, columns)`; `columns` says where the numbers go.
-    """
+    """Write all numbers that differ in some world to `out`; `draws` is a file, `(worlds, columns)`. Return arrays."""
     draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
     found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
     following = list(_following(model, columns))
@@ -330,7 +327,6 @@ class DerivedValues:
         self._springs = [n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])]
 
     def settle(self) -> None:
-        """Compute them."""
         model = self._model
         # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
         self._mujoco.mj_resetData(model, self._data)

@@ -356,7 +356,6 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None
 
 
 def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
-    """Return whether the recipe gives this entry in degrees."""
     angles = [each.unit for each in key.values.get(entry[0], {}).get(entry[1], ()) if isinstance(each, Angle)]
     return angles[0] == "deg" if angles else plan.angle_context.at((*key.at, *entry)).angle == "degree"
 

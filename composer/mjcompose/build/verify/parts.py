@@ -274,7 +274,6 @@ def causes(differences: Sequence[Difference]) -> list[Difference]:
 
 
 def change_sentence(compared: PartComparison) -> str:
-    """Return one sentence about a part that differs from its source."""
     found, names = causes(compared.differences), dict[str, None]()
     for each in found:
         names[f"{each.field} {each.kind}" if each.field in (MISSING, EXTRA) else f"`{each.array}`"] = None
