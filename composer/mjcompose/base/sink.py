@@ -98,6 +98,10 @@ class Sink:
             self.add(error.diagnostic)
         return isinstance(error, DiagnosticError)
 
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
+        for each in diagnostics:
+            self.add(each)
+
     def drop(self, diagnostic: Diagnostic) -> None:
         """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""
         if diagnostic.severity is Severity.ERROR:

@@ -79,8 +79,7 @@ def build(
     library: Library | None = None, outcomes: list[Outcome] | None = None,
 ) -> Built | None:  # fmt: skip
     """Return the bundle of a recipe, unwritten, or None after errors. MuJoCo runs in `session`, or within `limits`."""
-    plan = planned(request, context)
-    if plan is None:
+    if (plan := planned(request, context)) is None:
         return None
     outcomes = [] if outcomes is None else outcomes
     with nullcontext(session) if session else engine.Session(limits) as own:
@@ -135,8 +134,7 @@ class Build:
         check_lock(self.plan, context)
         measure, options = measure_with(context, session=self.session), ComposeOptions(checks_sources=request.verified)
         composer = Composer(context, measure, self.session, library=self.library, options=options)
-        draft = self._draft(self.plan, composer)
-        if draft is None:
+        if (draft := self._draft(self.plan, composer)) is None:
             return None
         composed, bundle, compiled = draft.composed, draft.bundle, None
         if request.verified:
@@ -221,8 +219,7 @@ class Build:
 
         context = replace(self.context, timings=[])  # the timings of the model do not include samples
         composer = Composer(context, measure_with(context, session=self.session), self.session)
-        sample = self._draft(self.plan.of_sample(number), composer)
-        if sample is None:
+        if (sample := self._draft(self.plan.of_sample(number), composer)) is None:
             return False
         model, at = sample.composed.model, self.plan.span
         return compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None

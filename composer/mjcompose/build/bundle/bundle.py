@@ -116,8 +116,7 @@ def form_of(out: str | PathLike[str]) -> OutputForm:
         raise OutputError("output-kind", "the output has no name", "write where the model should go: `-o out/`")
     if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
         return OutputForm.FOLDER
-    form = _SUFFIXES.get(path.suffix.lower())
-    if form is None:
+    if (form := _SUFFIXES.get(path.suffix.lower())) is None:
         help = f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder"
         raise OutputError("output-kind", f"no output is called `*{path.suffix}`: `{name}`", help)
     return form

@@ -83,8 +83,7 @@ def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callabl
 
 def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
     """Return the bytes of a file, or None if it is unreadable, which is reported."""
-    content = use.content
-    if content is None:
+    if (content := use.content) is None:
         try:
             content = read_regular(use.source)
         except Refused as refused:
@@ -130,8 +129,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
     if not isinstance(error, FileNotFoundError):
         message, help = (f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}", None)
         folder = None
-    archive = in_archive(source)
-    if archive is not None:
+    if (archive := in_archive(source)) is not None:
         message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
     span = model.origins.span(use.element, model.file, use.attribute)
     cause = None

@@ -451,8 +451,7 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     try:
         return from_json(text)
     except ValueError as error:
-        newer = newer_format(error)
-        if newer is not None:
+        if (newer := newer_format(error)) is not None:
             written = f"was written by a newer mjcompose: its format is {newer}, this one knows {FORMAT}"
             sink.error("bundle-manifest", f"the manifest of `{shown}` {written}", help="update mjcompose")
             return None

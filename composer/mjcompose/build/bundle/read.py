@@ -52,8 +52,7 @@ def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...
         return f"{shown}/{Path(os.path.relpath(os.path.abspath(file), os.path.abspath(folder))).as_posix()}"
 
     door = Door.of([folder], f"the bundle `{shown}`, which may read only itself")
-    unit = parse_file(path, sink, file=f"{shown}/{model}", door=door)
-    if unit is not None:
+    if (unit := parse_file(path, sink, file=f"{shown}/{model}", door=door)) is not None:
         all_admitted(unit, found, name)
     refused = tuple(each for each in (*sink.errors, *found.errors) if each.code in _CODES)
     return refused or (() if unit is not None else tuple(each for each in sink.errors if each.code == "xml-syntax"))

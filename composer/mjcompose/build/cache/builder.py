@@ -107,8 +107,7 @@ def load_files(record: Record, load: Callable[[KeptFile], _File | None]) -> dict
     """Return the files of a bundle, each as `load` returns it, or None if one of them is lost or changed."""
     files: dict[str, _File] = {}
     for file in record.files:
-        loaded = load(file)
-        if loaded is None:
+        if (loaded := load(file)) is None:
             return None
         files[file.path] = loaded
     return files
@@ -182,8 +181,7 @@ class Maker:
             return None, found.why
         if context.strict and _warns(found.record):
             return None, ("it has warnings, which are errors now",)
-        made = self._with_files(found.record, found.answer)
-        if made is None:
+        if (made := self._with_files(found.record, found.answer)) is None:
             return None, (LOST,)
         _report(found.record, context, outcomes)
         return made, ()
@@ -200,8 +198,7 @@ class Maker:
             self.recipe, choice.given, choice.name, sample=choice.sample, verified=options.verified,
             deduplicated=options.deduplicated, pictured=options.pictured, target=options.target, worlds=options.worlds,
         )  # fmt: skip
-        plan = stages.planned(request, context)
-        if plan is None:
+        if (plan := stages.planned(request, context)) is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
             known = self._recall_planned(plan, choice.name, context, key=key, outcomes=outcomes)
@@ -264,8 +261,7 @@ class Maker:
         made = result_from_cache(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
         if record.text is not None:
-            text = self.cache.raw(KeptFile("", record.text, 0, source=None))
-            if text is None:
+            if (text := self.cache.raw(KeptFile("", record.text, 0, source=None))) is None:
                 return None
             made = replace(made, text=text)
         if target is not None and self.form != "usd" and self.cache.is_written(target, self.content(made)):
@@ -389,7 +385,6 @@ def _warns(record: Record) -> bool:
 
 def _report(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
     log("`%s` is unchanged and comes from the cache", record.name)
-    for diagnostic in record.diagnostics:
-        context.sink.add(diagnostic)
+    context.sink.extend(record.diagnostics)
     if outcomes is not None:
         outcomes.extend(record.checks)

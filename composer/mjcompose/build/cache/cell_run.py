@@ -265,8 +265,7 @@ class CellRun:
 
     def made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         for place, cell in enumerate(cells):
-            known = self.making.known(cell)
-            if known is None:
+            if (known := self.making.known(cell)) is None:
                 yield from self._made(cells[place:])
                 return
             yield self._taken(known)
@@ -274,8 +273,7 @@ class CellRun:
     def finished(self) -> Iterator[CellResult]:
         """Yield the results that exist but were not yielded, after an interruption. Makes no more cells."""
         ended = self.crew or self._pool
-        for each in ended.finished() if ended is not None else ():
-            yield self._taken(each)
+        yield from map(self._taken, ended.finished() if ended is not None else ())
 
     def _made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         if self.crew is not None:
@@ -312,8 +310,7 @@ class CellRun:
         for stage, took in (*maker.context.timings, *result.timings):
             seconds[stage] = seconds.get(stage, 0.0) + took
         maker.context.timings[:] = seconds.items()
-        for each in result.of_run:
-            maker.context.sink.add(each)
+        maker.context.sink.extend(result.of_run)
         if maker.cache is not None and result.result is not None and result.result.is_new:
             maker.cache.grown = True
         return result

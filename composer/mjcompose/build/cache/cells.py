@@ -107,8 +107,7 @@ def cells_of(
     """Return the cells that `--all` builds, each with its samples unless they are `worlds`; none after errors."""
     if use_lock(recipe, context) is None:
         return []
-    matrix = read_matrix(recipe, context, given)
-    if matrix is None:
+    if (matrix := read_matrix(recipe, context, given)) is None:
         return []
     if worlds:
         return matrix.cells or [Cell(matrix.name, {}, matrix.document.span)]

@@ -119,8 +119,7 @@ class Inputs:
 
 def may_move(context: Context) -> bool:
     """Return whether every build queries the network, for example for an unpinned branch."""
-    fetching = context.fetching
-    if fetching is None:
+    if (fetching := context.fetching) is None:
         return False
     if any(group == "sources" for group, _ in LOADED):
         return True  # the variables of such a kind are in no key

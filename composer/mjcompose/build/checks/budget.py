@@ -66,8 +66,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     }
     found: list[Fault] = []
     for name, count in counted.items():
-        most = asked[name]
-        if most is None:
+        if (most := asked[name]) is None:
             continue
         value, words = count()
         scope.found(name, value)

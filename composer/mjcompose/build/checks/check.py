@@ -134,8 +134,7 @@ class Scope:
         """Return the id of the element of that name; every recipe may name the world. Raises CheckEnds."""
         if kind == "body" and name == "world":
             return 0
-        index = self.roster.ids[kind].get(self.prefix + name)
-        if index is None:
+        if (index := self.roster.ids[kind].get(self.prefix + name)) is None:
             raise CheckEnds(unknown(kind, name, self.names(kind), *at))
         return index
 
@@ -162,8 +161,7 @@ class Scope:
             message = f"the keyframe `{key}` does not exist: this recipe drops its keyframes"
             notes = (Note("the recipe around it leaves them out: `drop: [key]`"),)
             raise CheckEnds(Fault("unknown-name", message, at, notes=notes))
-        index = self.roster.ids["key"].get(self.keys + key)
-        if index is None:
+        if (index := self.roster.ids["key"].get(self.keys + key)) is None:
             raise CheckEnds(unknown("keyframe", key, self.names("key"), *at))
         self.mujoco.mj_resetDataKeyframe(self.model, data, index)
         return data
@@ -259,8 +257,7 @@ def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
     """Yield the value of an attribute; several if MuJoCo does not store which of two it is, none if it is not set."""
     if attr in ENUMERATED.get(tag, ()):
         array = array_of(tag, attr)
-        values = getattr(scope.model, array, None)
-        if values is not None:
+        if (values := getattr(scope.model, array, None)) is not None:
             yield words(scope.mujoco, array)[int(values[index])]
         return
     from mjcompose.mujoco.references import links
@@ -317,8 +314,7 @@ def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> A
 
     attr = asked["attr"]
     name = "body_subtreemass" if attr == SUBTREE_MASS else array_of(tag, attr)
-    array = getattr(scope.model, name, None)
-    if array is None:
+    if (array := getattr(scope.model, name, None)) is None:
         raise CheckEnds(Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",)))
     row = rows_of(scope.model, tag, name, index=index).start  # a joint has one value; for an actuator the first counts
     numbers = np.atleast_1d(array[row]).ravel()

@@ -226,8 +226,7 @@ def _selectable(tag: str) -> list[str]:
 
 def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> tuple[str, int | None] | Fault:
     """Return an attribute and its index, or its fault. `others` are attributes without numbers."""
-    match = _INDEXED.fullmatch(written)
-    if match is None:
+    if (match := _INDEXED.fullmatch(written)) is None:
         message = f"{IT} is `{written}`, which is not an attribute"
         return Fault("wrong-type", message, help='write for instance `damping`, or `"range[1]"`')
     name, index = match.groups()
@@ -287,8 +286,7 @@ _COUNTED = {kind.size: word for word, kind in KINDS.items() if word not in ("bod
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report another number of elements than expected, and elements with other values."""
-    select = asked["select"]
-    if select is None:
+    if (select := asked["select"]) is None:
         return _of_the_model(scope, asked)
     tag, glob = select["tag"], select["glob"]
     named = [0] if (tag, glob) == ("body", "world") else scope.matching(tag, glob)

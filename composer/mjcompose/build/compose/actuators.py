@@ -226,8 +226,7 @@ class ControlUnits:
         gear = self._effective(actuator, "gear")
         if gear and abs(numbers.read(gear)[0]) != 1:
             return ControlMeaning()
-        control = self._control(actuator)
-        if control is None:
+        if (control := self._control(actuator)) is None:
             if self.in_doubt:  # MuJoCo would only repeat the fault
                 return ControlMeaning()
             control = self._models[actuator].control if actuator in self._models else "other"

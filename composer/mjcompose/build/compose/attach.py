@@ -219,8 +219,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
 
 def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
     """Return the body, the site and the sensors of `sense`, by their names in the recipe."""
-    wanted = step.attachment.sensors
-    if wanted is None:
+    if (wanted := step.attachment.sensors) is None:
         return None
     start = f"{wanted.name}_" if wanted.name else ""
     return Sense(
@@ -244,8 +243,7 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
     offset: dict[str, str] = {}
     written: dict[str, Span] = {}
     for key in ("pos", *ORIENTATIONS):
-        values = getattr(attachment, key)
-        if values is None:
+        if (values := getattr(attachment, key)) is None:
             continue
         attribute, settings = key, making.angle_context.at((*step.at, key))
         if key == "euler":

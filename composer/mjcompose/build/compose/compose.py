@@ -185,8 +185,7 @@ class Composer:
         composer = Composer(
             self.context, self.measure, self.loader.session, library=self.loader.library, options=self.options
         )
-        composed = composer.compose(plan)
-        if composed is None:
+        if (composed := composer.compose(plan)) is None:
             return None
         self.inner.append(composed)
         return replace(composed.model, label=plan.path.stem)
@@ -245,8 +244,7 @@ class Composer:
         again = Composer(context, self.measure, self.loader.session, library=self.loader.library, options=options)
         again.expect(plan, is_fixed)
         composed = again._compose(plan, is_fixed)
-        for each in context.sink.errors:
-            self.context.sink.add(each)
+        self.context.sink.extend(context.sink.errors)
         return None if context.sink.has_errors else composed
 
     def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
@@ -254,8 +252,7 @@ class Composer:
         units: list[Unit | None] = []
         elements, text, limits = 0, 0, in_force()
         for each in part_requests(plan, is_fixed):
-            unit = self._unit(plan, each)
-            if unit is not None:
+            if (unit := self._unit(plan, each)) is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
                 elements += written(unit.root)
                 text += unit.origins.size
@@ -401,16 +398,14 @@ class Composer:
         if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
             return None
         if wanted.body is not None:
-            subtree = wanted.take(unit, self.context.sink, self.measure)
-            if subtree is None:
+            if (subtree := wanted.take(unit, self.context.sink, self.measure)) is None:
                 return None
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(wanted.at)] = subtree
         if wanted.drops_elements or wanted.edit:
             from mjcompose.build.compose.edits import PartEdits  # few recipes need it
 
-            dropped = PartEdits(plan, wanted, unit, composer=self).carry_out()
-            if dropped is None:
+            if (dropped := PartEdits(plan, wanted, unit, composer=self).carry_out()) is None:
                 return None
             if wanted.drops_elements:
                 from mjcompose.link.subtree import Subtree

@@ -268,8 +268,7 @@ class Count(NamedTuple):
 def select_counted(editing: Editing, selector: Selector, path: Path, count: Count, *, values: float = 1) -> list[Node]:
     """Return the selected elements, on each of which `values` are written; none if their number is wrong."""
     expect = count.expect
-    found = select(editing, selector, path)
-    if found is None:
+    if (found := select(editing, selector, path)) is None:
         return []
     if expect is not None and len(found) != expect:
         notes = [Note(f"it selects {_names(editing, found)}")] if found else [*_existing(editing, selector)]
@@ -325,8 +324,7 @@ def _expression_holds(values: Values, selection: Selection, selector: Selector, 
 def _has_value(values: Values, selection: Selection, key: str, wanted: object) -> bool:
     """Return whether an attribute of the element, or one of its numbers, has the value that `where` gives."""
     name, index = attribute_and_index(key)
-    attribute = kind_of(values.node).attributes.get(name)
-    if attribute is None:
+    if (attribute := kind_of(values.node).attributes.get(name)) is None:
         return False
     have = values.scope["name"] if name == "name" else values.now(attribute, index)
     if have is None:

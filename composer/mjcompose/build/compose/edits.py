@@ -146,8 +146,7 @@ class PartEdits:
 
 
 def _carry_out(step: EditElements, editing: Editing, plan: Plan, composer: Composer) -> None:
-    outcome = edit_elements(step, editing, composer.mesh_workshop())
-    if outcome is not None:
+    if (outcome := edit_elements(step, editing, composer.mesh_workshop())) is not None:
         composer.edits[plan.place_of(step.edit.at)] = outcome
 
 
@@ -191,9 +190,7 @@ class ModelEdits:
             return self._edit_by_name(aside)
         finally:
             making.sink = self.linking.sink = own
-            for each in aside.errors:
-                if each.code in _CERTAIN:
-                    own.add(each)
+            own.extend(each for each in aside.errors if each.code in _CERTAIN)
 
     def _edit_by_name(self, sink: Sink) -> bool:
         editing = self._editing()

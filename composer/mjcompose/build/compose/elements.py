@@ -189,8 +189,7 @@ def update_node(node: Node, element: Element, kind: ElementType, making: Element
     _set_attributes(node, element, kind, making=making)
     for child in element.children:
         child_kind = kind.children[child.tag]
-        existing = next(node.iterchildren(child.tag), None)
-        if existing is None:
+        if (existing := next(node.iterchildren(child.tag), None)) is None:
             made = make_node(child, child_kind, making)
             node.append(made)
             making.place(made)
@@ -326,8 +325,7 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Elem
         if kind.attributes[name].is_interval:
             making.intervals[node, name] = making.span_of(node, name)
     for child in node.iterchildren("*"):
-        child_kind = kind.children.get(child.tag)
-        if child_kind is not None:
+        if (child_kind := kind.children.get(child.tag)) is not None:
             _read_fragment(child, element, child_kind, making=making, line=line)
 
 
@@ -362,8 +360,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
         return
     for child in step.element.children:
         kind = GRAMMAR.element(f"default/{child.tag}")
-        existing = next(node.iterchildren(child.tag), None)
-        if existing is None:
+        if (existing := next(node.iterchildren(child.tag), None)) is None:
             # A class's own settings come before the classes nested in it.
             setting = make_node(child, kind, making)
             node.insert(len(node) - len(list(node.iterchildren("default"))), setting)

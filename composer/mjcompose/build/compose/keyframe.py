@@ -49,8 +49,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     """Resolve the names in the keys of the recipe. The linker lays them out with the keys of the parts."""
     if not plan.keyframes:
         return
-    layout = final_layout(linking)
-    if layout is None:
+    if (layout := final_layout(linking)) is None:
         return
     own = [node for node in layout.actuators if not isinstance(node, Copy) and node.tag != "attach"]
     mocaps = [node for node in layout.mocaps if not isinstance(node, Copy) and node.tag == "body"]
@@ -138,14 +137,12 @@ class _KeyWriter:
         self._hold()
         for vector, entries in recipe_key.values.items():
             for name, entry in entries.items():
-                holder = self.holders[VECTORS[vector]].get(name)
-                if holder is None:
+                if (holder := self.holders[VECTORS[vector]].get(name)) is None:
                     self._unknown(vector, name)
                 else:
                     self._place(vector, name, holder, entry=entry, path=(name,))
         for joint, entry in recipe_key.controls.joints.items():
-            actuator = self._of_joint(joint)
-            if actuator is not None:
+            if (actuator := self._of_joint(joint)) is not None:
                 self._place("ctrl", joint, actuator, entry=entry, path=(JOINT, joint))
         return key
 
@@ -159,8 +156,7 @@ class _KeyWriter:
             if path[0] == JOINT and len(path) > 1:
                 holder = self._of_joint(path[1])
             else:
-                holder = self.holders["actuator"].get(path[0])
-                if holder is None:
+                if (holder := self.holders["actuator"].get(path[0])) is None:
                     self._unknown("ctrl", path[0])
             if holder is not None:
                 held.append((holder, path))

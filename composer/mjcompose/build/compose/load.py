@@ -111,8 +111,7 @@ class Loader:
             return self._read(model, span, is_fixed)
         if (known := self.library.get(key)) is not None:
             return known.copied()
-        unit = self._read(model, span, is_fixed)
-        if unit is not None:
+        if (unit := self._read(model, span, is_fixed)) is not None:
             self.library[key] = unit.copied()
         return unit
 

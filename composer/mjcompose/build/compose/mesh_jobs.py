@@ -277,8 +277,7 @@ class MeshWorkshop:
         if missing:
             with engine.Session(engine.Limits(seconds=in_force().mesh_time)) as session:
                 for key in missing:
-                    result = self._make(editing, by_key[key], session)
-                    if result is not None:
+                    if (result := self._make(editing, by_key[key], session)) is not None:
                         self.store.keep(key, result)
                         results[key] = result
                     elif self.stopped:
@@ -379,7 +378,6 @@ def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes
         except Refused as refused:
             refused.report(editing.sink, editing.span_of(mesh, "file"))
             raise UnusableValue from None
-    content = read(unit, use, editing.sink, shown=context.shown)
-    if content is None:
+    if (content := read(unit, use, editing.sink, shown=context.shown)) is None:
         raise UnusableValue
     return content

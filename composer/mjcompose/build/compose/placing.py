@@ -117,8 +117,7 @@ def scattered(
     free = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]
     keys = {step.attachment.scatter.key for step in waiting if step.attachment.scatter is not None}
     steps = tuple(step for step in plan.steps if _counts(step, keys))
-    composed = compose(replace(plan, parts=tuple(free), steps=steps))
-    if composed is None:
+    if (composed := compose(replace(plan, parts=tuple(free), steps=steps))) is None:
         return None
     groups = [list(each) for _, each in groupby(waiting, key=lambda step: step.at)]
     model = composed.model

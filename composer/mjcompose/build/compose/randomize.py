@@ -142,8 +142,7 @@ class _FieldDraws:
         if name := name_of(node):
             return name
         # The place in the model does not count: an element that is added elsewhere must not change the draws.
-        parent = parent_of(node)
-        if parent is None:
+        if (parent := parent_of(node)) is None:
             return str(node.tag)
         place = parent, str(node.tag)
         if place not in self.numbers:

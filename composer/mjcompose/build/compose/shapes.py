@@ -87,8 +87,7 @@ def make_collision_geoms(
         mesh = _mesh_of(editing, node, at)
         _check_free(editing, node, at)
         jobs.append((node, workshop.job_for(editing, mesh, how.method, wanted=how.wanted, span=editing.span(at))))
-    results = workshop.results(editing, [job for _, job in jobs])
-    if results is None:
+    if (results := workshop.results(editing, [job for _, job in jobs])) is None:
         return []
     meshes: dict[tuple[str, int], str] = {}
     records = [
@@ -116,8 +115,7 @@ def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
 
 
 def _named_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
-    mesh = editing.find_node("mesh", name)
-    if mesh is None:
+    if (mesh := editing.find_node("mesh", name)) is None:
         message = f"the mesh `{name}` of {editing.called(node)} does not exist"
         report_unusable(editing, node, Fault("unknown-name", message, at))
     return mesh
@@ -149,8 +147,7 @@ def _collision_result(
         geom = node.makeelement("geom")
         geom.set("name", _free(editing, "geom", f"{name_of(node) or mesh_name}{end}"))
         if shape["type"] == "mesh":
-            known = meshes.get((job.key, number))
-            if known is None:
+            if (known := meshes.get((job.key, number))) is None:
                 known = meshes[job.key, number] = _new_mesh(editing, job, f"{mesh_name}{end}", shape=shape, at=at)
             _write(editing, node, geom, given={"type": "mesh", "mesh": known}, pose=pose)
         else:
@@ -266,8 +263,7 @@ def simplify_meshes(
                 help = "write the `inertial` of the body, or give the geom `mass: 0` if another geom has its mass"
                 report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
         jobs.append(workshop.job_for(editing, mesh, "simplify", wanted={"faces": faces}, span=editing.span(at)))
-    results = workshop.results(editing, jobs)
-    if results is None:
+    if (results := workshop.results(editing, jobs)) is None:
         return []
     for job in jobs:
         _check_textures(editing, job.node, results[job.key], at=at)

@@ -230,8 +230,7 @@ class Masses:
             found = compile_unaligned(linking, unit, ("body_mass",))
         if isinstance(found, Unmeasurable):
             return None, f": {found.why}"
-        for each in aside.diagnostics:
-            editing.sink.add(each)
+        editing.sink.extend(aside.diagnostics)
         return found, ""
 
     def settle(self, *rules: str) -> None:
@@ -258,8 +257,7 @@ class Masses:
 
     def _scale(self, body: Node, factor: float, at: Path) -> None:
         editing = self.editing
-        inertial = self._inertial(body)
-        if inertial is not None:
+        if (inertial := self._inertial(body)) is not None:
             # The moments follow the mass, as if the same body were of another material.
             for name in ("mass", "diaginertia", "fullinertia"):
                 text = inertial.get(name)

@@ -176,8 +176,7 @@ class Subject:
 
     def given(self, element: Node, attribute: str) -> str | None:
         """Return the value of the element or of its classes; None for MuJoCo's default."""
-        own = element.get(attribute)
-        if own is not None:
+        if (own := element.get(attribute)) is not None:
             return str(own)
         found = self.classes.get(class_in_force(element).name).lookup(str(element.tag), attribute)
         return None if found is None else found[0]

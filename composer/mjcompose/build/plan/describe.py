@@ -91,8 +91,7 @@ def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Itera
         lines = frozenset(
             (span.file, line) for span in places for line in range(span.line, (span.end_line or span.line) + 1)
         )
-        for code, span in codes:
-            yield Allowance(code, span, False, files=files, lines=lines)
+        yield from (Allowance(code, span, False, files=files, lines=lines) for code, span in codes)
 
 
 def _files(plan: Plan, shown: Shown) -> list[str]:
@@ -128,8 +127,7 @@ def _gain_lines(gains: Iterable[Gains]) -> Iterator[str]:
         kv = f"kv {each.kv:.6g} {per.replace('/', '·s/')}".rstrip()
         gear = "" if abs(each.gear) == 1 else f" through a gear of {each.gear:g}"
         alike.setdefault(f"{', '.join([kp] * bool(each.kp) + [kv])}{gear}", []).append(each.actuator)
-    for words, names in alike.items():
-        yield f"  {', '.join(names)}: {words}"
+    yield from (f"  {', '.join(names)}: {words}" for words, names in alike.items())
 
 
 def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
@@ -156,15 +154,13 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
             name = f"{part.prefix} … {last[part.at]} ({axes})"
         yield f"{inner}attach {name}: {_model(part)}, {_place_words(part)}"
         yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")
-    for field in plan.randomize.of_parameters if plan.randomize else ():
-        yield inner + field.words
+    yield from (inner + field.words for field in (plan.randomize.of_parameters if plan.randomize else ()))
     for step in plan.steps:
         if isinstance(step, EditElements):
             yield from _edit_lines(step.edit, preview.edits.get(plan.place_of(step.edit.at)), inner)
         elif step not in early:
             yield inner + step.words
-    for words in checks_of(plan):
-        yield inner + words
+    yield from (inner + words for words in checks_of(plan))
 
 
 def _model(part: AttachPart) -> str:
@@ -225,8 +221,7 @@ def _place_words(part: AttachPart) -> str:
     if attachment.sensors is not None:
         quantities = attachment.sensors.quantities
         place += f", where {' and '.join(quantities)} {'is' if len(quantities) == 1 else 'are'} measured"
-    joint = attachment.joint
-    if joint is None:
+    if (joint := attachment.joint) is None:
         return place
     if isinstance(joint, str):
         words = {"none": "without a joint", "mocap": "mocap"}

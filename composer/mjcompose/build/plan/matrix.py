@@ -46,8 +46,7 @@ def draw_parameters(
         if not source.can_be_drawn():
             continue
         for number in (sample,) if sample else range(1, randomize.samples + 1):
-            value = source.value(randomize.seed, number)
-            if value is None:
+            if (value := source.value(randomize.seed, number)) is None:
                 break
             if sample:
                 values[name] = node_of(value, locate(document, field.drawn_at))

@@ -109,12 +109,10 @@ def plan_what_remains(
     except RecursionError:  # if the limit `nesting` was raised
         context.sink.error("not-supported", f"the recipes in `{recipe}` are nested too deeply")
         return None
-    if name is None and plan is not None:
-        matrix = read_matrix(path, context, given)
-        if matrix is not None:
-            check_pieces(matrix.document, given or {}, context.sink)
-            if matrix.cells:
-                plan = replace(plan, cells=len(matrix.cells), cells_at=matrix.cells[0].span)
+    if name is None and plan is not None and (matrix := read_matrix(path, context, given)) is not None:
+        check_pieces(matrix.document, given or {}, context.sink)
+        if matrix.cells:
+            plan = replace(plan, cells=len(matrix.cells), cells_at=matrix.cells[0].span)
     return plan
 
 
@@ -162,8 +160,7 @@ class _Planner:
             return None
         if not self._may_nest(len(outer), span):
             return None
-        read = self._read(path, given)
-        if read is None:
+        if (read := self._read(path, given)) is None:
             return None
         recipe, document, concrete, _ = read
         randomize = recipe.randomize if not outer else None
@@ -173,8 +170,7 @@ class _Planner:
         elif randomize is not None and randomize.of_parameters and concrete is not None:
             values, drawn = draw_parameters(randomize, self.sample, concrete, document=document, sink=self.sink)
             if values:
-                read = self._read(path, {**given, **values})
-                if read is None:
+                if (read := self._read(path, {**given, **values})) is None:
                     return None
                 recipe, document, concrete, _ = read
                 randomize = recipe.randomize
@@ -283,8 +279,7 @@ class _Planner:
                 self.sink.error("name-clash", message, place, notes=notes, help=help, subjects=(clash,))
                 continue
             taken.update(dict.fromkeys(prefixes, span))
-            model = self._model(attachment, at, loaded, inside=inside)
-            if model is None:
+            if (model := self._model(attachment, at, loaded, inside=inside)) is None:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
@@ -365,8 +360,7 @@ class _Planner:
                 files += (source.path, *(folder for _, folder in source.packages))
         fetching = self.context.fetching
         own = [file for file in files if fetching is None or fetching.around(file) is None]
-        outside = next((file for file in own if not door.sees(file)), None)
-        if outside is not None:
+        if (outside := next((file for file in own if not door.sees(file)), None)) is not None:
             door.outside(str(outside)).report(self.sink, span, shown=self.context.shown)
         return outside is None
 

@@ -116,15 +116,13 @@ def _values(given: Given) -> tuple[tuple[str, str], ...]:
 
 def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
     """Return the result of the work, computed only if it is not kept; the context reports its diagnostics."""
-    known = context.concrete.pop(key, None)
-    if known is None:
+    if (known := context.concrete.pop(key, None)) is None:
         own = replace(context, sink=Sink())
         known = work(own), tuple(own.sink.diagnostics)
         while len(context.concrete) >= _KEPT:
             del context.concrete[next(iter(context.concrete))]
     context.concrete[key] = known
-    for diagnostic in known[1]:
-        context.sink.add(diagnostic)
+    context.sink.extend(known[1])
     value: Result = known[0]
     return value
 
@@ -201,8 +199,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
     """Return the tree of a recipe merged with all that it extends, read once in a run, or None after errors."""
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
-    known = context.recipes.get(path)
-    if known is None:
+    if (known := context.recipes.get(path)) is None:
         own = replace(context, sink=Sink())
         before, extended = fetching.trust, list[tuple[Source, Span]]()
         said: dict[str, Mapping] = {}
@@ -212,8 +209,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
         context.recipes[path] = known
     if path == fetching.outer:  # nested recipes cannot set trust
         fetching.trust = fetching.trust.with_more(known.trust)
-    for diagnostic in known.found:
-        context.sink.add(diagnostic)
+    context.sink.extend(known.found)
     return known.node
 
 
@@ -238,8 +234,7 @@ def _read(
         return node
     _, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
-    source = _extended(named, path, context, chain=(*chain, path))
-    if source is None:
+    if (source := _extended(named, path, context, chain=(*chain, path))) is None:
         return None
     extended.append((source, named.span))
     lower = _read(source.path, context, (*chain, path), extended=extended, said=said)

@@ -268,8 +268,7 @@ class EditElements(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for edit in given.recipe.edit:
-            yield cls(edit, given.span(edit.at))
+        yield from (cls(edit, given.span(edit.at)) for edit in given.recipe.edit)
 
     @property
     def words(self) -> str:
@@ -287,8 +286,7 @@ class SetCollisions(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for each in given.recipe.contact.collisions:
-            yield cls(each, given.span(each.at))
+        yield from (cls(each, given.span(each.at)) for each in given.recipe.contact.collisions)
 
     @property
     def words(self) -> str:
@@ -374,8 +372,7 @@ class WriteKeyframe(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for key in given.recipe.keyframe.values():
-            yield cls(key, given.span(key.at, key=True))
+        yield from (cls(key, given.span(key.at, key=True)) for key in given.recipe.keyframe.values())
 
     @property
     def words(self) -> str:

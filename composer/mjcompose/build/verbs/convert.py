@@ -129,13 +129,11 @@ class Convert(Verb):
     def carry_out(self, entry: Entry, at: Path) -> None:
         editing, found = entry.editing, entry.found
         to, written = self.to, self.written
-        models = actuator_models(editing.linking, editing.sink, found)
-        if models is None:
+        if (models := actuator_models(editing.linking, editing.sink, found)) is None:
             raise UnusableValue
         lost: dict[str, list[str]] = {}
         for index, node in enumerate(found):
-            model = models.get(node)
-            if model is None:
+            if (model := models.get(node)) is None:
                 message = f"{editing.called(node)} cannot be converted: MuJoCo does not describe its behavior"
                 report_unusable(editing, node, Fault("not-supported", message, at), it="it")
             given = _given(editing, node, index, to=to, model=model, written=written, at=at)

@@ -123,8 +123,7 @@ def _measured(
         _made_of(copies[body], [copies[each] for each in geoms], density)
     copy.forget_settings(*_RULES)
     found = compile_unaligned(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
-    for each in aside.diagnostics:
-        editing.sink.add(each)
+    editing.sink.extend(aside.diagnostics)
     if isinstance(found, Unmeasurable) or found is None:
         if isinstance(found, Unmeasurable):
             message = f"the inertia of the selected element is not known: {found.why}"

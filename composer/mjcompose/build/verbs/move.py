@@ -105,8 +105,7 @@ def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path)
     name = str(Values(editing, node, index, at=at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
-    found = editing.names.find(kind, name)
-    if found is None:
+    if (found := editing.names.find(kind, name)) is None:
         written = "to: {}" if kind == "body" else "to: {frame: {}}"
         span = editing.span(at)
         editing.sink.add(unresolved(editing, kind, name, span=span, written=written, purpose=" to move to"))

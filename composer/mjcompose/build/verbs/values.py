@@ -274,8 +274,7 @@ class Change:
             if kind.path == "body" and name == MASS:
                 self._mass(values, item, path)
                 continue
-            attribute = kind.attributes.get(name)
-            if attribute is None:
+            if (attribute := kind.attributes.get(name)) is None:
                 report_unusable(self.editing, node, unknown_attribute(name, kind.tag, (kind,), at=path))
             if self.operation is SET and subscript is None:
                 if kind.path == "joint" and name == "type":
@@ -289,8 +288,7 @@ class Change:
         editing, kind = self.editing, kind_of(node)
         if tag not in kind.children:
             report_unusable(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at=at))
-        child = next(node.iterchildren(tag, reversed=True), None)
-        if child is None:
+        if (child := next(node.iterchildren(tag, reversed=True), None)) is None:
             child = node.makeelement(tag)
             # A class's own settings come before the classes nested in it.
             node.insert(len(node) - len(list(node.iterchildren("default"))), child)

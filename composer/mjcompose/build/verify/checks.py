@@ -106,8 +106,7 @@ class Checks:
                 reported = tuple(
                     replace(each, severity=Severity.WARNING) if each.code in _NOT_HELD else each for each in reported
                 )
-            for diagnostic in reported:
-                self.context.sink.add(diagnostic)
+            self.context.sink.extend(reported)
             name = recipe.part + check.name
             outcomes.append(Outcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values))
             if not kept:

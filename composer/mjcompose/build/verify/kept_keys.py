@@ -75,8 +75,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
     comparison = _Comparison(final, answer.value, notes)
     for at, key in enumerate(keys):
-        meant = meaning.of(key)
-        if meant is not None:
+        if (meant := meaning.of(key)) is not None:
             row, recipe = answer.value["keys"][at], dict(held).get(at)
             computed: Mapping[Any, Span] = {}  # the actuators whose controls MuJoCo computes
             if recipe is not None:
@@ -116,16 +115,14 @@ class _KeyMeanings:
     def _joined(self, keys: Sequence[Node], void: frozenset[Node]) -> Meant | None:
         found: Meant = {}
         for key in keys:
-            meant = self.of(key)
-            if meant is None:
+            if (meant := self.of(key)) is None:
                 return None
             for vector, values in meant.items():
                 found.setdefault(vector, {}).update({own: value for own, value in values.items() if own[0] not in void})
         return found
 
     def _written(self, written: WrittenKey) -> Meant | None:
-        found = self._joined(written.taken, written.void)
-        if found is not None:
+        if (found := self._joined(written.taken, written.void)) is not None:
             for node, span in written.held.items():  # of a nested recipe: this was compared with another model
                 for vector in ("ctrl", "act"):
                     found.setdefault(vector, {})[node, "", 0] = [Value((), frozenset(), span)]
@@ -272,8 +269,7 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
     for step in plan.keyframes:
-        element = written.get(step.key.name)
-        if element is None:
+        if (element := written.get(step.key.name)) is None:
             continue
         rows = {vector: [float(each) for each in str(element.get(vector) or "").split()] for vector in _VECTOR_KINDS}
         found: dict[tuple[str, str], list[Ranged]] = {}

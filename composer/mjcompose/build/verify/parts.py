@@ -65,8 +65,7 @@ def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole
     assert member.subtree is not None
     sink = Sink()
     path = member.source.path
-    unit = parse_file(path, sink, door=member.source.door)
-    if unit is None:
+    if (unit := parse_file(path, sink, door=member.source.door)) is None:
         raise _unreadable(sink)
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)

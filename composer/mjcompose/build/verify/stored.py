@@ -115,8 +115,7 @@ def verify_stored(path: Path, context: Context, session: Session, recipe: Path |
     except ReadError as error:
         context.sink.add(error.diagnostic)
         return None
-    manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
-    if manifest is not None:
+    if (manifest := manifest_of(bundle.files.get(MANIFEST), shown, context.sink)) is not None:
         check_files(bundle, manifest, shown, sink=context.sink)
     if manifest is not None and manifest.target is not None and manifest.index is None:
         return VerifiedBundle(bundle, manifest, None, parts=())  # it was written for another program
@@ -144,8 +143,7 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     try:
         verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
     except (OutsideFilesError, OutputError) as error:
-        for each in error.found if isinstance(error, OutsideFilesError) else (error.diagnostic,):
-            context.sink.add(each)
+        context.sink.extend(error.found if isinstance(error, OutsideFilesError) else (error.diagnostic,))
         return None
     for warning in verified.warnings:
         said = " ".join(warning.message.split())
