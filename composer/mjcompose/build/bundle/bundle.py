@@ -257,8 +257,7 @@ def check_paths(paths: Iterable[str]) -> None:
     files: dict[str, str] = {}
     folders: dict[str, str] = {}
     for path in paths:
-        fault = _fault(path)
-        if fault:
+        if fault := _fault(path):
             raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
         key = unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
         if key in files:
@@ -397,8 +396,7 @@ def license_table(rows: Iterable[LicenseRow]) -> str:
 
 
 def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:
-    bare = [row for row in rows if row.has_none]
-    if not bare:
+    if not (bare := [row for row in rows if row.has_none]):
         return
     names = ", ".join(f"`{row.part}`" for row in bare[:20])
     names += f" and {len(bare) - 20} other parts" if len(bare) > 20 else ""

@@ -56,8 +56,7 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
                 if use.shared:
                     paths[use.path] = stored.setdefault((use.path.rsplit(".", 1)[-1], content), use.path)
                 files[str(paths[use.path])] = content
-        path = paths[use.path]
-        if path is None or path == use.path:
+        if (path := paths[use.path]) is None or path == use.path:
             continue
         if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
             use.element.set("name", stem(use.path))

@@ -185,8 +185,7 @@ def keys_named(scope: Scope, globs: Sequence[str]) -> list[str]:
         scope.at_key(globs[0])
     found: list[str] = []
     for at, glob in enumerate(globs):
-        fitting = scope.fitting(glob, known)
-        if not fitting:
+        if not (fitting := scope.fitting(glob, known)):
             place = ("key", at) if len(globs) > 1 else ("key",)
             raise names_nothing(f"`{glob}` names no keyframe", glob, "keyframe", known=known, at=place)
         found += [name for name in known if name in fitting and name not in found]

@@ -256,8 +256,7 @@ class ShapeOffMesh(Rule):
 
 def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -> list[Fault]:
     expected = f"{low:g} to {high:g}"
-    open_ones = [name for name, each in meant if each["volume"] is None]
-    if open_ones:
+    if open_ones := [name for name, each in meant if each["volume"] is None]:
         message = f"the mesh `{open_ones[0]}` is open: it has no volume to compare with"
         more = [f"so is `{name}`" for name in open_ones[1:8]]
         help = "close the meshes, or name the others by `mesh`"

@@ -91,8 +91,7 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
     mujoco, model = scope.mujoco, scope.model
     apart = np.zeros(model.nv)
     mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
-    own = [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]
-    if not own:
+    if not (own := [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]):
         return []
     dof = max(own, key=lambda each: abs(apart[each]))
     farthest = float(abs(apart[dof]))

@@ -138,8 +138,7 @@ def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, Act
     width = len(arrays["actuator_user"]) // count
     general = GRAMMAR.element("actuator/general").attributes
     for row in range(count):
-        number = int(arrays["actuator_user"][row * width])
-        if number:
+        if number := int(arrays["actuator_user"][row * width]):
             models[found[number - 1]] = _model(arrays, row, count, general=general)
     return models
 

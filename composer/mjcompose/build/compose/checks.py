@@ -131,8 +131,7 @@ def _fixed(body: Node) -> Iterator[Node]:
 def _may_have_mass(body: Node, linking: Linking) -> bool:
     if own(body, *_OPAQUE):
         return True
-    inertials = own(body, "inertial")
-    if not inertials:
+    if not (inertials := own(body, "inertial")):
         return any(has_mass(geom, linking.base.classes) for geom in own(body, "geom"))
     values = [number for name in ("mass", "diaginertia") for number in numbers.read(str(inertials[0].get(name) or ""))]
     return inertials[0].get("fullinertia") is not None or all(number >= _TOO_LITTLE for number in values)

@@ -91,8 +91,7 @@ class _CollisionWriter:
         if not answer.ok:
             self.making.sink.error("mujoco-crash", f"MuJoCo fails on the contacts: {answer.error}", step.span)
             return []
-        nameless = [pair for pair in answer.value if not all(pair["bodies"])]
-        if nameless:
+        if nameless := [pair for pair in answer.value if not all(pair["bodies"])]:
             (one, other), where = nameless[0]["called"], nameless[0]["where"]
             more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
             reason = f"{more}, and a body without a name cannot be excluded"

@@ -145,8 +145,7 @@ class Composer:
         """Return the model of a plan, or None if there were errors, including those of earlier stages."""
         self.expect(plan)
         self.notes_parts = self.notes_parts or plan.selects_parts
-        composed = self._compose(plan, True)
-        if composed is None or self.context.sink.has_errors:
+        if (composed := self._compose(plan, True)) is None or self.context.sink.has_errors:
             return None
         shapes = () if self.workshop is None else tuple(self.workshop.shapes_in(composed.model.root))
         shapes += tuple(shape for each in self.inner for shape in each.shapes)

@@ -255,8 +255,7 @@ class ModelEdits:
         _carry_out(step, editing, self.plan, composer=self.composer)
         left = []
         for key, name in zip(keys, names, strict=True):
-            section = key.getparent()
-            if section is not None and key.get("name") == name:
+            if (section := key.getparent()) is not None and key.get("name") == name:
                 editing.forget(key)
                 section.remove(key)
                 left.append(key)
@@ -266,8 +265,7 @@ class ModelEdits:
         base = self.linking.base
         others = {key.get("name"): key for key in keys_of(base)}
         for key, place in places:
-            section = place.getparent()
-            if section is not None and section.getparent() is base.root:
+            if (section := place.getparent()) is not None and section.getparent() is base.root:
                 section.replace(place, key)
             else:
                 base.section("keyframe").append(key)

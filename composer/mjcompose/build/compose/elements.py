@@ -337,8 +337,7 @@ def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) 
 def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
     """Write the settings of a class, and create the class if needed. `main` is the base's own top class."""
     name = (linking.base_class or MAIN) if step.name == MAIN else step.name
-    node = linking.names.find("default", name)
-    if node is None and name in (MAIN, linking.base_class):
+    if (node := linking.names.find("default", name)) is None and name in (MAIN, linking.base_class):
         node = _top_class(linking)
     if node is None:
         own = step.parent is None or step.parent == MAIN
@@ -398,8 +397,7 @@ def append_element(step: AppendElement, linking: Linking, making: ElementBuilder
 
 def _has_class(kind: ElementType, linking: Linking) -> bool:
     """Return whether an element of a section must name the top class of the base."""
-    attribute = kind.attributes.get("class")
-    if attribute is None or attribute.since is None:
+    if (attribute := kind.attributes.get("class")) is None or attribute.since is None:
         return attribute is not None
     # `<texture class="c"/>` is an error before MuJoCo 3.17, in which classes have no settings for textures either.
     return kind.tag in linking.request.isolated_tags or _top_class(linking).find(kind.tag) is not None

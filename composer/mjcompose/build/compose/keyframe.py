@@ -77,8 +77,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
     for joint, slot in layout.joints.items():
         if slot.kind == BLOCK or isinstance(joint, Copy):
             continue
-        name = _name(joint)
-        if not name:
+        if not (name := _name(joint)):
             body = next(joint.iterancestors("body"))
             name = _name(body)
             if name in named or [each for each in through_frames(body) if each.tag in _JOINTS] != [joint]:

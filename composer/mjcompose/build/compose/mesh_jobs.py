@@ -85,8 +85,7 @@ class ShapeStore:
             blobs.put(store_folder(self.context.environment), "shapes", key, content=content)
 
     def path(self, key: str) -> Path | None:
-        fetching = self.context.fetching
-        if fetching is None or fetching.lock_file is None:
+        if (fetching := self.context.fetching) is None or fetching.lock_file is None:
             return None
         return shapes_folder(fetching.lock_file) / f"{key}.json"
 

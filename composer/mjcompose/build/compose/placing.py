@@ -36,8 +36,7 @@ def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
     """Let parts have the place of the part that they mirror, unless they have their own."""
     by_name = {part_name(step, plan.separator): part for step, part in zip(plan.parts, parts, strict=True)}
     for step, part in zip(plan.parts, parts, strict=True):
-        mirror = step.attachment.mirror
-        if mirror is None or (other := by_name.get(mirror.of)) is None:
+        if (mirror := step.attachment.mirror) is None or (other := by_name.get(mirror.of)) is None:
             continue
         part.mirrors, part.across = other, mirror.axes
         written = dict.fromkeys(("pos", "quat"), locate(plan.document, (*step.at, "mirror"), key=True))

@@ -68,8 +68,7 @@ def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes
     """Return the results that plans need, by key; compute missing results. Report errors."""
     results: dict[str, bytes] = {}
     library: Library = {}
-    working = [plan for plan in plans if plan.works_on_meshes]
-    if not working:
+    if not (working := [plan for plan in plans if plan.works_on_meshes]):
         return results
     assert context.fetching is not None
     context.fetching.remakes_shapes = True

@@ -263,8 +263,7 @@ class _FieldDraws:
 
     def _angles(self, node: Node) -> list[bool]:
         name, subscript = attribute_and_index(self.step.field.attr)
-        attribute = kind_of(node).attributes.get(name)
-        if attribute is None or attribute.angle is None:
+        if (attribute := kind_of(node).attributes.get(name)) is None or attribute.angle is None:
             return []
         count = max(attribute.max_length or 4, 1 + (subscript or 0))
         angles = set(self._values(node).angles(attribute, count))
@@ -295,8 +294,7 @@ class _FieldDraws:
     def _units(self, node: Node, is_angle: bool) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
         """Return the unit of a drawn number, None if it has none, and the unit of the same number in the manifest."""
         entry = self.step.field
-        unit = entry.distribution.unit
-        if unit is None and is_angle and entry.operation != "scale":
+        if (unit := entry.distribution.unit) is None and is_angle and entry.operation != "scale":
             unit = "deg" if self._angle_settings.angle == "degree" else "rad"
         name, _ = attribute_and_index(entry.attr)
         return unit, "deg" if is_in_degrees(str(node.tag), name) else "rad"
@@ -311,8 +309,7 @@ class _FieldDraws:
 
 def _place_in_body(node: Node) -> tuple[str, int, int] | None:
     """Return the name of an element's body, its index within its tag there, and their number; None outside."""
-    body = parent_of(node)
-    if body is None or body.tag not in ("body", "worldbody"):
+    if (body := parent_of(node)) is None or body.tag not in ("body", "worldbody"):
         return None
     name = "world" if body.tag == "worldbody" else name_of(body)
     if name is None:

@@ -260,8 +260,7 @@ class Masses:
         if (inertial := self._inertial(body)) is not None:
             # The moments follow the mass, as if the same body were of another material.
             for name in ("mass", "diaginertia", "fullinertia"):
-                text = inertial.get(name)
-                if text:
+                if text := inertial.get(name):
                     inertial.set(name, numbers.text(factor * each for each in numbers.read(str(text))))
             editing.write(inertial, dict.fromkeys(("mass", "diaginertia", "fullinertia"), at))
             return

@@ -70,8 +70,7 @@ def _assets(subject: Subject) -> Iterator[tuple[Node, str, str]]:
     """Yield element, attribute and real path of each file of the model."""
     if subject.unit is not None:
         for element, attribute, value in file_attributes(subject.root):
-            real = _real(element, value, subject.unit)
-            if real is not None and os.path.isfile(real):
+            if (real := _real(element, value, subject.unit)) is not None and os.path.isfile(real):
                 yield element, attribute, real
 
 

@@ -61,8 +61,7 @@ def key_breaks_equality(subject: Subject) -> Found:
     import numpy as np
 
     for row, name, data in subject.at_keys():
-        element = subject.node("key", row)
-        if element is None or not data.ne:
+        if (element := subject.node("key", row)) is None or not data.ne:
             continue
         rows = data.efc_type[: data.nefc] == int(subject.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         ids, apart = data.efc_id[: data.nefc][rows], np.abs(data.efc_pos[: data.nefc][rows])

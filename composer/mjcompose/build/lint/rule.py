@@ -196,8 +196,7 @@ class Subject:
     @staticmethod
     def called(element: Node) -> str:
         """Return an element in words: joint `elbow`, or an unnamed geom of body `arm`."""
-        name = element.get("name")
-        if name:
+        if name := element.get("name"):
             return f"{element.tag} `{name}`"
         around = next((each for each in element.iterancestors("body") if each.get("name")), None)
         return f"an unnamed {element.tag}" + (f" of body `{around.get('name')}`" if around is not None else "")

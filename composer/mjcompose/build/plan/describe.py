@@ -48,8 +48,7 @@ class Allowance:
 
 def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
     """Drop the warnings that the recipes allow; with `whole`, warn of allowed codes that do not occur. Errors stay."""
-    allowances = list(_allowances(plan, shown))
-    if not allowances:
+    if not (allowances := list(_allowances(plan, shown))):
         return
     used = set()
     for diagnostic in sink.diagnostics:

@@ -56,8 +56,7 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
     """Warn that other versions made the lock, which may change the result."""
     here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
     locked = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
-    others = [name for name, version in locked.items() if version and version != here[name]]
-    if others:
+    if others := [name for name, version in locked.items() if version and version != here[name]]:
         was = " and ".join(f"{name} {locked[name]}" for name in others)
         now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
         message = f"`{shown}` was made with {was}, this is {now}: the bytes of the model may differ"
@@ -200,8 +199,7 @@ def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
             with contextlib.suppress(OSError):  # reported where the file is needed
                 there[name] = context.fetching.digest(path)
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
-    changes = differences(stored, there)
-    if changes:
+    if changes := differences(stored, there):
         message = f"`{id}` has changed in the store since it was fetched"
         notes = _notes([each.replace("was locked", "was stored") for each in changes])
         help = "run `mjcompose cache verify --fix`; the next build fetches it again"

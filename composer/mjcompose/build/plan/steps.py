@@ -196,8 +196,7 @@ def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str,
         span = locate(document, (*element.at, "xml"))
         yield from ((tag, name, span) for tag, name in names_in(element.xml, KINDS))
         return
-    name = element.attributes.get("name")
-    if name is not None and element.tag in KINDS:
+    if (name := element.attributes.get("name")) is not None and element.tag in KINDS:
         yield element.tag, str(name), locate(document, (*element.at, "name"))
     for child in element.children:
         yield from _added_places_of(child, document)

@@ -194,8 +194,7 @@ _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
 def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> float:
     """Return the gear of the new actuator, which the entry may give; 1 where none moves a joint along one axis."""
-    given = written.get("gear")
-    if given is None or not model.gear:
+    if (given := written.get("gear")) is None or not model.gear:
         return model.gear or 1.0
     first = values.of(given, (*at, "gear"))
     first = first[0] if isinstance(first, list | tuple) else first

@@ -154,8 +154,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         other = taken.setdefault((naming.declares, name), node)
         help = _advice(editing, node, other, at=at)
         if other is node:
-            there = editing.names.find(naming.declares, name)
-            if there is None or there in new:
+            if (there := editing.names.find(naming.declares, name)) is None or there in new:
                 continue
             other, help = there, "choose another name"
         code = "class-clash" if naming.declares == "default" else "name-clash"

@@ -77,8 +77,7 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
         if isinstance(inner, Mapping):
             _remove(editing, [child for node in found for child in node.iterchildren(name)], inner, at=path)
             continue
-        writing = [node for node in found if node.get(name) is not None]
-        if not writing:
+        if not (writing := [node for node in found if node.get(name) is not None]):
             given = next((node for node in found if editing.effective(node, name) is not None), None)
             by_class = given is not None and kind_of(given).takes_class and _by_class(editing, given, name)
             help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None

@@ -323,8 +323,7 @@ def report_only_zeros(editing: Editing, nodes: Sequence[Node], key: str, at: Pat
 
 def _is_zero(editing: Editing, node: Node, key: str) -> bool:
     name, subscript = attribute_and_index(key)
-    attribute = kind_of(node).attributes.get(name)
-    if attribute is None or not attribute.is_number:
+    if (attribute := kind_of(node).attributes.get(name)) is None or not attribute.is_number:
         return False
     values = numbers.read(editing.effective(node, name) or "")
     values = values if subscript is None else values[subscript : subscript + 1]
