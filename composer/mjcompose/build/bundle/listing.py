@@ -194,10 +194,8 @@ def _indexes(names: Mapping[str, Item], shown: str) -> list[Item]:
 
 def _value(name: str, text: Any) -> Value:
     """Convert a text of the table: by the type of a column that every model has, else by its form."""
-    if not isinstance(text, str):
-        return text  # type: ignore[no-any-return]  # of Parquet, which has types
-    if COLUMNS.get(name) is str:
-        return text
+    if not isinstance(text, str) or COLUMNS.get(name) is str:  # Parquet has types
+        return text  # type: ignore[no-any-return]
     if text in ("true", "false"):
         return text == "true"
     for kind in (int, float):

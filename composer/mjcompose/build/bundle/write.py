@@ -235,8 +235,7 @@ def origin_of_output(out: Path | str) -> OutputOrigin | None:
     try:
         manifest = json.loads(_manifest(out))
         chosen = {name: manifest[name] for name in ("cell", "sample") if manifest[name] is not None}
-        values = {**manifest["params"], **manifest["variants"], **chosen}
-        return OutputOrigin(str(manifest["recipe"]["path"]), values)
+        return OutputOrigin(str(manifest["recipe"]["path"]), {**manifest["params"], **manifest["variants"], **chosen})
     except (OSError, ValueError, KeyError, TypeError, RecursionError, NotImplementedError, zipfile.BadZipFile):
         return None  # any other file: `staged_file` decides whether it may be replaced
 

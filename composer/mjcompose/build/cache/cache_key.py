@@ -240,8 +240,7 @@ def plan_content(plan: Plan) -> list[object]:
         scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
         read = [[file, settings.angle, settings.eulerseq] for file, settings in each.angle_context.others.items()]
-        sources = [_source(part.model) for part in each.members]
-        found.append([each.name, str(each.path), scope, values, read, sources])
+        found.append([each.name, str(each.path), scope, values, read, [_source(part.model) for part in each.members]])
     return found
 
 

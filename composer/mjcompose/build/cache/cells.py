@@ -105,9 +105,7 @@ def cells_of(
     recipe: Path, context: Context, given: dict[str, Node] | None = None, *, worlds: bool = False
 ) -> list[Cell]:
     """Return the cells that `--all` builds, each with its samples unless they are `worlds`; none after errors."""
-    if use_lock(recipe, context) is None:
-        return []
-    if (matrix := read_matrix(recipe, context, given)) is None:
+    if use_lock(recipe, context) is None or (matrix := read_matrix(recipe, context, given)) is None:
         return []
     if worlds:
         return matrix.cells or [Cell(matrix.name, {}, matrix.document.span)]

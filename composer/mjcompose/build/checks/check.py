@@ -60,8 +60,7 @@ def to_json(fault: Fault) -> dict[str, Any]:
 
 def from_json(data: dict[str, Any]) -> Fault:
     """Return the fault that `to_json` turned into data."""
-    notes = tuple(Note(each["message"]) for each in data["notes"])
-    return Fault(**{**data, "at": tuple(data["at"]), "notes": notes})
+    return Fault(**{**data, "at": tuple(data["at"]), "notes": tuple(Note(each["message"]) for each in data["notes"])})
 
 
 _FIELDS = ("code", "message", "at", "notes", "help")
@@ -203,8 +202,7 @@ def check_globs(scope: Scope, kinds: Sequence[str], globs: Sequence[str], at: Pa
         if not any(scope.matching(kind, glob) for kind in kinds):
             known = sorted(name for kind in kinds for name in scope.names(kind))
             place = (*at, index) if len(globs) > 1 else at
-            message = f"`{glob}` names no {' and no '.join(kinds)}"
-            raise names_nothing(message, glob, "name", known=known, at=place)
+            raise names_nothing(f"`{glob}` names no {' and no '.join(kinds)}", glob, "name", known=known, at=place)
 
 
 def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: Path) -> CheckEnds:

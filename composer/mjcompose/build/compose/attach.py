@@ -186,8 +186,7 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     if step.moved is not None:
         pose = (read_pose(place.offset, False, "xyz") @ step.moved).rounded()
         place = _at_key(place, pose, "replicate", step=step, making=making)
-    keyframes = step.attachment.key_policy
-    return Part(unit, step.prefix, place, keyframes=keyframes, span=step.span, key=str(step.at[-1]))
+    return Part(unit, step.prefix, place, keyframes=step.attachment.key_policy, span=step.span, key=str(step.at[-1]))
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:

@@ -47,8 +47,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            count = Count(entry.expect, entry.optional, at=path)
-            found = select_counted(editing, entry.select, path, count=count)
+            found = select_counted(editing, entry.select, path, count=Count(entry.expect, entry.optional, at=path))
         else:
             found = _elements_of_section(editing, str(entry.section), path)
         if found:
@@ -76,8 +75,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     """Apply an entry to every element that it selects. Return the outcome, or None after its first error."""
     entry = step.edit
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
-    values = count_values(entry.verbs)
-    found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=values)
+    found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=count_values(entry.verbs))
     if not found:
         return EditOutcome({}) if (entry.expect == 0 or entry.optional) and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)

@@ -47,9 +47,7 @@ _MEANT = {
 
 def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
     """Resolve the names in the keys of the recipe. The linker lays them out with the keys of the parts."""
-    if not plan.keyframes:
-        return
-    if (layout := final_layout(linking)) is None:
+    if not plan.keyframes or (layout := final_layout(linking)) is None:
         return
     own = [node for node in layout.actuators if not isinstance(node, Copy) and node.tag != "attach"]
     mocaps = [node for node in layout.mocaps if not isinstance(node, Copy) and node.tag == "body"]
@@ -92,8 +90,7 @@ def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
         vector: {holder: taken(row, span) for holder, row in columns.items()} for vector, columns in key.values.items()
     }
     without_void(values, void)
-    time = None if key.time is None else taken([key.time], span)[0]
-    return replace(key, values=values, time=time)
+    return replace(key, values=values, time=None if key.time is None else taken([key.time], span)[0])
 
 
 def _name(node: Node) -> str:

@@ -129,8 +129,7 @@ def scattered(
             return None
         from mjcompose.mujoco.scatter import scatter  # imports numpy
 
-        argument = {"groups": [_asked(plan, group) for group in groups]}
-        answer = engine.call(own, scatter, [FINISHED], argument=argument)
+        answer = engine.call(own, scatter, [FINISHED], argument={"groups": [_asked(plan, group) for group in groups]})
     if not answer.ok:
         context.sink.error("mujoco-crash", f"MuJoCo fails on the copies: {answer.error}", groups[0][0].span)
         return None

@@ -67,5 +67,4 @@ def key_breaks_equality(subject: Subject) -> Found:
         ids, apart = data.efc_id[: data.nefc][rows], np.abs(data.efc_pos[: data.nefc][rows])
         for equality in dict.fromkeys(ids.tolist()):
             if (distance := float(apart[ids == equality].max())) > 0.01:
-                message = f"{name} breaks {subject.name('equality', equality)} by {distance:.3g}"
-                yield Finding(element, message, "qpos")
+                yield Finding(element, f"{name} breaks {subject.name('equality', equality)} by {distance:.3g}", "qpos")

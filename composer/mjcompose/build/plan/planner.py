@@ -158,9 +158,7 @@ class _Planner:
             help = "a recipe cannot be a part of itself: remove one of these references"
             self.sink.error("source-cycle", message, span, help=help)
             return None
-        if not self._may_nest(len(outer), span):
-            return None
-        if (read := self._read(path, given)) is None:
+        if not self._may_nest(len(outer), span) or (read := self._read(path, given)) is None:
             return None
         recipe, document, concrete, _ = read
         randomize = recipe.randomize if not outer else None

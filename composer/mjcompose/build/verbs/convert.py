@@ -93,8 +93,7 @@ def _attribute_faults(value: Mapping[str, Any], bare_angles: bool) -> list[Fault
 def _no_target(value: Mapping[str, Any]) -> Fault:
     known = ", ".join(f"`{name}`" for name in _KINDS)
     if _TO not in value:
-        help = f"write `to:` and one of {known}"
-        return Fault("missing-key", f"{IT} lacks `to`", key=True, help=help, lacks=_TO)
+        return Fault("missing-key", f"{IT} lacks `to`", key=True, help=f"write `to:` and one of {known}", lacks=_TO)
     to = str(value[_TO])
     near = closest(to, _KINDS)
     return Fault(

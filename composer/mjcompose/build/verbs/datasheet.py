@@ -65,8 +65,7 @@ class Datasheet(Verb):
         if self.effort == "rated":
             if sheet.rated is None:
                 message = f"the data sheet of `{self.model}` has no rated torque"
-                span = editing.span((*at, "effort"))
-                editing.sink.error("missing-key", message, span, help="leave `effort` out")
+                editing.sink.error("missing-key", message, editing.span((*at, "effort")), help="leave `effort` out")
                 raise UnusableValue
             effort = sheet.rated
         known = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}

@@ -303,8 +303,7 @@ class Change:
         now = self.masses.of(node, at) if needed else None
         given = values.of(written, at, now)
         if isinstance(given, bool) or not isinstance(given, int | float):
-            message = f"`{MASS}` expects a number, got `{given}`"
-            report_unusable(self.editing, node, Fault("wrong-type", message, at))
+            report_unusable(self.editing, node, Fault("wrong-type", f"`{MASS}` expects a number, got `{given}`", at))
         self.masses.change(node, self.operation.verb, float(given), now=now, at=at)
 
 

@@ -197,8 +197,7 @@ def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float])
     alike = [each for each in copies if all(inside.get(r, n) == n for r, n in each.within)]
     if any(not each.numbers for each in alike):
         return None
-    fitting = (each for each in alike if len(each.numbers) == len(default))
-    return next(fitting, Value(default, within, None))
+    return next((each for each in alike if len(each.numbers) == len(default)), Value(default, within, None))
 
 
 def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:
