@@ -11,7 +11,8 @@ import struct
 import time
 import unicodedata
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import field
 from enum import StrEnum
 from io import BytesIO
@@ -49,6 +50,15 @@ def unwritable_error(out: str | PathLike[str], error: OSError) -> OutputError:
         f"cannot write `{out}`: {reason.lower()}",
         _HELP.get(error.errno or 0, "choose another place"),
     )
+
+
+@contextmanager
+def writing(out: str | PathLike[str] = "a temporary folder") -> Iterator[None]:
+    """Turn errors of the operating system within the block into OutputErrors about `out`."""
+    try:
+        yield
+    except OSError as error:
+        raise unwritable_error(out, error) from error
 
 
 Moment = tuple[int, int, int, int, int, int]

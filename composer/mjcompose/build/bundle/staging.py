@@ -28,7 +28,7 @@ from mjcompose.build.bundle.bundle import (
     files_in,
     raise_error,
     to_text,
-    unwritable_error,
+    writing,
 )
 
 if TYPE_CHECKING:
@@ -60,14 +60,11 @@ def staged_file(
     check_kind(target, out, option)
     if not rewrites:
         check_is_no_source(out, option, inputs)
-    try:
-        with created_parents(target), stage_beside(target) as stage:
-            yield stage
-            if not rewrites:
-                check_is_no_source(out, option)  # it may have been read within the block
-            stage.replace(target)
-    except OSError as error:
-        raise unwritable_error(out, error) from error
+    with writing(out), created_parents(target), stage_beside(target) as stage:
+        yield stage
+        if not rewrites:
+            check_is_no_source(out, option)  # it may have been read within the block
+        stage.replace(target)
     sources.current().wrote(str(target))
 
 
@@ -108,15 +105,12 @@ def staged_folder(
         raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
     if not into:
         check_is_no_source(out, option, inputs)
-    try:
-        with created_parents(target), stage_beside(target) as stage:
-            yield stage
-            if not into:
-                check_is_no_source(out, option)
-                (_swap if replaces else os.replace)(stage, target)
-                sources.current().wrote(str(target))
-    except OSError as error:
-        raise unwritable_error(out, error) from error
+    with writing(out), created_parents(target), stage_beside(target) as stage:
+        yield stage
+        if not into:
+            check_is_no_source(out, option)
+            (_swap if replaces else os.replace)(stage, target)
+            sources.current().wrote(str(target))
 
 
 def move(stage: Path, target: Path, paths: Iterable[str], inputs: Iterable[str | Path] = ()) -> None:
@@ -239,12 +233,9 @@ def write_files(bundle: Bundle, folder: Path) -> None:
 @contextlib.contextmanager
 def in_scratch(bundle: Bundle) -> Iterator[Path]:
     """Yield a temporary folder with the bundle's files; errors of the file system become OutputError."""
-    try:
-        with scratch("bundle") as folder:
-            write_files(bundle, folder)
-            yield folder
-    except OSError as error:
-        raise unwritable_error("a temporary folder", error) from error
+    with writing(), scratch("bundle") as folder:
+        write_files(bundle, folder)
+        yield folder
 
 
 # files that other programs leave in a folder
@@ -254,10 +245,8 @@ _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 def write_folder(bundle: Bundle, out: Path) -> None:
     """Write the files into the folder `out`, if it is new, empty or an earlier output alone. Raises OutputError."""
     check_is_no_source(out)
-    try:
+    with writing(out):
         _check_replaceable(resolved_output(out), out)
-    except OSError as error:
-        raise unwritable_error(out, error) from error
     with staged_folder(out, replaces=True) as stage:
         stage.mkdir()
         write_files(bundle, stage)

@@ -196,9 +196,8 @@ class Expect(Check):
             )
             yield Fault("missing-key", message, ("attr",), key=True, help=help)
         elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):
-            message = f"`equals` of {OWNER} expects one number, got a list"
             note = None if tag is None else "without an index, the attribute means all of its numbers"
-            yield Fault("wrong-type", message, ("equals",), help=note)
+            yield Fault("wrong-type", f"`equals` of {OWNER} expects one number, got a list", ("equals",), help=note)
 
     def asked(self) -> dict[str, Any]:
         tag = None if self.select is None else self.select.tag

@@ -365,8 +365,7 @@ class _PoseHolder:
         question = {"key": index, "forces": self.step.key.controls.hold == "forces"}
         answer = engine.call(session, hold, [FINISHED], argument=question)
         if not answer.ok:
-            message = f"MuJoCo fails on the key `{name}`: {answer.error}"
-            sink.error("mujoco-crash", message, self.span())
+            sink.error("mujoco-crash", f"MuJoCo fails on the key `{name}`: {answer.error}", self.span())
             return
         if left := answer.value["left"]:
             message = f"the actuators cannot hold the key `{name}`: they lack {left:.4g} N or N m"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import unwritable_error
+from mjcompose.build.bundle.bundle import writing
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.compose.actuators import models_in
 from mjcompose.build.compose.compose import Composed, Composer, adopted_settings
@@ -90,7 +90,7 @@ def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
     before = shapes_beside(folder)
     if not shapes and not before:
         return
-    try:
+    with writing(folder):
         folder.mkdir(exist_ok=True)
         for key, content in shapes.items():
             path = folder / f"{key}.json"
@@ -101,5 +101,3 @@ def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
             before[key].unlink(missing_ok=True)
         if not shapes and not any(folder.iterdir()):
             folder.rmdir()
-    except OSError as error:
-        raise unwritable_error(str(folder), error) from error

@@ -271,9 +271,8 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         sink.error("wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`")
         return None
     if is_template(named.value):
-        message = "`extends` is read before any parameter is known"
         help = "write the path itself; `variants` can choose between pieces of recipe"
-        sink.error("expression", message, named.span, help=help)
+        sink.error("expression", "`extends` is read before any parameter is known", named.span, help=help)
         return None
     try:
         source = resolve_sources(
@@ -289,8 +288,7 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         return None
     most, real = in_force().nesting, os.path.realpath(source.path)
     if len(chain) > most:
-        message = f"more than {most} recipes extend one another"
-        sink.error("limit-exceeded", message, named.span, help=advice("nesting"))
+        sink.error("limit-exceeded", f"more than {most} recipes extend one another", named.span, help=advice("nesting"))
         return None
     if any(os.path.realpath(each) == real for each in chain):
         message = f"recipes extend one another: {' → '.join([*(each.name for each in chain), source.path.name])}"

@@ -157,9 +157,8 @@ class _Drive:
             self._lacks(f"{called} is a servo, and nothing says how fast it is", help)
         moved = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0] + (written.inertia or 0.0)
         if not moved > 0:
-            message = f"the inertia that {called} moves is not known: the data sheet has none of the rotor"
             help = "write `inertia: …` of the moved parts, in kg·m²; or `error: 0.1` instead of `bandwidth`"
-            self._lacks(message, help)
+            self._lacks(f"the inertia that {called} moves is not known: the data sheet has none of the rotor", help)
         omega = 2 * math.pi * written.bandwidth
         if self.node.tag == "velocity":
             return 0.0, moved * omega

@@ -107,8 +107,7 @@ def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path)
         return editing.linking.base.section("worldbody")
     if (found := editing.names.find(kind, name)) is None:
         written = "to: {}" if kind == "body" else "to: {frame: {}}"
-        span = editing.span(at)
-        editing.sink.add(unresolved(editing, kind, name, span=span, written=written, purpose=" to move to"))
+        editing.sink.add(unresolved(editing, kind, name, span=editing.span(at), written=written, purpose=" to move to"))
         raise UnusableValue
     return found
 

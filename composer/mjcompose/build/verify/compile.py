@@ -16,7 +16,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable_error
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, writing
 from mjcompose.build.bundle.read import files_outside
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.mujoco import engine, messages
@@ -193,18 +193,14 @@ def verify(
     files outside of itself. A failing first forward step is an error too. With a `session`, `keep` names the compiled
     model for later calls. Raises OutputError if no temporary folder can be written, and OutsideFilesError.
     """
-    try:
-        with _written(bundle, session) as (folder, is_reused):
-            if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
-                raise OutsideFilesError(found)
-            compiled = engine.compile(
-                folder, bundle.model, wants=("index",), keep=keep, folder_is_reused=is_reused, limits=limits,
-                session=session,
-            )  # fmt: skip
-    except OSError as error:
-        raise unwritable_error("a temporary folder", error) from error
-    warnings = tuple(messages.parse(text) for text in compiled.warnings)
-    fault = None
+    with writing(), _written(bundle, session) as (folder, is_reused):
+        if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
+            raise OutsideFilesError(found)
+        compiled = engine.compile(
+            folder, bundle.model, wants=("index",), keep=keep, folder_is_reused=is_reused, limits=limits,
+            session=session,
+        )  # fmt: skip
+    warnings, fault = tuple(map(messages.parse, compiled.warnings)), None
     if compiled.crash is not None:
         fault = messages.Fault(compiled.error or compiled.crash)
     elif compiled.error is not None:
