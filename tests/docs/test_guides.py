@@ -1,4 +1,4 @@
-"""What README.md, docs/reference/recipe.md, docs/reference/commands.md and docs/reference/outputs.md show works as it stands."""
+"""What README.md, docs/reference/recipe.md and docs/reference/commands.md show works as it stands."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import click
 import mujoco
 import pytest
 from mjcompose.base.report import render
-from mjcompose.build.bundle.write import write
 from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
@@ -132,16 +131,3 @@ def test_the_diff_of_the_demo_is_what_its_edits_give(tmp_path: Path) -> None:
         found = diff(*command.split()[3:], Context(folder=tmp_path), session)
     assert found is not None
     assert render_diff(found) == expected.rstrip("\n")
-
-
-@pytest.mark.slow
-def test_the_controller_holds_its_pose(tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "recipes" / "models", tmp_path / "recipes" / "models")
-    demo = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
-    assert demo is not None
-    write(demo.bundle, tmp_path / "build" / "demo.zip", environment={})
-    (program,) = (text for text in blocks("docs/reference/outputs.md", "python") if "mj_jacSite" in text)
-    subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True, timeout=120,
-    )  # fmt: skip
