@@ -205,7 +205,7 @@ def folders_of_model(path: str | os.PathLike[str]) -> list[str]:
 
     Without a project it is the folder above its own: 353 of 361 models of the corpus need no more, as in
     `robot/mjcf/arm.xml` and `robot/meshes/`; the other 8 are in repositories, and reach to their top. The folder
-    above does not count if it is a home folder, the one for temporary files, or above one of these.
+    above does not count if it is a home folder, the folder for temporary files, or above one of these.
     """
     called = os.path.abspath(path)
     folder = os.path.dirname(called)

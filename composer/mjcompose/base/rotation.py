@@ -189,7 +189,9 @@ def euler_of(quat: Quat, sequence: str, near: Sequence[float] = (0.0, 0.0, 0.0))
 
 
 def axisangle_of(quat: Quat, near: Sequence[float] = (0.0, 0.0, 1.0)) -> tuple[Vec3, float]:
-    """Return the axis and the angle of a rotation, along `near` and not against it; `near` itself without a turn."""
+    """Return the axis and the angle of a rotation, in the direction of `near`; without a rotation, the axis is
+    `near`.
+    """
     w, *axis = normalize(quat)
     size = math.hypot(*axis)
     if size < _TINY:

@@ -124,7 +124,8 @@ class Sink:
                 self._cells[promoted] = self._cells.pop(diagnostic)
 
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
-        """Add a finding of one cell; those of several cells with one code and place become one that lists the cells.
+        """Add a finding of one cell; findings of several cells with the same code and place become one that lists the
+        cells.
 
         Its `others` have messages about a cell that differ, for example in a number. Diagnostics about the recipe as a
         whole stay without a cell.

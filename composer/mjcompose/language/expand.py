@@ -133,7 +133,7 @@ def _is_item(path: Path) -> bool:
 class Concrete:
     """A recipe without parameters and variants, and the values it was made with.
 
-    `scope` has the values by name, those of variants as text; `lost` the names that are left out or in doubt
+    `scope` has the values by name, with variants as text; `lost` the names that are left out or in doubt
     because of errors, `gone` the paths of the keys that are left out.
     """
 

@@ -163,7 +163,9 @@ def _like(field: DrawField) -> Any:
 
 
 def _range_faults(field: DrawField, name: str, index: int | None, at: Path) -> Iterator[Fault]:
-    """Yield the fault of a distribution with bounds that have no meaning. Draws of others are checked one by one."""
+    """Yield the fault of a distribution with bounds that have no meaning. Draws of other distributions are checked one
+    by one.
+    """
     distribution = field.distribution
     for component in range(distribution.components or 1):
         lowest = min((each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0)

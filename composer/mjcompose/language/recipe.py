@@ -222,7 +222,7 @@ def _version_fault(value: Any) -> Fault | None:
 
 
 class Settled:
-    """A mark of a key that is settled before a recipe is validated, which has it no longer then."""
+    """Marks a key that is resolved and removed before a recipe is validated."""
 
 
 def _sequence_fault(text: str) -> Fault | None:
@@ -350,7 +350,7 @@ def sections_of(form: type[object]) -> tuple[str, ...]:
 
 
 def _depth(info: FieldInfo) -> int:
-    """Return how far below a recipe the items of a key are that can have `when`; 0 if it has none."""
+    """Return how many levels below a recipe a key has items that can have `when`; 0 if it has none."""
     if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
         return section.depth
     kind = inside(info.annotation, 0)

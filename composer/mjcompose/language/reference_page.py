@@ -26,8 +26,8 @@ from mjcompose.tree.grammar import GRAMMAR, ElementType
 def key_order() -> dict[str, dict[str, list[str]]]:
     """Return keys by the path of their mapping, in which `*` stands for any name or index.
 
-    In the mappings of `whole`, each key has a place. In those of `first`, only some keys have one, and come first;
-    the author orders the others.
+    In the mappings of `whole`, each key has a place. In the mappings of `first`, only some keys have a place, and they
+    come first; the author orders the others.
     """
     tables = {"whole": key_order_of(Recipe), "first": first_keys(Recipe)}
     return {name: {".".join(map(str, at)): keys for at, keys in table.items()} for name, table in tables.items()}

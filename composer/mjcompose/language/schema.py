@@ -160,7 +160,7 @@ def _share(schema: Schema, definitions: dict[str, Schema]) -> None:
 
 
 def _replaced(schema: Any, name: str, replace: Callable[[Any, str], Any]) -> Any:
-    """Return the schema with those directly in it replaced; `name` is the key that has it."""
+    """Return the schema with the schemas directly in it replaced; `name` is the key that has it."""
     if not isinstance(schema, dict):
         return schema
     found = dict(schema)

@@ -392,7 +392,9 @@ class Reference:
     def row(
         self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
     ) -> list[Number]:
-        """Return all numbers of a vector. `values` are those that a key sets; those of `void` mean nothing now."""
+        """Return all numbers of a vector. `values` are the values that a key sets; values of `void` mean nothing
+        now.
+        """
         row: list[Number] = []
         found = self._found(vector, values)
         if vector in ("mpos", "mquat"):

@@ -87,7 +87,7 @@ def _permute(nodes: Sequence[Node], ranks: Mapping[Node, float]) -> None:
 
 
 def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
-    """Return why `first` comes before `second` in every order that MJCF can have next to the names before them."""
+    """Return why MJCF must have `first` before `second`, given the names before them."""
     found = {name: node for node, name in reversed(elements_in_order(unit, kind)) if name}
     if kind == "joint" and not first:
         return "MuJoCo numbers the joints of a body before the joints inside of it, and these one after the other"

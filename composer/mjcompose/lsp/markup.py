@@ -246,7 +246,7 @@ def _cursor(question: ModelQuestion, path: Sequence[str], role: Role, start: int
 
 
 def read_unit(data: bytes, file: str, folder: Path) -> Unit | None:
-    """Return the model of a text in a folder, with its includes; a piece of a model gets the section that it needs."""
+    """Read a text in a folder as a model, with its includes; a fragment gets the section that it needs."""
     root = parse_xml(data, file, Sink())
     if root is None:
         return None

@@ -76,7 +76,7 @@ class Element(NodeView):
     def add(self, tag: str, /, **attributes: object) -> Element:
         """Append a child and return it.
 
-        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. MJCF refers to
+        Values may be numbers, arrays, text, booleans and Elements; None omits an attribute. MJCF refers to
         elements by name, so an Element without a name that is used as a value gets one, such as `unnamed_joint_0`.
 
         Raises `MjcfError` for a tag or attribute that MJCF does not have here (with the names that exist), for a value

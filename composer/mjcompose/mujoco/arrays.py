@@ -23,9 +23,9 @@ FREE, BALL, SLIDE, HINGE = range(4)
 class JointType:
     """A type of joint.
 
-    `position_units` has the unit of each number in `qpos`, `velocity_units` those in `qvel`. `range_unit` is that
-    of `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free joint precede the
-    angular ones; its linear velocity is in the world's frame, its angular velocity in the body's own.
+    `position_units` has the unit of each number in `qpos`, and `velocity_units` in `qvel`. `range_unit` is the unit of
+    `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free joint precede the angular
+    ones; its linear velocity is in the world's frame, its angular velocity in the body's own.
     """
 
     word: str

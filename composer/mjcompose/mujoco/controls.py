@@ -128,7 +128,7 @@ def steps_in(model: Model, seconds: float) -> int:
 
 
 class Divergence:
-    """Looks at the warnings of a simulation, which MuJoCo counts from its beginning."""
+    """Reads the warnings that MuJoCo has counted since the simulation began."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
         self.model, kinds = model, mujoco.mjtWarning

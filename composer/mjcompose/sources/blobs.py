@@ -296,7 +296,7 @@ def complete(folder: Path) -> None:
 
 
 def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
-    """Yield those that are complete, in no particular order."""
+    """Yield the entries that are complete, in no particular order."""
     for folder in _folders(store):
         with contextlib.suppress(OSError):
             used = (folder / READY).stat().st_mtime
@@ -305,7 +305,7 @@ def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
 
 
 def incomplete_in(store: Path) -> list[Path]:
-    """Return those that are being made, or were when their process was killed."""
+    """Return the entries that are being made, or were when their process was killed."""
     return [folder for folder in _folders(store) if not is_complete(folder)]
 
 

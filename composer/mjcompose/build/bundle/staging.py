@@ -1,7 +1,7 @@
 """The one writer: every output of every command is written next to its place, and then renamed.
 
-So an output is either complete or absent, and an older one stays until then. It never takes the place of a file that
-the run reads: a recipe, a model, an asset, a lock and its pinned files, under any name.
+So an output is either complete or absent, and an older one stays until then. It never replaces a file that the run
+reads: a recipe, a model, an asset, a lock and its pinned files, under any name.
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ class ActuatorModel:
 
     @property
     def form(self) -> str:
-        """Return the unit of the gain: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
+        """Return the unit of the gain: `position`, `velocity`, `force`, `other`, or, for a pid, `position+velocity`."""
         if self.gain == "pid":
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
@@ -98,7 +98,7 @@ class ActuatorModel:
 
     @property
     def control(self) -> str:
-        """Return the quantity of the control: that of `form`, or its rate if the activation integrates it."""
+        """Return the quantity of the control: the quantity of `form`, or its rate if the activation integrates it."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 

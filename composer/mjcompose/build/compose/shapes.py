@@ -122,7 +122,7 @@ def _named_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
 
 
 def _check_free(editing: Editing, node: Node, at: Path) -> None:
-    """Report pairs and sensors of the contacts of a geom, which will have no contacts."""
+    """Report contact pairs and contact sensors of a geom that will have no contacts."""
     name = name_of(node)
     nodes = [each.node for each in referrers(editing, "geom", name)] if name else []
     users = [each for each in nodes if each.tag == "pair" or (each.tag == "contact" and section_of(each) == "sensor")]

@@ -70,7 +70,7 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class ElementDraws:
-    """The draws for one element in all samples from 1, for a table; `first` is that of sample 1.
+    """The draws for one element in all samples from 1, for a table; `first` is the draw of sample 1.
 
     `name` is the element's name, if any; `place` is its body, its number among the elements with its tag there, and
     their count. `numbers` are the draws, separately for each number of the attribute. `angles` says which of the

@@ -146,7 +146,7 @@ class Convert(Verb):
 def _given(
     editing: Editing, node: Node, index: int, to: str, model: ActuatorModel, written: Mapping[str, Any], at: Path
 ) -> dict[str, str]:
-    """Return the attributes of the entry as text, those that a recipe gives for the joint as the gear turns them."""
+    """Return the attributes of the entry as text; the gear converts values that a recipe gives for the joint."""
     kind = GRAMMAR.element(f"actuator/{to}")
     values = Values(editing, node, index, at=at)
     gear = _new_gear(values, written, model, at=at)

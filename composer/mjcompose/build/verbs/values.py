@@ -70,7 +70,7 @@ OPERATIONS = {each.verb: each for each in (SET, SCALE, OFFSET)}
 def compute(
     values: Values, operation: Operation, attribute: Attribute, subscript: int | None, written: Any, at: Path
 ) -> None:
-    """Write the numbers that the operation makes of the present ones; with a subscript of that one alone."""
+    """Replace each number by the result of the operation; a subscript selects one number."""
     editing, node = values.editing, values.node
     now = _present(values, operation, attribute, subscript=subscript, at=at)
     given = values.of(written, at, values.now(attribute, subscript))

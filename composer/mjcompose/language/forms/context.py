@@ -230,9 +230,9 @@ class Lazy:
 class Rows:
     """The words of a table are keys of the mapping; each row is the form of its value, or its `module:Name`.
 
-    The field has an alias in angle brackets, for nobody writes it, and becomes a mapping from words to the values of
-    their forms, in the order of the table. `table` returns the table, so it may be declared later. `selects` is
-    the field that these values are about; they find it in the context, as `settings(context).selected`.
+    The field has an alias in angle brackets, because nobody writes it, and becomes a mapping from words to the values
+    of their forms, in the order of the table. `table` returns the table, so it may be declared later. `selects` is the
+    field that these values are about; they find it in the context, as `settings(context).selected`.
 
     ``verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field({}, alias="<verbs>")``
     """

@@ -149,7 +149,7 @@ class Model(BaseModel):
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Return the fields of a model by their keys, those without a key in angle brackets."""
+    """Return the fields of a model by their keys; the key of a field without one is in angle brackets."""
     return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
@@ -288,7 +288,7 @@ class AnyOf(OneOf):
 
 
 class Belongs:
-    """A key has a meaning only together with another one."""
+    """A key has a meaning only together with another key."""
 
     def __init__(self, name: str, to: str, *, help: str | None = None) -> None:
         self.name, self.to = name, to
@@ -311,7 +311,7 @@ class Belongs:
 
 
 class Bars:
-    """If one key is written, some others are not. `why` says so of the mapping."""
+    """If one key is written, some others must not be. `why` says so of the mapping."""
 
     def __init__(self, name: str, *others: str, why: str) -> None:
         self.name, self.others, self.why = name, others, why

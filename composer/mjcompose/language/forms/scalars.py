@@ -160,7 +160,7 @@ class Measure:
 
 
 class Scaled:
-    """A number that may have one of some `units` behind it, which are factors to the number alone: `-1mm`, `20MB`.
+    """A number, or a number with one of the `units`, which are factors: `-1mm`, `20MB`.
 
     >>> from pydantic import TypeAdapter
     >>> TypeAdapter(Annotated[float, Scaled(LENGTHS)]).validate_python("-1mm")

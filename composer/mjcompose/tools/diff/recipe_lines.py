@@ -207,7 +207,7 @@ class Written:
         return span if first == span.line else None if first is None else _line(self.sides[side], span.file, first)
 
     def twin(self, side: int, span: Span) -> Span | None:
-        """Return the line of the other side that takes the place of a differing line."""
+        """Return the line of the other side that replaces a differing line."""
         there = self._counterpart(side, span.file)
         if there is None:
             return None

@@ -79,7 +79,7 @@ class RowExplained:
 class ElementExplained:
     """An element of the model, and how it came to be as it is.
 
-    `written` are the places where it was read or created, several if elements were merged; `end_line` is the last line
+    `written` has the places where it was read or created: several if elements were merged; `end_line` is the last line
     of the first start tag. `parts` are the parts that it belongs to, the innermost first. `sets` lists the settings of
     a default class for each kind of element.
     """

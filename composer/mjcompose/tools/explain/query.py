@@ -140,7 +140,9 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
-    """Return the elements that a query matches, in the order of the model; not for lines. Raises `BadPattern`."""
+    """Return the elements that a query matches, in the order of the model; the query does not name a line. Raises
+    `BadPattern`.
+    """
     found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
     if asked.number is not None:
         return found[asked.number : asked.number + 1]

@@ -169,7 +169,7 @@ class Writer:
         return found
 
     def _raw_path(self, span: Span, key: bool) -> Steps:
-        """Return the path in its own file, as it was built, of a key or a value."""
+        """Return the path of a key or value in its own file, as it was built."""
         built = self._now.targets.texts.get(span.file)
         visits = [] if built is None else list(walk(load(built, span.file, Sink()) or Mapping({}, span)))
         at = span.line, span.column
