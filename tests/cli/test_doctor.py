@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run
-from mjcompose.base import sandbox
+from mjcompose.cli import about
 from mjcompose.cli.about import Finding, _store, _templates
 from mjcompose.sources.blobs import put
 
@@ -56,7 +56,7 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
 def test_how_templates_are_confined_is_told(
     monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: Finding
 ) -> None:
-    monkeypatch.setattr(sandbox, "call_confined", lambda *_, **__: answer)
+    monkeypatch.setattr(about, "call_confined", lambda *_, **__: answer)
     assert _templates() == found
 
 

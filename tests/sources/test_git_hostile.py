@@ -64,9 +64,9 @@ def test_a_revision_of_a_repository_runs_nothing(robots: Any, tmp_path: Path) ->
     trace, into = tmp_path / "trace", tmp_path / "into"
     into.mkdir()
     armed(robots, trace)
-    tree = check_out("HEAD", robots.folder / "arm" / "arm.xml", into, dict(os.environ))
+    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", into, dict(os.environ))
     assert not trace.exists(), trace.read_text()
-    assert tree.path.read_text() == MODEL
+    assert path.read_text() == MODEL
 
 
 def test_a_revision_has_what_lfs_has_here(robots: Any, tmp_path: Path) -> None:
@@ -78,13 +78,13 @@ def test_a_revision_has_what_lfs_has_here(robots: Any, tmp_path: Path) -> None:
     stored.parent.mkdir(parents=True)
     stored.write_bytes(content)
     (tmp_path / "into").mkdir()
-    tree = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
-    assert tree.path.with_name("mesh.obj").read_bytes() == content
-    assert tree.path.with_name("other.obj").read_text() == pointer.replace(digest, "0" * 64)
+    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert path.with_name("mesh.obj").read_bytes() == content
+    assert path.with_name("other.obj").read_text() == pointer.replace(digest, "0" * 64)
     stored.write_bytes(b"other bytes")
     (tmp_path / "again").mkdir()
-    tree = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "again", dict(os.environ))
-    assert tree.path.with_name("mesh.obj").read_text() == pointer
+    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "again", dict(os.environ))
+    assert path.with_name("mesh.obj").read_text() == pointer
 
 
 def test_no_transport_that_is_a_program(robots: Any, own_environment: dict[str, str], tmp_path: Path) -> None:

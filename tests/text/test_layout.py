@@ -313,7 +313,7 @@ def recipes(draw: st.DrawFn) -> str:
     return text.replace("\n", draw(st.sampled_from(["\n", "\n", "\r\n", "\r"])))
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=300, deadline=None)
 @given(recipes())
 @example("attach: &a\n  - {edit: 1, model: 1}\nrecipe: *a\n")  # what stands twice, once where the order counts
 def test_nothing_is_lost(text: str) -> None:
