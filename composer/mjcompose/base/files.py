@@ -221,7 +221,10 @@ def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
     text = os.fspath(path)
     if text == "/dev/stdin" or os.path.dirname(text) in ("/dev/fd", "/proc/self/fd"):
         with open(text, "rb") as stream:
-            return keep_piped(text, stream.read(most + 1))
+            content = stream.read(most + 1)
+        if content or text not in _piped:  # a pipe can be read only once
+            _piped[text] = content
+        return _piped[text]
     return read_regular(path, most)
 
 
@@ -427,13 +430,6 @@ _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.file
 STDIN = "<stdin>"
 """The name of standard input in messages: a recipe in the current folder that is in no file."""
 _piped: dict[str, bytes] = {}
-
-
-def keep_piped(path: str, text: bytes) -> bytes:
-    """Return the text of a pipe, which can be read only once."""
-    if text or path not in _piped:
-        _piped[path] = text
-    return _piped[path]
 
 
 def keep_stdin() -> str:

@@ -15,7 +15,7 @@ from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, 
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, When, Written
 from mjcompose.language.select import GLOB, NARROWING, kinds_of, read_selector
-from mjcompose.language.value import EXCLUSIVE, shown
+from mjcompose.language.value import exclusive, shown
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
 
@@ -107,10 +107,8 @@ class _DoesSomething:
         alone = next((name for name in verbs if VERBS[name].alone), None)
         if alone is not None and len(verbs) > 1:
             other = next(name for name in verbs if name != alone)
-            yield Fault(
-                EXCLUSIVE, f"`{alone}` excludes other keys, and there is `{other}` as well", (alone,), key=True,
-                related=((f"`{other}` is written here", (other,)),), help=f"leave `{alone}` or `{other}` out",
-            )  # fmt: skip
+            message = f"`{alone}` excludes other keys, and there is `{other}` as well"
+            yield exclusive(message, (other, alone), help=f"leave `{alone}` or `{other}` out")
 
     def schema(self) -> Iterator[Schema]:
         for verb in VERBS.own:

@@ -8,7 +8,7 @@ from xml.parsers import expat
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, unknown_attribute
-from mjcompose.language.value import EXCLUSIVE, bare_angle
+from mjcompose.language.value import bare_angle, exclusive
 from mjcompose.tree.grammar import Constraint, ElementType
 from mjcompose.tree.values import check_value, items, parse_real
 
@@ -54,12 +54,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
     clash = next(((a, b) for b in reversed(there) for a in there if bundles[a] != bundles[b]), None)
     if clash is None:
         return None
-    first, second = clash
-    return Fault(
-        EXCLUSIVE, f"{owner} has both `{first}` and `{second}`, of which only one is allowed", (*at, second),
-        key=True, related=((f"`{first}` is written here", (*at, first)),), help=f"leave `{first}` or `{second}` out",
-        names=(first, second),
-    )  # fmt: skip
+    return exclusive(f"{owner} has both `{clash[0]}` and `{clash[1]}`, of which only one is allowed", clash, at)
 
 
 def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at: Path) -> Fault | None:

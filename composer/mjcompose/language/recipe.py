@@ -24,7 +24,7 @@ from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
-from mjcompose.language.value import EXCLUSIVE, Element, is_unprintable, kind_of, unprintable
+from mjcompose.language.value import Element, exclusive, is_unprintable, kind_of, unprintable
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 MORE = ("…", "...")
@@ -130,9 +130,8 @@ def _element(
     first, *others = found
     for name in others:
         message = f"an entry of `add` has both `{first}` and `{name}`, of which only one is allowed"
-        related = ((f"`{first}` is written here", (*at, first)),)
         help = f"write an entry of its own for `{name}`"
-        reader.faults.append(Fault(EXCLUSIVE, message, (*at, name), key=True, related=related, help=help))
+        reader.faults.append(exclusive(message, (first, name), at, help=help))
     if first == FRAGMENT:
         return reader.fragment(kinds, place, value, at=at, own=(*_OF_AN_ADDITION, *others))
     item = value[first]

@@ -19,6 +19,14 @@ from mjcompose.tree.values import NOT_XML, Refusal, check_number, check_python, 
 EXCLUSIVE = "wrong-type"
 
 
+def exclusive(message: str, keys: tuple[str, str], at: Path = (), help: str | None = None) -> Fault:
+    """Return the fault of the second of two keys that exclude each other."""
+    first, last = keys
+    related = ((f"`{first}` is written here", (*at, first)),)
+    help = help or f"leave `{first}` or `{last}` out"
+    return Fault(EXCLUSIVE, message, (*at, last), key=True, related=related, help=help, names=keys)
+
+
 def fault_at(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:

@@ -189,13 +189,17 @@ def _flex_alone(unit: Unit, flex: Node) -> Unit:
     name = flex.get("mesh")
     meshes = unit.root.iterfind("asset/mesh") if name else ()
     alone = _alone(unit, flex, (mesh for mesh in meshes if declaration(mesh, "asset") == ("mesh", name)))
-    # These change no number of joints, and the model lacks the elements that they name.
     for element in alone.root.iterfind("*/*"):
-        for attribute in ("material", "class"):
-            element.attrib.pop(attribute, "")
-        for plugin in list(element.iterchildren("plugin")):
-            element.remove(plugin)
+        strip(element)
     return alone
+
+
+def strip(flex: Node) -> None:
+    """Remove attributes and plugins that change no number of joints, and may name elements that the model lacks."""
+    for attribute in ("material", "class"):
+        flex.attrib.pop(attribute, "")
+    for plugin in flex.findall("plugin"):
+        flex.remove(plugin)
 
 
 def _alone(unit: Unit, element: Node, assets: Iterable[Node]) -> Unit:

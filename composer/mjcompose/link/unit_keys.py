@@ -24,7 +24,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
-from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured
+from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured, strip
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
 
@@ -191,10 +191,7 @@ def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around:
         elif tag == "flexcomp":
             own = copy.copy(child)
             own.tail = None
-            for attribute in ("material", "class"):
-                own.attrib.pop(attribute, "")
-            for plugin in list(own.iterchildren("plugin")):
-                own.remove(plugin)
+            strip(own)
             made.append(own)
         elif tag == "geom" and child.get("name") in wrapped:
             made.append(

@@ -126,7 +126,8 @@ class ExpressionError(Exception):
         self.message, self.at, self.help = message, at, help
 
     def moved(self, by: int) -> ExpressionError:
-        return ExpressionError(self.message, (self.at[0] + by, self.at[1] + by), self.help)
+        self.at = self.at[0] + by, self.at[1] + by
+        return self
 
 
 class UnknownName(ExpressionError):
@@ -135,9 +136,6 @@ class UnknownName(ExpressionError):
     def __init__(self, name: str, at: Range) -> None:
         super().__init__(f"`{name}` does not exist", at)
         self.name = name
-
-    def moved(self, by: int) -> UnknownName:
-        return UnknownName(self.name, (self.at[0] + by, self.at[1] + by))
 
 
 @dataclass(frozen=True, slots=True)

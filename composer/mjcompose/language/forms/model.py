@@ -26,7 +26,7 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Schema, Settings, settings, validated_with, validation_error
-from mjcompose.language.value import EXCLUSIVE, shown
+from mjcompose.language.value import exclusive, shown
 
 if TYPE_CHECKING:
     from mjcompose.language.forms.context import Rows
@@ -233,12 +233,8 @@ class Exclusive:
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         first, *others = [name for name in value if name in self.names] or [""]
         if others:
-            last = others[-1]
-            yield Fault(
-                EXCLUSIVE, f"{IT} has both `{first}` and `{last}`, of which only one is allowed", (last,), key=True,
-                related=((f"`{first}` is written here", (first,)),),
-                help=self.help or f"leave `{first}` or `{last}` out", names=(first, last),
-            )  # fmt: skip
+            message = f"{IT} has both `{first}` and `{others[-1]}`, of which only one is allowed"
+            yield exclusive(message, (first, others[-1]), help=self.help)
 
     def schema(self) -> Iterator[Schema]:
         for index, name in enumerate(self.names[:-1]):
@@ -319,11 +315,7 @@ class Bars:
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         for other in value if self.name in value else ():
             if other in self.others:
-                yield Fault(
-                    EXCLUSIVE, f"{IT} {self.why}, and has `{other}` as well", (other,), key=True,
-                    related=((f"`{self.name}` is written here", (self.name,)),),
-                    help=f"leave `{self.name}` or `{other}` out",
-                )  # fmt: skip
+                yield exclusive(f"{IT} {self.why}, and has `{other}` as well", (self.name, other))
 
     def schema(self) -> Iterator[Schema]:
         others: Schema = {**dict.fromkeys(self.others, False)}
