@@ -12,7 +12,6 @@ from pydantic import (
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     Tag,
-    ValidationInfo,
     ValidatorFunctionWrapHandler,
     WithJsonSchema,
 )
@@ -23,7 +22,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
 from mjcompose.language.edit import Drops, Edits, Given, UrdfKeys
-from mjcompose.language.forms.context import Schema, Settings, settings, validated_with
+from mjcompose.language.forms.context import Schema, Settings, validated_with
 from mjcompose.language.forms.model import IT, Bars, Exclusive, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import (
     LENGTHS,
@@ -34,6 +33,7 @@ from mjcompose.language.forms.scalars import (
     Count,
     Expects,
     Items,
+    Keys,
     Name,
     NotNegative,
     Scaled,
@@ -343,23 +343,6 @@ class Start:
         return validated_with(handler, value, faults)
 
 
-@dataclass(frozen=True, slots=True)
-class Prefixes:
-    """Form of the field `attach`, a mapping from prefixes to parts. It checks the prefixes."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        parts = core_schema.dict_schema(core_schema.str_schema(), handler.generate_schema(Attachment))
-        return core_schema.with_info_wrap_validator_function(self._validate, parts)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-        return {**handler(schema), "propertyNames": _pattern("+")}
-
-    def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-        context, prefixes = settings(info.context), value if isinstance(value, Mapping) else ()
-        found = (prefix_fault(each, context, (each,), key=True) for each in prefixes)
-        return validated_with(handler, value, [*filter(None, found)])
-
-
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:
     separator = context.separator
     if prefix == RESERVED:
@@ -378,3 +361,6 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
         help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"
         return Fault("bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key=key, help=help)
     return None
+
+
+Prefixes = Keys(lambda each, context: prefix_fault(each, context, (each,), key=True), _pattern("+"))

@@ -19,12 +19,12 @@ from mjcompose.language.edit import Edits
 from mjcompose.language.element import FRAGMENT, Reader, label
 from mjcompose.language.forms.context import ByGrammar, Lazy, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Name, Named, Text, When
+from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Keys, Name, Text, When
 from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
 from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
-from mjcompose.language.value import Element, exclusive, is_unprintable, kind_of, unprintable
+from mjcompose.language.value import Element, exclusive, is_unprintable, kind_of, name_fault, unprintable
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 MORE = ("…", "...")
@@ -267,7 +267,7 @@ class Recipe(Model):
     base: Annotated[Attachment | None, Start()] = None
     """The model to start from, which keeps its names; by default an empty model."""
     attach: Annotated[
-        Mapping[str, Attachment], Prefixes(), Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
+        dict[str, Attachment], Prefixes, Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
     ] = Field(default_factory=dict)
     """The parts by prefix, each with a model and a place."""
     compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
@@ -309,7 +309,9 @@ class Recipe(Model):
     edit: Edits = ()
     """Changes to selected elements, in order, after everything else is in place."""
     keyframe: Annotated[
-        dict[str, Keyframe], Named(), Expects("a mapping from names to keys", "{home: {qpos: {JOINT: 0.1}}}")
+        dict[str, Keyframe],
+        Keys(lambda name, _: name_fault(name, IT, (name,))),
+        Expects("a mapping from names to keys", "{home: {qpos: {JOINT: 0.1}}}"),
     ] = Field({})
     """Keyframes by name, with values by joint, actuator and mocap body."""
     interface: Interface | None = None

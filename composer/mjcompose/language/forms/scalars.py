@@ -12,6 +12,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    ValidationInfo,
     ValidatorFunctionWrapHandler,
     WithJsonSchema,
 )
@@ -28,12 +29,13 @@ from mjcompose.language.forms.context import (
     Settings,
     definition,
     reference,
+    settings,
     validated_with,
     validation_error,
 )
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault, read_selector
-from mjcompose.language.value import bare_angle, is_unprintable, kind_of, name_fault, read_value
+from mjcompose.language.value import bare_angle, is_unprintable, kind_of, read_value, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
@@ -88,7 +90,7 @@ class Checked:
         return value
 
 
-class Name:
+class Name(Checked):
     """A name of an element: `scope` has the tags that it may be of, the likeliest first, for messages and editors.
 
     With `glob`, it is a name, a glob or a regular expression. With `computed`, `${…}` is computed for each element.
@@ -102,28 +104,23 @@ class Name:
         tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
         self.scope, self.glob, self.computed, self.inside, self.what = scope, glob, computed, inside, what or usual
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(self._read, handler(source))
+        super().__init__(self._wrong)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         about = {key: each for key, each in handler(schema).items() if key == "description"}
         plain: Schema = {"type": "string", "minLength": 1, "errorMessage": f"expected {self.what}"}
         return {**(GLOB if self.glob else plain), **about}
 
-    def _read(self, text: str) -> str:
-        faults: list[Fault] = []
+    def _wrong(self, text: str) -> Fault | None:
         if not text:
             raise PydanticKnownError("string_too_short", {"min_length": 1})
         if is_unprintable(text):
-            faults.append(Fault("bad-name", f"{IT} has a character that XML cannot hold"))
-        elif self.computed and is_template(text):
+            return unprintable(IT, ())
+        if self.computed and is_template(text):
+            faults: list[Fault] = []
             check_template(text, (), faults)
-        elif self.glob and (fault := pattern_fault(text, OWNER, ())) is not None:
-            faults.append(fault)
-        if faults:
-            raise validation_error(faults, text)
-        return text
+            return faults[0] if faults else None
+        return pattern_fault(text, OWNER, ()) if self.glob else None
 
 
 class Measure:
@@ -269,15 +266,21 @@ Range = Annotated[tuple[float, float], Items(2, 2), Checked(in_order), Expects("
 """Two numbers, the lower one first."""
 
 
-class Named:
-    """The keys of a mapping are names: they are not empty, and XML can hold them."""
+class Keys:
+    """The keys of a mapping are checked: `fault` returns the fault of one, or None; `schema` describes them."""
+
+    def __init__(self, fault: Callable[[str, Settings], Fault | None], schema: Schema | None = None) -> None:
+        self._fault, self._schema = fault, schema
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_wrap_validator_function(self._read, handler(source))
+        return core_schema.with_info_wrap_validator_function(self._read, handler(source))
 
-    def _read(self, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-        names = value if isinstance(value, dict) else ()
-        return validated_with(handler, value, [*filter(None, (name_fault(each, IT, (each,)) for each in names))])
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return handler(schema) if self._schema is None else {**handler(schema), "propertyNames": self._schema}
+
+    def _read(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        found = (self._fault(each, settings(info.context)) for each in (value if isinstance(value, dict) else ()))
+        return validated_with(handler, value, [*filter(None, found)])
 
 
 def _value_fault(value: Any) -> Fault | None:
