@@ -104,15 +104,12 @@ class CheckEntry(Model):
     example: ClassVar = "{unchanged: {}}"
     noun: ClassVar = "kind"
     instead: ClassVar = _INSTEAD
+    called: ClassVar = "check `{}`"
 
     kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
     severity: Literal["error", "warning"] = "error"
     """a check that does not hold is an error, or only a warning"""
     when: When = None
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return f"check `{at[-1]}`" if at else "a check"
 
 
 def checks_of(section: Mapping[str, CheckEntry]) -> Iterator[Check]:

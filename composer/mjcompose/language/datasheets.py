@@ -9,7 +9,6 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, ValidationError
 
-from mjcompose.base.diagnostic import Path
 from mjcompose.base.extensions import Table
 from mjcompose.language.forms.context import validated
 from mjcompose.language.forms.model import Belongs, Exclusive, Model
@@ -31,6 +30,7 @@ class Sheet(Model):
         Belongs("rotor_inertia", "gear", help="write `gear: 1` where there is none"),
     )
     example: ClassVar = "{effort: 4.1, source: …}"
+    called: ClassVar = "data sheet `{}`"
 
     maker: Text | None = None
     """who makes it"""
@@ -54,10 +54,6 @@ class Sheet(Model):
     """the viscous friction at the output, in N·m·s/rad"""
     delay: Annotated[NotNegative, Unit("s")] | None = None
     """the time from a command to the torque, in seconds"""
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return f"data sheet `{at[-1]}`" if at else "the data sheet"
 
     @property
     def reflected(self) -> float | None:

@@ -166,6 +166,7 @@ class Keyframe(Model):
     """A key: which keys of parts it starts from, and the entries that it sets, by name."""
 
     example: ClassVar = "{qpos: {JOINT: 0.1}}"
+    called: ClassVar = "keyframe `{}`"
     instead: ClassVar = {HOLD: f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"}
 
     sources: Annotated[dict[str, _KeyName], Expects("a mapping from parts to their keys", "{base: home}")] = Field(
@@ -190,10 +191,6 @@ class Keyframe(Model):
     def values(self) -> dict[str, Mapping[str, Entry]]:
         written = {name: getattr(self, name) for name in VECTORS if name in self.model_fields_set}
         return written if "controls" not in self.model_fields_set else {**written, CTRL: self.controls.numbers}
-
-    @classmethod
-    def subject(cls, at: Path) -> str:
-        return f"keyframe `{at[-1]}`" if at else "a keyframe"
 
 
 def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, named: str) -> dict[str, Entry]:
