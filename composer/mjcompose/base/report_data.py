@@ -103,10 +103,7 @@ def _of(kind: type, **known: dict[str, Any]) -> dict[str, Any]:
 
 
 _KEYS: dict[str, tuple[str, dict[str, Any]]] = {
-    "severity": (
-        "Only an error makes the command fail, with exit code 1.",
-        {"enum": [each.value for each in Severity]},
-    ),
+    "severity": ("Only an error makes the command fail, with exit code 1.", {"enum": [*map(str, Severity)]}),
     "code": ("`mjcompose explain CODE` prints its page. Later versions may have other codes.", _TEXT),
     "message": ("One sentence, for people: do not parse it.", _TEXT),
     "span": ("The place, or null if the diagnostic is about no file.", _or_null(_ref("span"))),

@@ -212,32 +212,23 @@ def _no_value(value: Any) -> Fault | None:
     return None if is_value else Fault("wrong-type", f"{IT} is among values, got {kind_of(value)}")
 
 
+_Value = Annotated[Any, Checked(_no_value), WithJsonSchema({"type": ["number", "boolean", "string", "array"]})]
+
+
 class Choice(_Whole):
     """One of these values, each equally likely: `[1, 2, 5]`."""
 
-    values: Annotated[
-        tuple[
-            Annotated[Any, Checked(_no_value), WithJsonSchema({"type": ["number", "boolean", "string", "array"]})], ...
-        ],
-        Items(1),
-        Expects("a list of values", "[1, 2, 5]"),
-    ] = Field(alias=WHOLE)
+    values: Annotated[tuple[_Value, ...], Items(1), Expects("a list of values", "[1, 2, 5]")] = Field(alias=WHOLE)
     """the values"""
 
 
-DISTRIBUTIONS: Table[type[Written]] = Table(
-    "distributions",
-    {
-        "uniform": UniformBounds,
-        "loguniform": LogUniformBounds,
-        "normal": _of_value(BellOfChange, "Bell", Numbers),
-        "truncnormal": _of_value(TruncatedOfChange, "Truncated", Numbers),
-        "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the middle of the logarithm"),
-        CHOICE: Choice,
-        "integers": IntegerBounds,
-    },
-    "",
-)
+_OF_VALUES: dict[str, type[Written]] = {
+    "uniform": UniformBounds, "loguniform": LogUniformBounds, "normal": _of_value(BellOfChange, "Bell", Numbers),
+    "truncnormal": _of_value(TruncatedOfChange, "Truncated", Numbers),
+    "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the middle of the logarithm"),
+    CHOICE: Choice, "integers": IntegerBounds,
+}  # fmt: skip
+DISTRIBUTIONS: Table[type[Written]] = Table("distributions", _OF_VALUES, "")
 _OF_CHANGES: dict[str, type[Written]] = {
     "normal": BellOfChange, "truncnormal": TruncatedOfChange, "lognormal": LogarithmsOfChange,
 }  # fmt: skip

@@ -76,16 +76,9 @@ def listed(values: Mapping[str, Any]) -> str:
     return f" with {', '.join(given)}" if given else ""
 
 
-VERBS: Table[type[Verb]] = Table(
-    "verbs",
-    {},
-    "VERB",
-    kind=Verb,
-    modules={
-        name: f"mjcompose.build.verbs.{name}"
-        for name in "set scale simplify collision inertia convert datasheet move rename remove".split()
-    },
-)
+_WORDS = "set scale simplify collision inertia convert datasheet move rename remove".split()
+_MODULES = {word: f"mjcompose.build.verbs.{word}" for word in _WORDS}
+VERBS: Table[type[Verb]] = Table("verbs", {}, "VERB", kind=Verb, modules=_MODULES)
 """All verbs, in the order in which an entry carries them out and `fmt` writes them: the form of each value.
 
 One of ours is imported when a recipe writes it, like one of another package.
@@ -286,13 +279,10 @@ _NARROWING: dict[str, Schema] = {
     "in": {**reference("selector"), "description": "an element that contains it, at any depth"},
     "part": {**GLOB, "description": "the part that it came from"},
     "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
-    "where": {
-        "type": ["object", "string"],
-        "minProperties": 1,
-        "additionalProperties": {"type": ["number", "boolean", "string", "array"]},
-        "description": "attributes and their values in effect, or one boolean `${…}`",
-    },
-}
+    "where": {"type": ["object", "string"], "minProperties": 1,
+              "additionalProperties": {"type": ["number", "boolean", "string", "array"]},
+              "description": "attributes and their values in effect, or one boolean `${…}`"},
+}  # fmt: skip
 check_rows("the JSON Schema of selectors in composer/mjcompose/language/edit.py", _NARROWING, NARROWING)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import chain
 from typing import Any
 
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
@@ -26,26 +27,14 @@ _ITEMS = {"real": "number", "int": "integer"}
 # Schemas that many attributes share.
 SHARED: dict[str, Schema] = {
     "number": {"type": ["number", "string"], "pattern": _NUMBER_PATTERN, "patternErrorMessage": _NUMBER_HINT},
-    "integer": {
-        "type": ["integer", "string"],
-        "minimum": INT_MIN,
-        "maximum": INT_MAX,
-        "pattern": TEMPLATE_PATTERN,
-        "patternErrorMessage": "expected an integer, or ${…}",
-    },
-    "boolean": {
-        "type": ["boolean", "string"],
-        "pattern": TEMPLATE_PATTERN,
-        "patternErrorMessage": "expected true, false, or ${…}",
-    },
-    "fragment": {
-        "type": "string",
-        "pattern": "<",
-        "patternErrorMessage": "expected an element of MJCF: <geom …/>",
-        "description": "a fragment of MJCF in place of the element",
-    },
+    "integer": {"type": ["integer", "string"], "minimum": INT_MIN, "maximum": INT_MAX, "pattern": TEMPLATE_PATTERN,
+                "patternErrorMessage": "expected an integer, or ${…}"},
+    "boolean": {"type": ["boolean", "string"], "pattern": TEMPLATE_PATTERN,
+                "patternErrorMessage": "expected true, false, or ${…}"},
+    "fragment": {"type": "string", "pattern": "<", "patternErrorMessage": "expected an element of MJCF: <geom …/>",
+                 "description": "a fragment of MJCF in place of the element"},
     "template": {"type": "string", "pattern": TEMPLATE_PATTERN},
-}
+}  # fmt: skip
 
 
 def _shared(kind: str, lengths: str) -> Schema:
@@ -207,16 +196,11 @@ def _rule(rule: Constraint) -> list[Schema]:
     if rule.kind == "exclusive":
         # Not with `not`, for which an editor can only say that it does not hold.
         return [
-            {
-                "if": {"required": [name]},
-                "then": {
-                    "properties": {other: False for others in bundles[index + 1 :] for other in others},
-                    "errorMessage": f"`{name}` exists already, and only one of the two is allowed",
-                },
-            }
-            for index, bundle in enumerate(bundles[:-1])
-            for name in bundle
-        ]
+            {"if": {"required": [name]}, "then": {
+                "properties": dict.fromkeys(chain(*bundles[index + 1 :]), False),
+                "errorMessage": f"`{name}` exists already, and only one of the two is allowed"}}
+            for index, bundle in enumerate(bundles[:-1]) for name in bundle
+        ]  # fmt: skip
     if rule.kind == "oneof":
         return [{"anyOf": [{"required": bundle} for bundle in bundles]}]
     if rule.kind == "together":

@@ -104,24 +104,14 @@ def _way(reader: Reader, value: str | bool, at: Path, owner: str) -> Way | None:
 def controls_schema(number: Schema, description: str) -> Schema:
     hold: Schema = {"const": HOLD, "description": "the control that holds the pose of the key"}
     entry: Schema = {"anyOf": [number, hold]}
-    return {
-        "anyOf": [
-            {"const": HOLD, "description": "the controls of all actuators that hold the pose of the key"},
-            {
-                **by_name(entry),
-                "properties": {
-                    HOLD: {
-                        "anyOf": [{"enum": list(WAYS)}, entry],
-                        "description": "the hold of all actuators: servos at the pose, or forces that"
-                        " balance the model there",
-                    },
-                    JOINT: {"anyOf": [by_name(entry), entry], "description": "numbers, or `hold`, by joint"},
-                },
-                "description": description,
-            },
-        ],
-        "description": description,
+    about = "the hold of all actuators: servos at the pose, or forces that balance the model there"
+    own = {
+        HOLD: {"anyOf": [{"enum": list(WAYS)}, entry], "description": about},
+        JOINT: {"anyOf": [by_name(entry), entry], "description": "numbers, or `hold`, by joint"},
     }
+    whole = {"const": HOLD, "description": "the controls of all actuators that hold the pose of the key"}
+    each = {**by_name(entry), "properties": own, "description": description}
+    return {"anyOf": [whole, each], "description": description}
 
 
 FROM, TIME = "from", "time"

@@ -33,15 +33,11 @@ class DrawField(Model):
         Bars("param", *_OF_ELEMENTS, why="draws a parameter"),
         Needs({"select": '{geom: "**"}', "attr": "friction"}, unless="param"),
         OneOf(
-            *KINDS,
-            "scale",
-            "offset",
-            lacks="has no distribution",
-            advice="write for instance `uniform: [0.8, 1.2]`, or `scale: {uniform: …}` for a factor",
+            *KINDS, "scale", "offset", lacks="has no distribution", noun="key",
             help="give the other a field of its own",
-            noun="key",
+            advice="write for instance `uniform: [0.8, 1.2]`, or `scale: {uniform: …}` for a factor",
         ),
-    )
+    )  # fmt: skip
     example: ClassVar = '{select: {geom: "**"}, attr: friction, uniform: [0.5, 1]}'
     called: ClassVar = "field `{}` of `randomize`"
     owned: ClassVar = "field `{}`"

@@ -36,13 +36,8 @@ _DEFAULT: Schema = {
 }  # fmt: skip
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
-Combinations = Annotated[
-    tuple[
-        Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")], ...
-    ],
-    Items(),
-    Expects("a list of mappings from axes to values", "[{load: 1}]"),
-]
+_Cell = Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")]
+Combinations = Annotated[tuple[_Cell, ...], Items(), Expects("a list of mappings from axes to values", "[{load: 1}]")]
 
 _NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
 _SCHEMAS: Mapping[str, Schema] = {
@@ -163,21 +158,14 @@ class Grid(Model):
     """The name of a combination, with `${…}` for its values."""
 
 
-Params = Annotated[
-    dict[
-        str,
-        Annotated[
-            Annotated[Declaration, Tag("<mapping>")]
-            | Annotated[
-                Written,
-                WithJsonSchema({**_ALONE, "description": "The default alone, which determines the parameter's type."}),
-                Tag("<value>"),
-            ],
-            Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),
-        ],
-    ],
-    Expects("a mapping from names to parameters", "{reach: {default: 0.45, unit: m}}"),
+_ABOUT = "The default alone, which determines the parameter's type."
+_Value = Annotated[Written, WithJsonSchema({**_ALONE, "description": _ABOUT}), Tag("<value>")]
+_Parameter = Annotated[
+    Annotated[Declaration, Tag("<mapping>")] | _Value,
+    Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),
 ]
+_EXPECTS = Expects("a mapping from names to parameters", "{reach: {default: 0.45, unit: m}}")
+Params = Annotated[dict[str, _Parameter], _EXPECTS]
 _Piece = Annotated[dict[str, Any], WithJsonSchema(reference("made:Piece"))]
 Variants = dict[str, Annotated[dict[str, _Piece], Field(min_length=1)]]
 

@@ -435,11 +435,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
     if layout is None:
         return {}
     return {
-        key: {
-            vector: cut_row(linking, unit, layout, element=key, vector=vector) or {}
-            for vector in VECTORS
-            if key.get(vector)
-        }
+        key: {each: cut_row(linking, unit, layout, element=key, vector=each) or {} for each in VECTORS if key.get(each)}
         for key in keys
     }
 
