@@ -14,7 +14,7 @@ from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, When, Written
-from mjcompose.language.select import GLOB, NARROWING, kinds_of, read_selector
+from mjcompose.language.select import GLOB, NARROWED, NARROWING, kinds_of, read_selector
 from mjcompose.language.value import exclusive, shown
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
@@ -147,7 +147,7 @@ class Edit(Model):
     rules: ClassVar = (_DoesSomething(), _ByTag())
     example: ClassVar = "{select: {TAG: NAME}, set: {ATTRIBUTE: VALUE}}"
     instead: ClassVar = {
-        **{name: f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" for name in NARROWING},
+        **NARROWED,
         "unset": "write `set: {ATTRIBUTE: null}`",
         "offset": 'write `set: {ATTRIBUTE: "${value + 0.1}"}`',
         "motor": "datasheet",

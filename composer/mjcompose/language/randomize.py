@@ -17,7 +17,7 @@ from mjcompose.language.distribution import DISTRIBUTIONS, KINDS, Change, FieldD
 from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT, OWNER, Bars, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Selects, Text, whole
-from mjcompose.language.select import NARROWING, advice_on_narrowing, kinds_of
+from mjcompose.language.select import NARROWED, kinds_of
 from mjcompose.language.value import attribute_and_index, must_not_be_negative, shown
 from mjcompose.language.variation import NO_EMIT
 from mjcompose.tree.pattern import Selector
@@ -41,10 +41,7 @@ class DrawField(Model):
     example: ClassVar = '{select: {geom: "**"}, attr: friction, uniform: [0.5, 1]}'
     called: ClassVar = "field `{}` of `randomize`"
     owned: ClassVar = "field `{}`"
-    instead: ClassVar = {
-        **{name: str(advice_on_narrowing(name)) for name in NARROWING},
-        **dict.fromkeys(("gauss", "gaussian"), "normal"),
-    }
+    instead: ClassVar = {**NARROWED, **dict.fromkeys(("gauss", "gaussian"), "normal")}
 
     select: Annotated[Selector, Selects()] | None = Field(None, examples=['{geom: "**"}'])
     """the elements whose attribute is drawn"""

@@ -48,6 +48,8 @@ def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
 
 
 NARROWING = ("parent", "in", "part", "class", "where")
+NARROWED = {name: f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" for name in NARROWING}
+"""What to write instead of one of these next to a `select`."""
 _BESIDE = (
     "expect", "optional", "when", "id", "set", "scale", "simplify", "collision", "convert",
     "move", "rename", "remove", "attr", "per",
@@ -102,10 +104,6 @@ def read_selector(
         tag, pattern, outer.get("parent"), outer.get("in"), texts.get("part"), texts.get("class"), where,
         path_of(value),
     )  # fmt: skip
-
-
-def advice_on_narrowing(name: str) -> str | None:
-    return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
