@@ -32,7 +32,7 @@ class Checker:
     def attributes(
         self, verb: str, value: Mapping[str, Any], tag: str, at: Path, kinds: tuple[ElementType, ...] | None = None
     ) -> None:
-        """Check what a verb gives to elements with a tag, if the tag is known; `offset` are numbers that draws add."""
+        """Check the values of a verb for elements with a tag, if it is known; `offset` are numbers that draws add."""
         kinds = (kinds_of(tag) if tag else ()) if kinds is None else kinds
         turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
         if len(turned) > 1 and verb == "set":

@@ -46,7 +46,7 @@ def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str],
     return register
 
 
-definition("made")(lambda name: {"$ref": f"#/$defs/{name}"})  # what is derived from the whole schema
+definition("made")(lambda name: {"$ref": f"#/$defs/{name}"})  # derived from the whole schema
 
 
 def define(name: str) -> Schema:

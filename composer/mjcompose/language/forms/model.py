@@ -52,8 +52,8 @@ class Model(BaseModel):
 
     `rules` say which keys exclude or need one another. `short` is the key of a value that is written without a mapping:
     a text, or a value of `short_type`. Messages recommend `example`, in which `…` is the written text, and call a key
-    by its `noun`. `instead` maps wrong words to the right key, or to a help line. `called` is what messages call the
-    mapping, with `{}` for the last step of its path, and `owned` the owner of its keys, if it is not the mapping.
+    by its `noun`. `instead` maps wrong words to the right key, or to a help line. `called` is the mapping's name in
+    messages, with `{}` for the last step of its path, and `owned` the owner of its keys, if it is not the mapping.
 
     No key accepts null. Values are not converted, except whole numbers where any number is accepted.
     """
