@@ -64,7 +64,7 @@ def test_a_revision_of_a_repository_runs_nothing(robots: Any, tmp_path: Path) ->
     trace, into = tmp_path / "trace", tmp_path / "into"
     into.mkdir()
     armed(robots, trace)
-    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", into, dict(os.environ))
+    _, path = check_out("HEAD", robots.folder / "arm" / "arm.xml", into, dict(os.environ))
     assert not trace.exists(), trace.read_text()
     assert path.read_text() == MODEL
 
@@ -78,12 +78,12 @@ def test_a_revision_has_what_lfs_has_here(robots: Any, tmp_path: Path) -> None:
     stored.parent.mkdir(parents=True)
     stored.write_bytes(content)
     (tmp_path / "into").mkdir()
-    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    _, path = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
     assert path.with_name("mesh.obj").read_bytes() == content
     assert path.with_name("other.obj").read_text() == pointer.replace(digest, "0" * 64)
     stored.write_bytes(b"other bytes")
     (tmp_path / "again").mkdir()
-    path, _ = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "again", dict(os.environ))
+    _, path = check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "again", dict(os.environ))
     assert path.with_name("mesh.obj").read_text() == pointer
 
 

@@ -114,14 +114,12 @@ def _joints(unit: Unit) -> None:
     classes = unit.classes
     in_classes = {
         str(name)
-        for section in unit.root.iterchildren("default")
-        for joint in section.iter("joint")
+        for joint in unit.root.iterfind("default//joint")
         for name in joint.keys()  # noqa: SIM118 (an element is not a mapping)
     }
     given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
     own: list[tuple[Node, str]] = []
-    joints = (joint for worldbody in unit.root.iterchildren("worldbody") for joint in worldbody.iter("joint"))
-    for joint in joints:
+    for joint in unit.root.iterfind("worldbody//joint"):
         holder = joint.getparent()
         if holder is None or holder.tag not in NESTED:
             continue  # a template in a `<composite>`
@@ -153,10 +151,9 @@ def _joints(unit: Unit) -> None:
                 joint.set(attribute, str(writer.get(attribute)))
                 own.append((joint, attribute))
     # Classes that no joint uses yet: a joint that is added later reads their angles in radians.
-    for section in unit.root.iterchildren("default"):
-        for joint in section.iter("joint"):
-            if joint.get("type") != "slide":
-                own += [(joint, name) for name in _ANGULAR if joint.get(name) and (joint, name) not in given]
+    for joint in unit.root.iterfind("default//joint"):
+        if joint.get("type") != "slide":
+            own += [(joint, name) for name in _ANGULAR if joint.get(name) and (joint, name) not in given]
     for element, attribute in own:
         value = str(element.get(attribute) or "")
         if value.strip():
@@ -258,9 +255,8 @@ def check_flexes(linking: Linking) -> None:
 
 def top_joint(unit: Unit) -> dict[str, str]:
     given: dict[str, str] = {}
-    for section in unit.root.iterchildren("default"):
-        for joint in section.iterchildren("joint"):
-            given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
+    for joint in unit.root.iterfind("default/joint"):
+        given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
     return _differing_settings(given)
 
 

@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterator, Mapping, Set
 from itertools import takewhile
 from typing import NamedTuple
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
@@ -95,12 +94,8 @@ def _free_class(name: str, taken: Set[str]) -> str:
 
 
 def _top_kinds(root: Node) -> set[str]:
-    return {
-        str(element.tag)
-        for section in root.iterchildren("default")
-        for element in section.iterchildren(etree.Element)
-        if element.tag != "default" and says_something(element)
-    }
+    rows = (each for each in root.iterfind("default/*") if each.tag != "default")
+    return {str(each.tag) for each in rows if says_something(each)}
 
 
 def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:

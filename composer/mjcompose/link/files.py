@@ -41,7 +41,7 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
     gone: set[Node] = set()
     for kind in KINDS:
         kept: dict[Hashable, list[_KeptElement]] = {}
-        for element in [each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)]:
+        for element in model.root.findall(f"asset/{kind}"):
             declared = declaration(element, "asset")
             if declared is None:
                 continue

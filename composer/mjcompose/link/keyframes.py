@@ -360,9 +360,7 @@ def _check_kept(linking: Linking) -> None:
         unit = linking.base if part is None else part.unit
         for key in keys_of(unit) if _policy(linking, part) != "none" else ():
             if key.get("plastic"):
-                message, span = (
-                    f"`plastic` of {called(key)} cannot be carried over yet",
-                    linking.span(unit, key, "plastic"),
-                )
+                message = f"`plastic` of {called(key)} cannot be carried over yet"
                 cause = Cause(f"plastic in {unit.file}", called(key))
+                span = linking.span(unit, key, "plastic")
                 linking.sink.error("not-supported", message, span, help="omit the keys: `drop: [key]`", cause=cause)

@@ -190,10 +190,8 @@ def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
 
 
 def _outermost(unit: Unit) -> Iterator[Node]:
-    for worldbody in unit.root.iterchildren("worldbody"):
-        for replicate in worldbody.iter("replicate"):
-            if next(replicate.iterancestors("replicate"), None) is None:
-                yield replicate
+    found = unit.root.iterfind("worldbody//replicate")
+    return (each for each in found if next(each.iterancestors("replicate"), None) is None)
 
 
 def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:

@@ -29,6 +29,7 @@ from mjcompose.link.agreement import default_of, merge_values, set_value, writte
 from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, readable_path
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
+from mjcompose.link.unit_keys import remove_keys
 from mjcompose.tree.cost import NOTHING, Weight, expanded
 from mjcompose.tree.files import FromFolder, file_attributes, is_recipe, join, written_path
 from mjcompose.tree.mesh_cost import file_points, mesh_points
@@ -202,8 +203,8 @@ class _Bundler:
         if not element.get("name"):
             element.set("name", sub.model)
         path = self._free(f"{folder}/{sub.label}" + ("" if self.keyed else "-without-keys"), source)
-        for section in list(sub.root.iterchildren("keyframe")) if not self.keyed else ():
-            sub.root.remove(section)
+        if not self.keyed:
+            remove_keys(sub.root)
         self._own_files(sub, path, above=(*above, source))
         self.linking.notes.attached[element] = sub.root
         sub.origins.own(sub.root, shown)
@@ -290,8 +291,7 @@ def _without_keys(path: str, content: bytes | Path) -> bytes | Path:
     if not isinstance(content, bytes) or not path.endswith(".xml"):
         return content
     root = etree.fromstring(content)
-    for section in list(root.iterchildren("keyframe")):
-        root.remove(section)
+    remove_keys(root)
     return write(root)
 
 

@@ -49,18 +49,15 @@ def _remove_empty_sections(unit: Unit, tags: Iterable[str]) -> None:
 
 
 def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
-    for section in unit.root.iterchildren("asset"):
-        for element in section.iterchildren("*"):
-            declared = declaration(element, "asset")
-            if declared is not None and declared[0] in SUPPORTING:
-                yield declared, element
-            # Nothing refers to a skin: MuJoCo draws every skin.
-            elif declared is None and element.tag != "skin":
-                yield (str(element.tag), ""), element
-    for section in unit.root.iterchildren("default"):
-        for element in section.iter("default"):
-            if element is not section:
-                yield ("default", str(element.get("class") or "")), element
+    for element in unit.root.iterfind("asset/*"):
+        declared = declaration(element, "asset")
+        if declared is not None and declared[0] in SUPPORTING:
+            yield declared, element
+        # Nothing refers to a skin: MuJoCo draws every skin.
+        elif declared is None and element.tag != "skin":
+            yield (str(element.tag), ""), element
+    for element in unit.root.iterfind("default//default"):
+        yield ("default", str(element.get("class") or "")), element
     for instance in unit.root.iterfind("extension/plugin/instance"):
         yield ("instance", str(instance.get("name") or "")), instance
 
@@ -285,7 +282,7 @@ def take_subtree(
 
 
 def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
-    bodies = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("body")]
+    bodies = unit.root.findall("worldbody//body")
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
@@ -429,7 +426,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
         if not size.attrib:
             unit.root.remove(size)
     if policy == "none":
-        remove_keys(unit)
+        remove_keys(unit.root)
     keys = keys_of(unit)
     layout = layout_of(linking, unit) if keys else None
     if layout is None:

@@ -293,9 +293,12 @@ def keys_of(unit: Unit) -> list[Node]:
     return unit.root.findall("keyframe/key")
 
 
-def remove_keys(unit: Unit) -> None:
-    for section in list(unit.root.iterchildren("keyframe")):
-        unit.root.remove(section)
+def remove_keys(root: Node) -> list[Node]:
+    """Remove the sections of keys, and return them."""
+    sections = root.findall("keyframe")
+    for section in sections:
+        root.remove(section)
+    return sections
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
@@ -409,9 +412,7 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
     """Measure the recipe's additions and changes, on the finished model without its keys."""
     unit = linking.flat()
     # MuJoCo refuses keys whose rows do not fit the model any more.
-    sections = list(unit.root.iterchildren("keyframe"))
-    for section in sections:
-        unit.root.remove(section)
+    sections = remove_keys(unit.root)
     try:
         widths = flexible_widths(linking, unit)
         return None if widths is None else lay_out(linking.base, {**widths, **known})
@@ -419,8 +420,7 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
         report_not_laid_out(linking, linking.base, unknown or still)
         return None
     finally:
-        for section in sections:
-            unit.root.append(section)
+        unit.root.extend(sections)
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:

@@ -123,14 +123,11 @@ def _note_planes(linking: Linking, part: Part) -> None:
     # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
     # bodies".
     root, classes = part.unit.root, part.unit.classes
-    by_class = any(
-        geom.get("type") == "plane" for section in root.iterchildren("default") for geom in section.iter("geom")
-    )
-    for worldbody in root.iterchildren("worldbody"):
-        for geom in worldbody.iter("geom"):
-            kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
-            if kind == "plane" and not _moves(geom):
-                linking.notes.planes.append((part, geom))
+    by_class = any(geom.get("type") == "plane" for geom in root.iterfind("default//geom"))
+    for geom in root.iterfind("worldbody//geom"):
+        kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
+        if kind == "plane" and not _moves(geom):
+            linking.notes.planes.append((part, geom))
 
 
 def _moves(geom: Node) -> bool:

@@ -275,7 +275,7 @@ class Composer:
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base_keys == "none" and BASE not in plan.key_sources:
-            remove_keys(base)
+            remove_keys(base.root)
         self.watch([base, *units], plan)
         making = ElementBuilder.of(plan, base, self.context, model_angle=common_angle([base, *units]))
         linking = self._linking(plan, base, units, making=making)

@@ -109,7 +109,7 @@ class PartEdits:
         plan, wanted, unit, composer = self.plan, self.wanted, self.unit, self.composer
         sink, before = composer.context.sink, composer.context.sink.error_count
         if wanted.keyframes == "none":
-            remove_keys(unit)
+            remove_keys(unit.root)
         linking = Linking(unit, [], sink, request=Request(plan.separator), measure=composer.measure)
         # This comes first: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)

@@ -71,7 +71,7 @@ def mirror_keys(
             _report_mirror(plan, step, fault, keys=keys, context=context, at=at)
             continue
         span = locate(plan.document, at, key=True)
-        remove_keys(unit)
+        remove_keys(unit.root)
         unit.part_keys = {}
         section = unit.section("keyframe")
         for key, rows in zip(keys_of(other), answer.value["keys"], strict=True):
