@@ -101,10 +101,7 @@ def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str
 
 
 def skins_after_renaming(model: Model, old: str, new: str, *, is_prefix: bool = False) -> Skins:
-    """Return the new skin files of a model and of the models above it after a body, or the prefix of a child, changes.
-
-    Names that begin with a prefix and are a model's own stay.
-    """
+    """Return the new skin files of a model and those above it after a body or the prefix of a child changes."""
     changed: Skins = []
     for here, way in model.levels():
 
@@ -256,14 +253,14 @@ class Asset:
     @property
     def contents(self) -> bytes:
         """The bytes of the file. Raises `MjcfError` if the file can no longer be read."""
-        if self._data is not None:
-            return self._data
-        assert self.path is not None
+        source = self.source
+        if isinstance(source, bytes):
+            return source
         try:
-            return read_regular(self.path)
+            return read_regular(source)
         except OSError as error:
-            message = f"the file `{self.path}` cannot be read: {error.strerror or str(error)}"
-            if (archive := in_archive(self.path)) is not None:
+            message = f"the file `{source}` cannot be read: {error.strerror or str(error)}"
+            if (archive := in_archive(source)) is not None:
                 message = "`{}` has no file `{}`".format(*archive)
             raise failure("asset-missing", message) from None
 

@@ -18,7 +18,6 @@ from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.mjcf.node_view import attachments_below
 from mjcompose.mujoco.attributes import Model as MjModel
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
@@ -203,9 +202,7 @@ def engine() -> MjModel:
 def compile_error(error: Exception, text: bytes = b"", flat: Flat | None = None) -> MjcfError:
     """Return the error for a MuJoCo error about a model, at the element that the error is about."""
     fault = parse(str(error))
-    element = None
-    if flat is not None and fault.line is not None:
-        element = element_at(flat.unit.root, text, fault.line)
+    element = None if flat is None or fault.line is None else element_at(flat.unit.root, text, fault.line)
     said = translate(" ".join(fault.message.split()), element)
     diagnostic = said.diagnostic
     if said.topic is not None:
@@ -224,17 +221,11 @@ def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> S
     }
     known = {original.node for original in copies.originals.values()}
     # Attachment frames that are bodies, and their joints. Other frames have no counterpart in MuJoCo.
-    frames = [
-        Target(attachment.parent, node)
-        for attachment in attachments_below(model)
-        if attachment.is_body
-        for node in (attachment.frame, *attachment.frame)
-    ]
+    bodies = [each for below in copies.models for each in below.attachments.values() if each.is_body]
+    frames = [Target(each.parent, node) for each in bodies for node in (each.frame, *each.frame)]
     for target in (*copies.originals.values(), *frames):
         known.add(target.node)
-        if target.node in found:
-            continue
-        kind = compiled_kind(target.node)
+        kind = None if target.node in found else compiled_kind(target.node)
         name = None if kind is None else target.model.seen_from(model, target.node)
         if kind is not None and name is not None and name in roster.ids[kind]:
             found[target.node] = roster.ids[kind][name]

@@ -172,8 +172,7 @@ def write(model: Model, node: Node, edit: Edit) -> None:
     for changed, files in edit.skins:
         add_files(changed, files)
     if edit.texts:
-        site = call_site()
-        model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, site))
+        model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, call_site()))
     if edit.nameless:
         replace(node, edit.texts)
     else:
@@ -260,11 +259,8 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     if taken is None or (taken.model is model and taken.node is node):
         return
     code, called = ("class-clash", "default class") if namespace == "default" else ("name-clash", namespace)
-    message, help = (
-        f"another {called} is called `{model.full_prefix + name}` already",
-        "give one of the two another name",
-    )
-    raise failure(code, message, notes=(is_here(taken),), help=help)
+    message = f"another {called} is called `{model.full_prefix + name}` already"
+    raise failure(code, message, notes=(is_here(taken),), help="give one of the two another name")
 
 
 def check_lists(renaming: Renaming[Model]) -> None:

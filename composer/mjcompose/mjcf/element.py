@@ -427,20 +427,17 @@ class ElementList(Sequence[_E]):
             return list(self._elements[index])
         if not isinstance(index, str):
             return self._elements[index]
-        for element in self._elements:
-            if element.name == index:
-                return element
+        if (found := next((each for each in self._elements if each.name == index), None)) is not None:
+            return found
         names = self._ipython_key_completions_()
         unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
         message = f"the {self.tag} `{index}` does not exist here"
-        found = unknown_name(self.tag, index, names, span=call_site(), message=message)
-        raise error_of(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
+        fault = unknown_name(self.tag, index, names, span=call_site(), message=message)
+        raise error_of(fault if names or not self else replace(fault, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:
         """Return whether the list contains an element, or an element with this name."""
-        if isinstance(item, str):
-            return any(element.name == item for element in self._elements)
-        return any(element is item for element in self._elements)
+        return any(element.name == item if isinstance(item, str) else element is item for element in self._elements)
 
     def _ipython_key_completions_(self) -> list[str]:
         return [element.name for element in self._elements if element.name]

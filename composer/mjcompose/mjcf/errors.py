@@ -82,10 +82,7 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
 
 
 def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
-    """Return the error for an attribute that elements of a kind do not have, with the attributes that exist.
-
-    When an attribute is read, `members` has the other members of the element; then children are suggested too.
-    """
+    """Return the error for an unknown attribute of a kind; with other `members`, children are suggested too."""
     meant = list(members)
     known = sorted(map(spoken, kind.attributes))
     tags = sorted(map(spoken, kind.children)) if meant else []

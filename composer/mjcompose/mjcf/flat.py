@@ -139,10 +139,7 @@ def relocated_text(model: Model, label: str) -> str | None:
 
 
 def _plain_files(unit: Unit) -> tuple[int, int] | None:
-    """Return how many files move to the label's folder, and how many stay.
-
-    Return None if a path has to be shortened, if two file names are equal, or if a file has to be read.
-    """
+    """Return how many files move to the label's folder and how many stay; None if more than the text decides."""
     files = list(file_attributes(unit.root))
     odd = any(attribute != "file" or each.tag == "skin" or not is_plain(name) for each, attribute, name in files)
     names = {name[name.rfind("/") + 1 :].lower() for _, _, name in files}
@@ -259,19 +256,13 @@ def label(model: Model) -> str:
 
 
 def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copy_unit) -> Flat:
-    """Link a model and everything attached to it into one model. Raises `MjcfError` with the faults found.
-
-    `copy` is called for each model and returns the unit to link.
-    """
+    """Link a model with all attached to it, from the units that `copy` returns. Raises `MjcfError` with the faults."""
     _check(model, conflict)
     return link_checked(model, conflict, copy, check_keys=True)
 
 
 def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
-    """Link a model whose references have been checked. See `flatten`.
-
-    With `check_keys`, the keyframes of a model without attachments are laid out too, to report those that do not fit.
-    """
+    """Link a model whose references have been checked; with `check_keys`, report keyframes that do not fit."""
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
     outward = (name for part in mounting.parts for name in part.outward.values())
@@ -345,10 +336,7 @@ def text(model: Model, conflict: Policy) -> str:
 
 
 def _state(model: Model, conflict: Policy) -> list[object] | None:
-    """Return everything on which the text of a composition depends; None if it also depends on files on disk.
-
-    The text of a tree takes a tenth of the time of linking it.
-    """
+    """Return all on which the text of a composition depends, much faster than linking; None if it has files on disk."""
     state: list[object] = [conflict]
     folders: dict[str, Path] = {}
     for each in model.composition():

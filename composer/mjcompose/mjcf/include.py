@@ -28,10 +28,7 @@ from mjcompose.tree.values import items, parse_real
 
 
 def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
-    """Return a copy of a model with copies of everything attached. The copy is not attached to anything.
-
-    `memo` receives the copy of each root, as in `copy.deepcopy`.
-    """
+    """Return a copy of a model and all attached to it, not attached itself; `memo` gets the copy of each root."""
     twin = Model(model.unit.copied())
     if memo is not None:
         memo[id(view(model, model.unit.root))] = view(twin, twin.unit.root)
@@ -172,10 +169,7 @@ def _element(root: Attributed, prefix: str | None, place: int) -> Any:
 
 
 def take_model(model: Model, source: Unit, element: Node) -> None:
-    """Set the file of a `<model>` element that was moved from `source` to `model`, so it names the same file.
-
-    For a file in memory, everything in its folder is taken over too, because it may refer to files there.
-    """
+    """Let a moved `<model>` name the same file: one in memory with all in its folder, to which it may refer."""
     file = join("", str(element.get("file")))
     beside, (stem, suffix) = posixpath.dirname(file), posixpath.splitext(file)
     in_memory = isinstance(source.contents.get(file), bytes)
@@ -227,19 +221,19 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     source = duplicate(other)
     sink = Sink()
     settled: list[str] = []
+    names = f"`{model.name}` and `{other.name}`"
     for conflict in _conflicts(model, source):
+        path = "/".join(conflict.path)
         if not override:
-            names, path = f"`{model.name}` and `{other.name}`", "/".join(conflict.path)
             message = f"`{path}` has `{conflict.attribute}`, which is not the same in {names}"
             pair = (model, conflict.mine), (source, conflict.theirs)
             shown = [(each.name, its and f"`{its.value}`", its and each.span(its.node)) for each, its in pair]
             notes = [Note(f"`{name}` has {value or 'none'}", span) for name, value, span in shown]
             sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
         elif conflict.path[0] in _READ_BY:
-            winner, both = model if conflict.theirs is None else other, f"`{model.name}` and `{other.name}`"
-            setting = f"`{conflict.attribute}` of `{'/'.join(conflict.path)}`"
+            winner = model if conflict.theirs is None else other
             counts = f"that of `{winner.name}` now counts for the elements of both"
-            settled.append(f"{setting} is not the same in {both}: {counts}")
+            settled.append(f"`{conflict.attribute}` of `{path}` is not the same in {names}: {counts}")
     _check_names(model, source, other, sink=sink)
     raise_errors(sink)
     for message in settled:
@@ -350,10 +344,7 @@ def _move(model: Model, source: Model) -> Iterator[Node]:
 
 
 def _files(source: Model) -> list[tuple[Node, str, Asset]]:
-    """Return the node, attribute and asset of each file of a model.
-
-    An element that is named after its file gets that name as its `name`, because the file name may change.
-    """
+    """Return node, attribute and asset of each file; an element named after its file gets that name as `name`."""
     found = []
     for node, attribute, name in file_attributes(source.unit.root):
         found.append((node, attribute, asset_of(source, str(node.tag), name)))

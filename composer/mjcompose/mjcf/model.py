@@ -310,10 +310,7 @@ class Model:
         return prefix if self is not other and declared == ("default", MAIN) else prefix + declared[1]
 
     def prefix_of(self, other: Model) -> str | None:
-        """Return the prefix that the names of `other` have in this model, or None if they are not in one composition.
-
-        `../` is the model that this one is attached to: a model next to this one is `../ball/`.
-        """
+        """Return the prefix of `other`'s names here, None outside the composition; `../` leads to the model above."""
         down = dict(other.ways_up())
         ways = (UP * depth + down[each] for depth, each in enumerate((self, *self.ancestors())) if each in down)
         return next(ways, None)
@@ -335,10 +332,7 @@ _INSIDE = "margin-left: 1.5em"
 
 
 def page(model: Model, node: Node) -> str:
-    """Return HTML of an element and everything below it, with attached models at their hosts.
-
-    The first two levels are open.
-    """
+    """Return HTML of an element and everything below, with attached models at their hosts; two levels are open."""
     lines: list[str] = []
     left = _tree(model, node, lines, left=SHOWN, depth=0)
     more = f"<div>… and {-left} more elements</div>" if left < 0 else ""

@@ -80,8 +80,6 @@ def _outward_references(names: NameIndex, prefixes: tuple[str, ...]) -> list[tup
     ]
 
 
-_KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
-
 # Sections whose elements are named after their file where they have no `name`.
 _NAMED_AFTER_FILE = ("asset", "deformable")
 
@@ -99,10 +97,8 @@ def check_tree(unit: Unit, sink: Sink) -> None:
         table, namespaces = _table(tag), _namespaces(tag)
         _check_attributes(unit, section, GRAMMAR.section(tag), sink=sink)
         for parent in section.iter("*"):
-            if not len(parent):
-                continue
-            allowed = table.get(parent.tag)
-            if allowed is None:  # reported as a child of its parent
+            allowed = table.get(parent.tag) if len(parent) else None
+            if allowed is None:  # if it has children, it was reported as a child of its parent
                 continue
             for child in parent:
                 kind = child.tag
@@ -148,9 +144,8 @@ def one_of_each_section(unit: Unit) -> None:
     first: dict[str, Node] = {}
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
-        if tag in _KEPT_APART or tag not in first:
-            first.setdefault(tag, section)
-            continue
+        if tag == "default" or first.setdefault(tag, section) is section:
+            continue  # a later default section does not reach the classes of an earlier one
         owner = unit.origins.owner(section, unit.file)
         for child in section.iterchildren("*"):
             if child not in unit.origins.owners:
@@ -217,11 +212,9 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
         if is_unread_alone(node, name, unit):
             sink.add(ignored(node, name, unit))
             continue
-        span = unit.origins.span(node, unit.file, name)
         other = of_other_version(node, name, unit.file)
-        known = sorted(kind.attributes)
-        found = other or unknown_attribute(name, f"`<{kind.tag}>`", known)
-        sink.add(replace(found, span=span))
+        found = other or unknown_attribute(name, f"`<{kind.tag}>`", sorted(kind.attributes))
+        sink.add(replace(found, span=unit.origins.span(node, unit.file, name)))
 
 
 _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}
@@ -358,10 +351,7 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
         return Joint("freejoint", attributes)
     written = attributes.get("class") or childclass_at(mounted.host)
     found = unit.classes.get(written)
-    kind = attributes.get("type")
-    if kind is None:
-        inherited = found.lookup("joint", "type")
-        kind = inherited[0] if inherited else "hinge"
+    kind = attributes.get("type", (found.lookup("joint", "type") or ("hinge",))[0])
     if kind == "free":
         if attributes.keys() <= _OF_FREEJOINTS:
             return Joint("freejoint", {k: v for k, v in attributes.items() if k in ("name", "group")})

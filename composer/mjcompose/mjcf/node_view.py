@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
 from typing import Any, Self, cast
 
 from lxml import etree
@@ -32,30 +31,23 @@ ESCAPED = "\\"
 
 
 def escape_separators(model: Model) -> None:
-    r"""Replace every `/` by `\` in the names of the model and its elements, and in all references.
-
-    Raises `MjcfError` if two names would become equal.
-    """
+    r"""Replace every `/` by `\` in all names and references. Raises `MjcfError` if two names would become equal."""
     sink = Sink()
-    declared = {
-        namespace: {name: node for name, node in names.items() if SEPARATOR in name}
-        for namespace, names in model.names.declared.items()
-    }
-    for namespace, names in declared.items():
-        for name, node in names.items():
-            taken = model.names.find(namespace, _escaped(name))
-            if taken is not None:
-                message = f"{describe(model, node)} would be called `{_escaped(name)}`, as another {namespace} is"
-                help = "rename one of the two, or read the model without `escape_separators`"
-                notes = (Note("the other is here", model.span(taken)),)
-                sink.error("name-clash", message, model.span(node), notes=notes, help=help)
+    every = ((space, name, node) for space, names in model.names.declared.items() for name, node in names.items())
+    declared = [each for each in every if SEPARATOR in each[1]]
+    for namespace, name, node in declared:
+        taken = model.names.find(namespace, _escaped(name))
+        if taken is not None:
+            message = f"{describe(model, node)} would be called `{_escaped(name)}`, as another {namespace} is"
+            help = "rename one of the two, or read the model without `escape_separators`"
+            notes = (Note("the other is here", model.span(taken)),)
+            sink.error("name-clash", message, model.span(node), notes=notes, help=help)
     raise_errors(sink)
     add_files(model, renamed_skins(model, _escaped))
-    for names in declared.values():
-        for name, node in names.items():
-            attribute = naming_attribute(kind_of(node))
-            assert attribute is not None
-            assign(model, node, {attribute.name: _escaped(name)})
+    for _, name, node in declared:
+        attribute = naming_attribute(kind_of(node))
+        assert attribute is not None
+        assign(model, node, {attribute.name: _escaped(name)})
     for namespace, uses in model.names.uses.items():
         model.names.follow(namespace, {name: _escaped(name) for name in uses if SEPARATOR in name})
     if SEPARATOR in model.unit.model:
@@ -93,13 +85,6 @@ def attach(model: Model, host: Node, child: Model) -> Node:
     update_references(model.top)
     model.unit.origins.own(frame, call_site())
     return frame
-
-
-def detach(child: Model) -> None:
-    """Detach a model from its parent. See `RootElement.detach`."""
-    if child.hung is None:
-        raise failure("attach-place", f"`{child.name}` is not attached to anything")
-    release(child.hung.parent, child.prefix)
 
 
 def set_model_name(model: Model, name: str | None) -> None:
@@ -142,21 +127,12 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                     between = child.hung.find(namespace, rest)
                     found = None if between is None else Target(child.hung.parent, between)
                 if found is not None:
-                    notes = (
-                        Note("one is here", here.span(node)),
-                        Note("the other is here", found.model.span(found.node)),
-                    )
+                    one, other = here.span(node), found.model.span(found.node)
                     message = f"there is a {namespace} `{known}` in `{here.name}`, which would have two"
                     help = "give one of the two another name, or the model: `other.model = '…'`"
+                    notes = (Note("one is here", one), Note("the other is here", other))
                     raise failure("name-clash", message, notes=notes, help=help)
         full = here.prefix + full
-
-
-def attachments_below(model: Model) -> Iterator[Attachment]:
-    """Yield every attachment of a composition, each before the attachments of its child."""
-    for attachment in model.attachments.values():
-        yield attachment
-        yield from attachments_below(attachment.child)
 
 
 def text(model: Model, node: Node) -> str:
@@ -229,10 +205,7 @@ class NodeView(Attributed):
         return self._alive()._model.span(self._node)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Return the element's counterpart in the copy of its model.
-
-        Raises `MjcfError` for an element that is copied alone.
-        """
+        """Return the counterpart in the copy of its model. Raises `MjcfError` for an element that is copied alone."""
         if not memo:
             message = "an element cannot be copied without its model"
             raise failure("not-supported", message, help="copy the model: `copy.deepcopy(element.root)`")
@@ -330,7 +303,9 @@ class RootView(NodeView):
         >>> gripper.parent_model is None
         True
         """
-        detach(self._model)
+        if self._model.hung is None:
+            raise failure("attach-place", f"`{self._model.name}` is not attached to anything")
+        release(self._model.hung.parent, self._model.prefix)
 
     @short_traceback
     def to_xml_string(self, *, conflict: Policy = "error") -> str:

@@ -300,13 +300,8 @@ def from_spec(spec: Any) -> RootElement:
     for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
         assets.setdefault(posixpath.basename(name), data)
     # To MuJoCo 4.0, NaN means not set, so it does not write it.
-    lost = sorted(
-        name
-        for kind in KINDS
-        for name, array, _ in arrays(compiled, kind)
-        if array.dtype.kind == "f" and bool((array != array).any())
-    )
-    if lost:
+    floats = (each for kind in KINDS for each in arrays(compiled, kind) if each[1].dtype.kind == "f")
+    if lost := sorted(name for name, array, _ in floats if bool((array != array).any())):
         message = "MuJoCo does not write NaN, so these attributes of the spec have their defaults: "
         warn(message + ", ".join(lost), MjcfWarning)
     return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
@@ -322,6 +317,5 @@ def _text(compiled: Any) -> str:
         except (ValueError, engine().FatalError) as error:
             compiler.savecompiled = True
             why = " ".join(str(error).split())
-    message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
-    warn(message, MjcfWarning)
+    warn(f"MuJoCo writes the numbers of this spec in six digits only: {why}", MjcfWarning)
     return str(compiled.to_xml())

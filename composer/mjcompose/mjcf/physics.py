@@ -72,8 +72,7 @@ def _renderer(model: Any, height: int, width: int) -> Any:
         return engine().Renderer(model, height, width)
     except Exception as error:
         if read_sentence(str(error)).topic is Topic.FRAMEBUFFER:
-            size = f"{width} times {height} pixels"
-            message = f"OpenGL has no room for a picture of {size}: {error}"
+            message = f"OpenGL has no room for a picture of {width} times {height} pixels: {error}"
             raise failure("out-of-range", message) from error
         help = "without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
         raise failure("not-supported", f"OpenGL is not available for rendering: {error}", help=help) from error
@@ -252,9 +251,8 @@ class Physics:
         """Return a copy that finds the elements of other trees by their names."""
         data = copy.deepcopy(self._data, memo)
         memo[id(self._model)] = data.model
-        twin = Physics(data.model, data)
+        twin = _restored(data, self.legacy_step)
         twin._snapshots = list(self._snapshots)
-        twin.legacy_step = self.legacy_step
         return twin
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -294,9 +292,8 @@ class Physics:
         if several is None or not all(isinstance(each, NodeView) for each in several):
             got = next((each for each in several or () if not isinstance(each, NodeView)), elements)
             message = f"elements are bound, or sequences of them, got `{type(got).__name__}`"
-            raise failure(
-                "wrong-type", message, help="`find` gives None where no such element exists" if got is None else None
-            )
+            help = "`find` gives None where no such element exists" if got is None else None
+            raise failure("wrong-type", message, help=help)
         for each in several:
             each._alive()
         if not several:
@@ -313,8 +310,8 @@ class Physics:
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
         labels = [each._described() for each in elements]
-        binding = binding_of(kind, as_slice(ids) is not None)(kind, ids, labels, one, self._model, self._data)
-        self._bindings[key] = binding
+        made = binding_of(kind, as_slice(ids) is not None)
+        self._bindings[key] = binding = made(kind, ids, labels, one, self._model, self._data)
         return binding
 
     def _kind(self, element: NodeView) -> str:
@@ -377,9 +374,8 @@ class Physics:
         names = self._roster.names[kind]
         if isinstance(given, str) and given in self._roster.ids[kind]:
             return self._roster.ids[kind][given]
-        number = int(given) if isinstance(given, int | np.integer) and not isinstance(given, bool) else -1
-        if 0 <= number < len(names):
-            return number
+        if isinstance(given, int | np.integer) and not isinstance(given, bool) and 0 <= given < len(names):
+            return int(given)
         known = [name or str(at) for at, name in enumerate(names)]
         message = f"the compiled model has no {kind} `{given}`"
         if isinstance(given, str):

@@ -26,8 +26,7 @@ def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
     """Yield all matches below a node, without the node itself."""
     frame = model.frame_above(node)
     if frame is not None:
-        if node is frame:
-            yield from _frame_content(model.attachment_of(frame), query)
+        yield from _frame_content(model.attachment_of(frame), query) if node is frame else ()
         return
     section = section_of(node)
     if section == WORLD_SECTION:
@@ -43,9 +42,7 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
     frame = model.frame_above(node)
     if frame is not None:
-        attachment = model.attachment_of(frame)
-        yield from (Target(model, joint) for joint in frame.iterchildren(*query.tags) if _matches_joint(joint, query))
-        yield from _top_level(attachment.child, query)
+        yield from _frame_content(model.attachment_of(frame), query, immediate=True)
         return
     section = section_of(node)
     for child in node.iterchildren(*query.tags) if query.tags else ():
@@ -140,16 +137,13 @@ class _World:
             yield from _frame_content(attachment, self.query)
 
 
-def _frame_content(attachment: Attachment, query: Query) -> Iterator[Target]:
-    """Yield the matches among the joints of a frame, then those in the worldbody of the child."""
+def _frame_content(attachment: Attachment, query: Query, *, immediate: bool = False) -> Iterator[Target]:
+    """Yield the matches among the joints of a frame, then those in the worldbody of the child, or at its top level."""
     for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
-        if _matches_joint(joint, query):
+        if query.takes(WORLD_SECTION, "body", str(joint.tag)):
             yield Target(attachment.parent, joint)
-    yield from _in_section(attachment.child, WORLD_SECTION, query, itself=False)
-
-
-def _matches_joint(joint: Node, query: Query) -> bool:
-    return query.takes(WORLD_SECTION, "body", str(joint.tag))
+    child = attachment.child
+    yield from _top_level(child, query) if immediate else _in_section(child, WORLD_SECTION, query, itself=False)
 
 
 def _section_tags(model: Model) -> list[str]:
@@ -168,12 +162,10 @@ def find_first(here: Target, tag: str, name: str | None) -> Target | None:
         return next(_matches(here, wanted), None)
     name = as_name("name", name)
     for namespace in wanted.namespaces:
-        found = here.model.lookup(namespace, name)
-        if found is None:
-            continue
-        fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
-        if fits and (from_root or is_below(here, found)):
-            return found
+        if (found := here.model.lookup(namespace, name)) is not None:
+            fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
+            if fits and (from_root or is_below(here, found)):
+                return found
     return None
 
 
@@ -183,10 +175,9 @@ def cached_element(model: Model, tag: str, name: str) -> Any:
     for namespace in wanted.namespaces:
         names = model.names.declared.get(namespace)
         node = None if names is None else names.get(name)
-        if node is not None:
-            found = model.views.get(node)
-            if found is not None and found._kind.path in wanted.paths:
-                return found
+        found = None if node is None else model.views.get(node)
+        if found is not None and found._kind.path in wanted.paths:
+            return found
     return None
 
 

@@ -183,10 +183,7 @@ def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
 
 
 def runs(model: Model, kind: str, index: int) -> Iterator[tuple[str, Array]]:
-    """Yield the data of one element, array by array, in a fixed order; shape (n,) or (n, width) as in `mjModel`.
-
-    Arrays that this MuJoCo does not have are left out. ``links`` has the references.
-    """
+    """Yield the data of one element by array, (n,) or (n, width), in a fixed order; `links` has its references."""
     if kind == "joint" and int(model.jnt_type[index]) == FREE:
         return  # its numbers are the pose of its body
     for name, run, nested in data_of(kind):

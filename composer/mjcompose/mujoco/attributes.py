@@ -249,10 +249,7 @@ def _own(attribute: str, kinds: Iterable[str]) -> set[str]:
 
 
 def save_digits(mujoco: Any, count: int = 17) -> None:
-    """Set how many digits MuJoCo saves in this process; with 17, numbers read back to the same bits.
-
-    It saves six by default. Raises ValueError for a version that cannot save more.
-    """
+    """Set how many digits MuJoCo saves: six by default, 17 for the same bits. Raises ValueError if it cannot."""
     folder = Path(mujoco.__file__).parent
     for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):
         for library in folder.glob(pattern):
@@ -287,11 +284,7 @@ _PLACES = ("qpos", "mocap_pos", "mocap_quat")
 
 
 def place(mujoco: Any, model: Any, data: Any) -> None:
-    """Compute all positions; contacts too, unless MuJoCo runs out of memory for them.
-
-    Looking for contacts of 10,000 bodies in the world needs 200 MB, and `mj_forward` has 16 MB unless `size/memory`
-    says otherwise (MuJoCo 4.0).
-    """
+    """Compute positions, and contacts if memory allows: for 10,000 bodies these need 200 MB; MuJoCo 4.0 has 16."""
     try:
         mujoco.mj_forward(model, data)
         return

@@ -73,10 +73,7 @@ class Rules:
 
 
 def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal]:
-    """Yield where elements that both models have differ: array by array, kind by kind, but not in references and keys.
-
-    The rows of degrees of freedom belong to a joint and come last.
-    """
+    """Yield where elements of both models differ, by array and kind; not references and keys. Dofs come last."""
     for kind in KINDS:
         if kind != "key":
             pairs = matching.pairs(kind)
@@ -179,10 +176,7 @@ def _unequal(prefix: str, mine: Any, theirs: Any) -> Iterator[tuple[str, Any, An
 
 
 def option_differences(alone: Model, composed: Model) -> list[Difference]:
-    """Return the settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit.
-
-    A part is not changed if these differ, but its author wrote them for a reason.
-    """
+    """Return the settings of `opt` and `vis` that differ. They do not change a part, but its author wrote them."""
     found = _settings("option", alone.opt, composed.opt)
     for group in _VISUAL:
         found += _settings(f"visual/{group.rstrip('_')}", *(getattr(each.vis, group) for each in (alone, composed)))
@@ -279,12 +273,8 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
         target = next(alike, found[0] if found else ABSENT)
         taken.add(target)
         yield index, target
-    prefix = matching.prefix
-    left = [
-        i
-        for i, name in enumerate(composed.names["key"])
-        if i not in taken and (not name or (prefix and name.startswith(prefix)))
-    ]
+    free = [(i, name) for i, name in enumerate(composed.names["key"]) if i not in taken]
+    left = [i for i, name in free if not name or (matching.prefix and name.startswith(matching.prefix))]
     for index in unnamed:
         alike = (i for i in left if not _says_otherwise(matching, index, i, moved=moved))
         target = next(alike, left[0] if left else ABSENT)
@@ -303,31 +293,28 @@ def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose
 def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
     yield from _of_joints(matching, key, target, moved=moved)
     alone, composed = matching.alone.model, matching.composed.model
-    for actuator, there in enumerate(matching.ids["actuator"]):
-        if there == ABSENT:
-            continue
+    for actuator, there in matching.pairs("actuator"):
         name = matching.composed.describe("actuator", there)
         for vector in ("ctrl", "act"):
             mine, theirs = _entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there)
             yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for kind in ("tendon", "flex"):
-        for index, there in enumerate(matching.ids[kind]):
-            if there != ABSENT:
-                yield from _plastic(matching, kind, key, target=target, index=index, there=there)
+        for index, there in matching.pairs(kind):
+            yield from _plastic(matching, kind, key, target=target, index=index, there=there)
     yield from _of_mocap_bodies(matching, key, target, moved=moved)
 
 
 def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
     alone, composed = matching.alone.model, matching.composed.model
-    for joint, there in enumerate(matching.ids["joint"]):
-        if there == ABSENT or alone.jnt_type[joint] != composed.jnt_type[there]:
+    for joint, there in matching.pairs("joint"):
+        if alone.jnt_type[joint] != composed.jnt_type[there]:
             continue
         name = matching.composed.describe("joint", there)
         mine_q, theirs_q = _entry(alone, "qpos", key, index=joint), _entry(composed, "qpos", target, index=there)
         mine_v, theirs_v = _entry(alone, "qvel", key, index=joint), _entry(composed, "qvel", target, index=there)
         bound = 0.0
         if int(alone.jnt_type[joint]) == FREE and moved is not None:
-            # Its linear velocity is in the frame of the world, and its angular velocity in that of the body.
+            # Its linear velocity is in the frame of the world, and its angular velocity in the frame of the body.
             mine_v = np.array([*rotate(moved.quat, mine_v[:3].tolist()), *mine_v[3:].tolist()])
             mine_q, theirs_q, bound = *_moved(mine_q, theirs_q, moved), ROUNDING
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
@@ -337,8 +324,8 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
 
 def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
     alone, composed = matching.alone.model, matching.composed.model
-    for body, there in enumerate(matching.ids["body"]):
-        if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
+    for body, there in matching.pairs("body"):
+        if alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
             continue
         name = matching.composed.describe("body", there)
         mine, theirs, bound = _mocap(alone, key, body), _mocap(composed, target, there), 0.0

@@ -97,10 +97,7 @@ def of_transmission(model: Model, row: int) -> str | None:
 
 
 def of_control(model: Model, mujoco: Any, row: int) -> str | None:
-    """Return the unit of an actuator's only control, derived from MuJoCo's computations with it.
-
-    A servo takes a position or a velocity, a motor a force or torque, a muscle an activation.
-    """
+    """Return the unit of an actuator's only control: a position or velocity of a servo, a force, an activation."""
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
         return "1"
@@ -148,10 +145,7 @@ class Divergence:
 
 
 def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf) -> str | None:
-    """Step until `end` seconds after the time `begun`, or for `most` seconds of this machine's time.
-
-    Return why the simulation cannot go on, or None.
-    """
+    """Step until `end` s after `begun`, at most for `most` s of real time. Return why it cannot go on, or None."""
     if not model.opt.timestep > 0:
         return "the timestep of the model is 0, so no time passes"
     divergence, latest = Divergence(mujoco, model, data), time.monotonic() + most

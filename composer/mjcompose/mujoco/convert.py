@@ -225,10 +225,7 @@ _SHARED = "Flattened_Prototype_"
 
 
 def _settled(layer: Any, sdf: Any) -> Any:
-    """Return the layer without what differs between runs: its path, and the numbers of shared prims.
-
-    Shared prims are numbered in the order in which they are first referred to.
-    """
+    """Return the layer without what differs between runs: its path, and the numbers of shared prims."""
     numbered: dict[Any, Any] = {}
     waiting = [each for each in layer.rootPrims if not each.name.startswith(_SHARED)][::-1]
     while waiting:

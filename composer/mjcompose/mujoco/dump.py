@@ -82,10 +82,8 @@ def _names(model: Any, mujoco: Any) -> dict[str, Any]:
 def _words(model: Any, mujoco: Any) -> dict[str, Any]:
     """Flags and kinds by their names, for the numbers behind them are not the same in all versions."""
     found: dict[str, Any] = {"flags": {}}
-    for prefix, kind, bits in (
-        ("mjDSBL_", "mjtDisableBit", ~int(model.opt.disableflags)),
-        ("mjENBL_", "mjtEnableBit", int(model.opt.enableflags)),
-    ):
+    off, on = int(model.opt.disableflags), int(model.opt.enableflags)
+    for prefix, kind, bits in (("mjDSBL_", "mjtDisableBit", ~off), ("mjENBL_", "mjtEnableBit", on)):
         for name in dir(getattr(mujoco, kind)):
             if name.startswith(prefix):
                 bit = int(getattr(getattr(mujoco, kind), name))
@@ -106,12 +104,8 @@ def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
     mujoco.mj_saveLastXML(saved, model)
     parser = ElementTree.XMLParser(encoding="utf-8")  # nosec B314  # MuJoCo wrote the text, without a document type
     textures = ElementTree.parse(saved, parser).iterfind("asset/texture")  # nosec B314
-    return [
-        [int(255 * float(each)) for each in texture.get("markrgb", "0 0 0").split()]
-        if texture.get("mark") == "random"
-        else None
-        for texture in textures
-    ]
+    colors = [texture.get("markrgb", "0 0 0") if texture.get("mark") == "random" else None for texture in textures]
+    return [None if color is None else [int(255 * float(each)) for each in color.split()] for color in colors]
 
 
 _KINDS = {
@@ -132,7 +126,7 @@ _MOST_STEPS = 1_000_000
 
 
 def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
-    """Return the arrays of all trials, and write down what they are; none if the key does not exist."""
+    """Return the arrays of all trials, and note their names; none if the key does not exist."""
     arrays: dict[str, Any] = {}
     said["keys"] = [_name(mujoco, model, "KEY", number=n) for n in range(model.nkey)]
     said["trials"], said["diverged"] = [], []

@@ -84,10 +84,7 @@ class Request:
             raise ValueError(f"unknown needs {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
-        """Return one line of JSON. All paths in it are absolute, because the child works in another folder.
-
-        `step` is the limit for the forward step in seconds, 0 without a limit.
-        """
+        """Return a line of JSON with absolute paths. `step` limits the forward step, in seconds, if it is not 0."""
         paths = {
             "folder": str(self.folder.absolute()), "mjb": self.mjb and str(self.mjb.absolute()),
             "arrays_file": str(arrays_file),
@@ -187,10 +184,7 @@ class Session:
                 self._spawn()
 
     def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
-        """Return the child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
-
-        The arrays' file exists only if the answer says so; it belongs to the session.
-        """
+        """Return the child's answer, or a failure in its place, and the file of its arrays, if it says there is one."""
         answer = self._start()
         arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
         self._count += 1

@@ -64,10 +64,6 @@ class Other:
             return Compiled(self.version, error=str(answer["error"]))
         return Compiled(self.version, out, answer["names"], words=answer["words"])
 
-    def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Simulate a model as `dump.py` says; its arrays go to the file `out`. Raises OtherError."""
-        return _run(self.python, [str(model), str(out), json.dumps(asked)])
-
 
 def this_python() -> Path:
     return Path(sys.executable)
@@ -127,33 +123,34 @@ def _commands(folder: Path, version: str) -> list[list[str]]:
     uv = shutil.which("uv")
     if uv is not None:
         python = ["--python", "3.11"]  # all versions since 3.0 have a wheel for it
-        return [
-            [uv, "venv", "--quiet", *python, str(folder)],
-            [uv, "pip", "install", "--quiet", "--python", str(_python_of(folder)), *wanted],
-        ]
+        install = [uv, "pip", "install", "--quiet", "--python", str(_python_of(folder)), *wanted]
+        return [[uv, "venv", "--quiet", *python, str(folder)], install]
     quiet = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:"]
-    return [
-        [sys.executable, "-m", "venv", str(folder)],
-        [str(_python_of(folder)), "-m", "pip", "install", *quiet, *wanted],
-    ]
+    install = [str(_python_of(folder)), "-m", "pip", "install", *quiet, *wanted]
+    return [[sys.executable, "-m", "venv", str(folder)], install]
 
 
 def _install_with(command: list[str], version: str) -> None:
     process = Process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    try:
-        _, said = process.communicate(timeout=_INSTALLING)
-    except subprocess.TimeoutExpired:
-        process.end()
-        raise OtherError(f"installing MuJoCo {version} took longer than {_INSTALLING:g} seconds") from None
-    finally:
-        process.release()
+    late = OtherError(f"installing MuJoCo {version} took longer than {_INSTALLING:g} seconds")
+    _, said = _written(process, _INSTALLING, late)
     if process.returncode:
         lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip()]
         errors = [line for line in lines if "error" in line.lower()] or lines
-        raise OtherError(
-            f"MuJoCo {version} cannot be installed: {errors[-1].strip()[:_LONGEST] if errors else 'without a reason'}",
-            "install it into an environment yourself, and name its Python with `--with-python`",
-        )
+        why = errors[-1].strip()[:_LONGEST] if errors else "without a reason"
+        help = "install it into an environment yourself, and name its Python with `--with-python`"
+        raise OtherError(f"MuJoCo {version} cannot be installed: {why}", help)
+
+
+def _written(process: Process, seconds: float, late: OtherError) -> tuple[bytes, bytes]:
+    """Return the output and the errors of a process at its end. Raises `late` if it takes longer."""
+    try:
+        return process.communicate(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        process.end()
+        raise late from None
+    finally:
+        process.release()
 
 
 def _python_of(folder: Path) -> Path:
@@ -168,14 +165,8 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
     except OSError as error:
         raise OtherError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None
-    try:
-        out, said = process.communicate(timeout=in_force().time)
-    except subprocess.TimeoutExpired:
-        process.end()
-        message = f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds"
-        raise OtherError(message, "give it more with `--timeout`") from None
-    finally:
-        process.release()
+    message = f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds"
+    out, said = _written(process, in_force().time, OtherError(message, "give it more with `--timeout`"))
     try:
         found = json.loads(out)
         found["version"] = release(str(found["version"])) or str(found["version"])
@@ -204,9 +195,8 @@ class Moved:
     @property
     def words(self) -> str:
         """The line that commands print."""
-        return (
-            f"{self.kind} {self.name}: {self.amount:.3g} {self.unit} apart in `{self.trial}`, from {self.time:.3g} s on"
-        )
+        apart = f"{self.amount:.3g} {self.unit} apart in `{self.trial}`"
+        return f"{self.kind} {self.name}: {apart}, from {self.time:.3g} s on"
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +209,8 @@ class Motion:
 
     @classmethod
     def of(cls, other: Other, model: Path, out: Path, asked: Mapping[str, Any]) -> Motion:
-        """Simulate a model. Raises OtherError."""
-        answer = other.move(model, out, asked)
+        """Simulate a model as `dump.py` says; its arrays go to the file `out`. Raises OtherError."""
+        answer = _run(other.python, [str(model), str(out), json.dumps(asked)])
         if "error" in answer:
             raise RejectedError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
         if asked["key"] is not None and asked["key"] not in answer["keys"]:

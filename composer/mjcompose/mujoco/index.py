@@ -328,11 +328,7 @@ def compiled_order(root: Node) -> Order:
 
 
 def rows(order: Order, roster: NameTable) -> dict[Node, int]:
-    """Return the number of every element within its kind, as far as that is certain.
-
-    A stretch of elements counts if all names match; if they do not, because MuJoCo has removed or added elements,
-    only named ones are found.
-    """
+    """Return each element's number within its kind: all in a stretch of matching names, elsewhere named ones only."""
     found: dict[Node, int] = {}
     # If a body is missing, MuJoCo has moved its elements to others.
     whole = None in order["body"] or len(order["body"]) == roster.count("body")

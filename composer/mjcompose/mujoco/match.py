@@ -119,10 +119,7 @@ class Mount:
         cls, composed: Model, *, site: str | None = None, body: str | None = None, pos: Vec3 = ORIGIN,
         quat: Quat = IDENTITY_QUAT,
     ) -> Mount:  # fmt: skip
-        """Return the mount for a place in a recipe: a site, a body or the world, with an offset.
-
-        ``pos`` is in meters, in the frame of the place. Raises KeyError for an unknown site.
-        """
+        """Return the mount for a place in a recipe, with an offset in its frame (m). Raises KeyError if unknown."""
         offset = Pose(pos, normalize(quat))
         if site is None:
             return cls(body, offset)
@@ -218,11 +215,8 @@ class Correspondence:
 
     def _frame_bodies(self) -> set[int]:
         """Return the mount, and bodies without joints that a composition may have put between it and the part."""
-        worlds = {self.mount}
-        if not self.prefix:
-            return worlds
-        model = self.composed.model
-        for index, name in enumerate(self.composed.names["body"]):
+        worlds, model = {self.mount}, self.composed.model
+        for index, name in enumerate(self.composed.names["body"] if self.prefix else ()):
             is_frame = index not in self.taken["body"] and not model.body_jntnum[index]
             if is_frame and name.startswith(self.prefix) and int(model.body_parentid[index]) in worlds:
                 worlds.add(index)
@@ -239,10 +233,9 @@ class Correspondence:
             for index, owner in enumerate(owners):
                 if self.alone.names[kind][index]:
                     self._loads.setdefault(owner, []).append((kind, index))
-        here, there = _unnamed_by_body(self.alone, "body"), _unnamed_by_body(self.composed, "body")
-        for parent in range(self.alone.count("body")):
-            children = here.get(parent, [])
-            if found[parent] != ABSENT and children:
+        there = _unnamed_by_body(self.composed, "body")
+        for parent, children in sorted(_unnamed_by_body(self.alone, "body").items()):
+            if found[parent] != ABSENT:
                 parents = sorted(self.worlds) if parent == 0 else [found[parent]]
                 candidates = [i for p in parents for i in there.get(p, ()) if i not in self.taken["body"]]
                 self._assign("body", *self._match_by_load(children, candidates))
@@ -307,7 +300,7 @@ class Correspondence:
                 self._take(kind, i, j)
             return
         alone, composed = self.alone.model, self.composed.model
-        # First by all values and references, then by what rarely changes and references, by that alone, and by nothing.
+        # By all values and references, then by the traits that rarely change and references, by the traits, by nothing.
         likenesses = ((values, True), (shape, True), (shape, False), (lambda *_: None, False))
         for likeness, refers in likenesses:
             waiting: dict[Hashable, list[int]] = {}

@@ -285,10 +285,7 @@ def translate(message: str, element: Node | None) -> Translation:
 
 
 def unknown_attribute(element: Node, name: str, file: str | None = None, version: str | None = None) -> Translation:
-    """Return the translation for an attribute that MJCF does not have in that place.
-
-    `file` is the model in which it is written, and `version` a MuJoCo that reads it, if these are known.
-    """
+    """Return the translation for an unknown attribute in a `file` that a MuJoCo of `version` reads, if known."""
     found = of_other_version(element, name, file, version=version)
     if found is None:
         known = list(kind.attributes) if (kind := kind_of(element)) is not None else []

@@ -67,10 +67,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
 
 
 def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
-    """Move the drawn parts of a model apart, and return the ends of lines to where they belong.
-
-    A part is the bodies with one prefix, or a body if there are no prefixes. It moves away from the part that it is on.
-    """
+    """Move the parts (bodies with one prefix, or each body) away from those they are on; return lines to there."""
     called = names(model, "body")
     prefixes = [name.rpartition("/")[0] for name in called]
     is_whole = not any(prefixes)
@@ -137,10 +134,7 @@ SKYLESS = (235, 235, 235, 1)
 
 
 def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None) -> Any:
-    """Return a picture on black composited over a background; `drawn` is the share of each pixel that is drawn.
-
-    MuJoCo blends edges with black, so only the background has to be added there.
-    """
+    """Return a picture on black over a background. `drawn` is the share of each pixel; edges are blended already."""
     *color, opacity = SKYLESS if background is None else background
     if opacity:
         behind = (1 - drawn)[:, :, None] * np.array(color)
@@ -295,10 +289,7 @@ class Stage:
         return camera(self.mujoco, [(self.model, self.data)], self.look.aspect, subject=subject)
 
     def picture(self, view: Any) -> Any:
-        """Return the picture of a camera, `(height, width, 3)` or with opacity `(height, width, 4)`, in bytes.
-
-        `view` is the name of a camera of the model, or an `MjvCamera`.
-        """
+        """Return the picture of a camera, by name or `MjvCamera`, in bytes: `(height, width, 3 or 4 with opacity)`."""
         mujoco, look = self.mujoco, self.look
         self._window.make_current()
         with prepared(self.model, self._distance(view)):
@@ -349,10 +340,7 @@ class Stage:
         return np.flipud(found).copy()
 
     def _share_drawn(self) -> Any:
-        """Return the share of each pixel that is drawn, `(height, width)`, from 0 to 1.
-
-        It uses depth, because MuJoCo's segmentation leaves out sites and tendons.
-        """
+        """Return the drawn share of each pixel, `(height, width)`, by depth: segmentation lacks sites and tendons."""
         kinds, look = self.mujoco.mjtRndFlag, self.look
         costly = [int(kinds.mjRND_SHADOW), int(kinds.mjRND_REFLECTION)]
         self._scene.flags[costly] = 0
@@ -425,10 +413,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | None) -> Iterator[Any]:
-    """Yield the pictures of a film: physics for `play` seconds, a turn around the model, or both at once.
-
-    Raises _StoppedError if the simulation cannot go on.
-    """
+    """Yield a film's pictures: physics for `play` s, a turn around the model, or both. Raises _StoppedError."""
     seconds = _TURN_SECONDS if play is None else play
     count = max(2, round(seconds * rate))
     started = stage.data.time

@@ -326,10 +326,7 @@ _PULLEY = -2  # the value of `wrap_obj` for a pulley, which cuts a tendon's path
 
 
 def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
-    """Yield the answer of `seen` at the reference configuration, then at each keyframe.
-
-    `data` is at the reference configuration again afterwards.
-    """
+    """Yield the answer of `seen` at the reference configuration, to which `data` returns, and at each keyframe."""
     for key in (None, *range(model.nkey)):
         if key is not None:
             mujoco.mj_resetDataKeyframe(model, data, key)
@@ -340,10 +337,7 @@ def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
 
 
 def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
-    """Return the contacts, tendon paths and values of sensors of a state.
-
-    A contact has its two geoms (-1 for a flex), its position, its normal, and the force on the second geom.
-    """
+    """Return contacts (geoms, -1 for a flex; position, normal, force on the second), tendon paths and sensors."""
     contacts = []
     for number in range(min(int(data.ncon), _MOST_CONTACTS)):
         contact, force = data.contact[number], np.zeros(6)

@@ -30,10 +30,7 @@ class Volume:
 
 
 def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
-    """Return the corners of a box around a geom, in the world frame (m), shape (8, 3).
-
-    Its `center` and `half` of its size are in the frame of the geom, shape (3,).
-    """
+    """Return the corners of a box around a geom in the world (m), (8, 3); `center` and `half` are in its frame."""
     import numpy as np
 
     return (center + half * np.array(SIGNS)) @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
@@ -75,10 +72,7 @@ class Shapes:
         return float(np.linalg.norm(self.corners(self.of(body)) - self.data.xipos[body], axis=1).max())
 
     def volume(self, geoms: list[int]) -> Volume:
-        """Return the volume of a body's geoms in m³.
-
-        The largest volume of a group of geoms counts, because visual and collision geoms are copies of the same body.
-        """
+        """Return the volume of the largest group of geoms in m³, because visual geoms repeat collision geoms."""
         groups: dict[int, Volume] = {}
         for geom in geoms:
             group = int(self.model.geom_group[geom])

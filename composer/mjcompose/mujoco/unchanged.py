@@ -40,13 +40,9 @@ class Placing:
         self.roots: dict[str, list[int]] = {kind: [] for kind in (*_POSED, "light")}
         alone = matching.alone.model
         for kind, roots in self.roots.items():
-            parents = getattr(alone, HOLDERS[kind])
-            found = matching.ids[kind]
-            roots += [
-                i for i, parent in enumerate(parents.tolist())
-                if parent == 0 and found[i] != ABSENT
-                and not (kind == "body" and (i == 0 or twists_a_rod(alone, i)))
-            ]  # fmt: skip
+            at_root = getattr(alone, HOLDERS[kind]) == 0
+            placed = (i for i, _ in matching.pairs(kind) if at_root[i])
+            roots += [i for i in placed if kind != "body" or not twists_a_rod(alone, i)]
         self.transform = mount.pose if mount.pose is not None else self._first()
 
     def _first(self) -> Pose | None:
@@ -202,10 +198,7 @@ class InComposition(Rules):
         return bool(self.coupling.trees)
 
     def _less_simple(self, kind: str, index: int) -> bool:
-        """Return whether only one of the models uses MuJoCo's shortcut for bodies that slide in the world.
-
-        The shortcut's inverse weights differ from the whole mass matrix's.
-        """
+        """Return whether only one model uses MuJoCo's shortcut for sliding bodies, with other inverse weights."""
         if kind not in ("body", "joint"):
             return False
         body = self._body(kind, index)
@@ -213,11 +206,7 @@ class InComposition(Rules):
         return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
 
     def _has_no_direction(self, tendon: int) -> bool:
-        """Return whether two neighboring sites of a tendon lie in one point in the reference configuration.
-
-        MuJoCo 4.0 then takes the x axis of the world, or a rounding error, for the direction between them: the results
-        depend on how the part is turned.
-        """
+        """Return whether two sites of a tendon are one point: MuJoCo 4.0 takes the world's x axis as direction."""
         model, rows = self.alone, RUNS["tendon"]["nwrap"].rows(self.alone, tendon)
         sites = [int(model.wrap_objid[row]) if int(model.wrap_type[row]) == WRAP_SITE else ABSENT for row in rows]
         pairs = (map(self._reference, pair) for pair in pairwise(sites) if min(pair) >= 0)
@@ -284,9 +273,7 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
         several = field.startswith("dof_")  # a row for each degree of freedom
         for row in np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]:
             expected, actual, different = each.expected[row], each.actual[row], each.different[row]
-            at: Any = ...
-            if different.size > _SHOWN:
-                at = tuple(np.argwhere(different)[0].tolist())
+            at: Any = tuple(np.argwhere(different)[0].tolist()) if different.size > _SHOWN else ...
             shown = field if at is ... else f"{field}{list(at)}"
             before, after = plain_value(expected[at]), plain_value(actual[at])
             found.append(Difference(each.kind, name, shown, expected=before, actual=after))
@@ -317,11 +304,8 @@ def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) ->
     mine, theirs = alone.actuator_biasprm[actuator].tolist(), composed.actuator_biasprm[target].tolist()
     if mine[:2] != theirs[:2] or mine[3:] != theirs[3:]:
         return False
-    return any(
-        math.isclose(a, b, rel_tol=_CLOSE)
-        for a, b in zip(_ratios(alone, actuator), _ratios(composed, target), strict=False)
-        if a is not None and b is not None
-    )
+    ratios = zip(_ratios(alone, actuator), _ratios(composed, target), strict=True)
+    return any(a is not None and b is not None and math.isclose(a, b, rel_tol=_CLOSE) for a, b in ratios)
 
 
 def _is_damped_servo(model: Model, actuator: int) -> bool:

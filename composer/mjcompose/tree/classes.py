@@ -110,10 +110,7 @@ class Classes:
         return self.by_name.get(name or MAIN) or self.by_name[MAIN]
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
-        """Return the effective value of `attribute`: the element's own first.
-
-        `childclass` is the one in force around the element.
-        """
+        """Return the effective value of `attribute`, the element's own first; `childclass` is in force around it."""
         if (value := written(element, attribute)) is not None:
             return value
         found = self.get(element.get("class") or childclass).lookup(default_tag(element), attribute)

@@ -347,10 +347,7 @@ _OF_A_KEY = 2000
 
 
 def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
-    """Return whether an expanded model with this number of elements reserves no more than the limits allow.
-
-    If not, report the attribute that reserves too much.
-    """
+    """Return whether a model with this many elements reserves no more than allowed; report the attribute if not."""
     most, total = in_force().reserved, 0
     for node, attribute, count in _reserving(unit, elements):
         total += count
@@ -418,10 +415,7 @@ def check_text(data: bytes, file: str, sink: Sink) -> bool:
 
 
 def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
-    """Return whether no element read from `data` has too many attributes, because each may be a fault.
-
-    Report the first one that has.
-    """
+    """Return whether no element of `data` has too many attributes, each of which may be a fault; report the first."""
     most, found = in_force().attributes, cast(list[Node], [])
     if _has_long_tag(data, most * len('a=""')):
         found = cast(list[Node], root.xpath(f"(descendant-or-self::*[count(@*) > {most}])[1]"))

@@ -172,10 +172,7 @@ class Reference(NamedTuple, Generic[M]):
 
 
 def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
-    """Yield the references to a name of the model: in its own tree, and in the models that it is attached to.
-
-    A rod, a `<flex>` of one dimension, refers to its twists by their names.
-    """
+    """Yield the references to a name, here and in the models above. A `<flex>` that is a rod refers to its twists."""
     for here, _, kind, used in uses_of(model, namespace, name):
         for node, attribute in here.names.users(kind, used):
             yield Reference(here, node, attribute, namespace=kind, name=used)

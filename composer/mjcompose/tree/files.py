@@ -73,10 +73,7 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
 
 def join(folder: str, name: str) -> str:
-    """Return `name` in `folder`, normalized as text: `a/../b` is `b` whether or not `a` exists.
-
-    Backslashes separate too.
-    """
+    """Return `name` in `folder`, normalized as text (`a/../b` is `b`, whatever exists). Backslashes separate too."""
     if "\\" in name or "\\" in folder:
         name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
     path = name if is_absolute(name) or not folder else f"{folder}/{name}"

@@ -97,10 +97,7 @@ def spans() -> dict[str, Span]:
 
 
 def place(node: Node) -> str:
-    """Return the place of an element as the tables say it: `body/geom`, `option/flag`, `default/geom`.
-
-    The contents of a frame or a replicate belong to the body around it.
-    """
+    """Return the place of an element as the tables say it: `body/geom`, also inside a frame or a replicate."""
     above = [str(each.tag) for each in node.iterancestors() if each.tag != "mujoco"][::-1]
     tags = [*("body" if tag in _BODIES else tag for tag in above), str(node.tag)]
     if tags[0] == "worldbody":

@@ -56,10 +56,7 @@ def word(namespace: str, article: bool = False) -> str:
 
 @cache
 def naming_table(section: str) -> dict[str, dict[str, Action]]:
-    """Return for each tag inside a top-level section which attributes hold names, and what kind of name.
-
-    An unknown section, as half-written text has it, has none.
-    """
+    """Return, for each tag in a section, the attributes with names and their kinds; none for an unknown section."""
     table: dict[str, dict[str, Action]] = {}
     for tag, element in GRAMMAR.within(section).items() if section in GRAMMAR.root.children else ():
         actions: dict[str, Action] = {}
@@ -114,11 +111,7 @@ def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
 
 
 def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
-    """Return attribute, namespace and name of each reference of one element of a section.
-
-    The fourth value is the attribute that selects the namespace, such as `objtype`; empty if the grammar determines
-    it.
-    """
+    """Return attribute, namespace, name and selector (`objtype`, or empty) of each reference of an element."""
     found = []
     for attribute, kind, namespace in _rows(section).get(node.tag, ()):
         value = node.get(attribute)

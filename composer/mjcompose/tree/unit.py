@@ -190,10 +190,7 @@ class Origins:
         return default_file if owner is None else owner
 
     def span(self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False) -> Span:
-        """Return the place to show for `element`: its start tag.
-
-        With `attribute` it is the value of that attribute, or with `key` its name, if it is written there.
-        """
+        """Return the place to show: the start tag, or the value of `attribute`, or with `key` its name, if written."""
         if attribute is not None and (found := self.set_at(element, attribute)) is not None:
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key=key)

@@ -133,10 +133,7 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
 
 
 def check_python(attribute: Attribute, value: object) -> Refusal | None:
-    """Check a Python or YAML value: a scalar, or a list of numbers, keywords or names.
-
-    `None` is never a value. For text instead of a list of numbers, the message says how to write the list.
-    """
+    """Check a Python or YAML value, never None. The message for text instead of numbers says how to write them."""
     kind = attribute.type
     if value is None:
         return Refusal(f"expects {expected(attribute)}, got nothing")

@@ -1,4 +1,4 @@
-"""XML as written, piece by piece; start tags by the line that lxml keeps, on which they end; trees written as text."""
+"""XML as written, piece by piece, with start tags by the line that lxml keeps, their last, and trees as text."""
 
 from __future__ import annotations
 
@@ -164,10 +164,7 @@ class SourceText:
     def attribute(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
     ) -> Stretch | None:
-        """Return the value of an attribute of that element, without its quotes, or with `key` its name.
-
-        Return None if the element does not have it on a single line.
-        """
+        """Return an attribute's value without quotes, or with `key` its name; None if it is on no single line."""
         found = self._attribute(name, self._find(tag, line, attributes))
         if found is None:
             return None
@@ -175,10 +172,7 @@ class SourceText:
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
-        """Return the first and the last character of an element with its content; whole lines if it is alone on them.
-
-        Return None if the end is not found.
-        """
+        """Return the ends of an element, of whole lines if it is alone on them; None if it does not end."""
         found = self._find(tag, line, attributes)
         if found is None:
             return None
@@ -264,10 +258,7 @@ _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
 
 
 def take_cdata_in(root: Node, data: bytes) -> None:
-    """Move the CDATA section of every `<text>` without `data` into this attribute, for the later stages.
-
-    The parsed tree does not distinguish sections from plain text, which MuJoCo ignores, so `data` is parsed again.
-    """
+    """Move the CDATA of each `<text>` without `data` into `data`: the tree does not distinguish it from text."""
     parser = etree.XMLParser(
         remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True, strip_cdata=False,
         recover=True,

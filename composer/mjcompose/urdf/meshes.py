@@ -78,7 +78,7 @@ class Meshes:
             self.sink.warning(doubt.code, message, span, help=FLAT_HELP)
 
     def _call(self, function: Any, files: list[str]) -> list[tuple[str, Any]]:
-        """Return each file with what the function says of it; nothing after an error."""
+        """Return each file with the answer of the function; nothing after an error."""
         unit = self.robot.unit
         if not files:
             return []

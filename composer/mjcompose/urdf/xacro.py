@@ -205,10 +205,7 @@ _VALUE = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")
 
 
 def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path]) -> Iterator[Path]:
-    """Yield the files that a template names, directly or through others; all that fit a path with a value.
-
-    Use it only before the template is expanded.
-    """
+    """Yield the files that a template names or may name, directly or through others; only before its expansion."""
     waiting, seen, looks = [(path, data)], {path}, iter(range(MOST_LOOKS))
     while waiting:
         file, content = waiting.pop()
