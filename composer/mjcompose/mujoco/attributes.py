@@ -167,14 +167,9 @@ def array_of(tag: str, attribute: str) -> str:
     return other.get(attribute, f"{KINDS[tag].arrays}_{attribute}")
 
 
-_NOT_WRITTEN = frozenset({"actuator_trntype"})
+_WORDS = [array.partition("_") for array in ENUMS if array != "actuator_trntype"]  # that one is not written
 ENUMERATED: Mapping[str, frozenset[str]] = {
-    tag: frozenset(
-        array.removeprefix(f"{kind.arrays}_")
-        for array in ENUMS
-        if array.startswith(f"{kind.arrays}_") and array not in _NOT_WRITTEN
-    )
-    for tag, kind in KINDS.items()
+    tag: frozenset(name for arrays, _, name in _WORDS if arrays == kind.arrays) for tag, kind in KINDS.items()
 }
 """By tag, the attributes whose values are words (`type`, `mode`); `enums.words` has these for each `array_of`."""
 

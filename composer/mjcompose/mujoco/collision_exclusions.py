@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -189,13 +190,8 @@ def _between(model: Any, pair: Pair) -> Iterator[int]:
 def _least(mujoco: Any, model: Any, pair: Pair, random: np.random.Generator) -> float:
     """Return how near the two come where their joints are turned one after the other, from several poses."""
     geoms = [_geoms(model, body) for body in pair]
-    meant = [
-        (one, other)
-        for one in geoms[0]
-        for other in geoms[1]
-        if int(model.geom_contype[one]) & int(model.geom_conaffinity[other])
-        or int(model.geom_contype[other]) & int(model.geom_conaffinity[one])
-    ]
+    types, affinities = model.geom_contype, model.geom_conaffinity
+    meant = [(a, b) for a, b in product(*geoms) if types[a] & affinities[b] or types[b] & affinities[a]]
     joints = [
         (int(model.jnt_qposadr[joint]), *_ends(model, joint))
         for joint in _between(model, pair)

@@ -27,9 +27,8 @@ def png(picture: NDArray[Any]) -> bytes:
     rows[1:, 0], rows[1:, 1:] = _UP, flat[1:] - flat[:-1]
     header = struct.pack(">2I5B", width, height, 8, _COLOR_TYPES[channels], 0, 0, 0)
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
-    packed = (
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
-    )
+    number = struct.Struct(">I").pack
+    packed = (number(len(data)) + kind + data + number(zlib.crc32(kind + data)) for kind, data in chunks)
     return b"".join((_SIGNATURE, *packed))
 
 

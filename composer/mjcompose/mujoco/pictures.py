@@ -137,8 +137,7 @@ def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None)
     """Return a picture on black over a background. `drawn` is the share of each pixel; edges are blended already."""
     *color, opacity = SKYLESS if background is None else background
     if opacity:
-        behind = (1 - drawn)[:, :, None] * np.array(color)
-        return np.clip(np.rint(picture + behind), 0, 255).astype(np.uint8)
+        return np.clip(np.rint(picture + (1 - drawn)[:, :, None] * np.array(color)), 0, 255).astype(np.uint8)
     share = np.rint(drawn * 255).astype(np.uint8)
     # A PNG has colors that are not multiplied by their opacity.
     own = np.clip(picture / np.maximum(drawn, 1 / 255)[:, :, None], 0, 255)
@@ -344,10 +343,9 @@ class Stage:
         kinds, look = self.mujoco.mjtRndFlag, self.look
         costly = [int(kinds.mjRND_SHADOW), int(kinds.mjRND_REFLECTION)]
         self._scene.flags[costly] = 0
-        width, height = look.width * _FINER, look.height * _FINER
-        room = self.mujoco.MjrRect(0, 0, width, height)
+        room = self.mujoco.MjrRect(0, 0, look.width * _FINER, look.height * _FINER)
         self.mujoco.mjr_render(room, self._scene, self._drawing)
-        depth = np.empty((height, width), np.float32)
+        depth = np.empty((room.height, room.width), np.float32)
         self.mujoco.mjr_readPixels(None, depth, room, self._drawing)
         self._scene.flags[costly] = 1
         seen = np.flipud(depth) < 1
@@ -363,8 +361,7 @@ class _StoppedError(Exception):
 
 
 def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Write a file and return an empty answer, or why it could not be written; runs under
-    `mjcompose.mujoco.engine.call`.
+    """Write a file, and return an empty answer or the fault. Runs under `mjcompose.mujoco.engine.call`.
 
     ``asked`` has the fields of `mjcompose.tools.view.render.Wish` and ``out``, whose suffix is `.png`,
     `.gif` or `.mp4`. With ``tile``, a NumPy array of the picture with that text below goes to ``out`` instead.
@@ -375,9 +372,8 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
             return {"unknown": kind, "known": list(filter(None, known))}
     out, tile, (width, height) = Path(asked["out"]), asked.get("tile"), asked["size"]
     background = None if asked["background"] is None else tuple(asked["background"])
-    look = Look(
-        width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=tuple(asked["labels"])
-    )
+    labels = tuple(asked["labels"])
+    look = Look(width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=labels)
     key = asked["key"] if asked["key"] is not None else (0 if model.nkey else None)
     try:
         if out.suffix == ".mp4":

@@ -254,12 +254,9 @@ def _hulled(root: Node) -> set[str] | None:
 
 
 def _collides(geom: Node, classes: Classes) -> bool:
-    names = ("contype", "conaffinity")
-    texts = [written(geom, name) for name in names]
-    around = class_in_force(geom).name if None in texts else None
-    texts = [
-        classes.effective(geom, around, name) if text is None else text for name, text in zip(names, texts, strict=True)
-    ]
+    given = {name: written(geom, name) for name in ("contype", "conaffinity")}
+    around = class_in_force(geom).name if None in given.values() else None
+    texts = [classes.effective(geom, around, name) if text is None else text for name, text in given.items()]
     return any(text is None or text.strip() != "0" for text in texts)
 
 

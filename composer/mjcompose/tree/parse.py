@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import suppress
 from itertools import takewhile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Comment as Comment
@@ -83,6 +83,15 @@ def refused(data: bytes, file: str, sink: Sink) -> bool:
     return at >= 0
 
 
+def _files_named(unit: Unit) -> Iterator[tuple[Node, str, str, str]]:
+    """Yield element, attribute, file name and written path of the files that a model names, and of attached models."""
+    for element, attribute, name in file_attributes(unit.root):
+        yield element, attribute, name, written_path(unit.settings, element, name)
+    for element in unit.root.iterfind("asset/model"):
+        name = str(element.get("file") or "")
+        yield element, "file", name, name
+
+
 _BESIDE_FIRST = ("flexcomp", "model")
 
 
@@ -94,13 +103,11 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
     if unit.settings.strippath == "true":
         return
     directory = str(unit.directory)
-    models = [(each, "file", str(each.get("file") or "")) for each in unit.root.iterfind("asset/model")]
     places: list[tuple[Node, str, str, str]] = []
-    for element, attribute, name in [*file_attributes(unit.root), *models]:
+    for element, attribute, name, usual in _files_named(unit):
         folder = included.get(element)
         if folder is None or not name or is_absolute(name) or name in unit.contents:
             continue
-        usual = name if element.tag == "model" else written_path(unit.settings, element, name)
         there, beside = join(directory, usual), join(str(folder), name)
         if there != beside and usual not in unit.contents:
             places.append((element, attribute, there, beside))
@@ -417,15 +424,6 @@ def _as_mujoco_reads(data: bytes) -> bytes:
     return "".join(pieces).encode()
 
 
-class _Use(NamedTuple):
-    """An attribute of a model, or of one that it attaches, and the file that it names."""
-
-    unit: Unit
-    element: Node
-    attribute: str
-    path: str
-
-
 def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
     """Return whether the door of a model admits all files that it names; report the others at their places.
 
@@ -433,38 +431,30 @@ def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = N
     are read here, with all files that they name.
     """
     before = sink.error_count
-    check_meshes(unit, 0, sink)
-    for use in _named(unit, sink, shown or str, seen=set()):
-        try:
-            unit.door.admit(use.path)
-        except Refused as refused:
-            refused.report(sink, use.unit.origins.span(use.element, use.unit.file, use.attribute), shown=shown)
+    _admit(unit, sink, shown, models=set())
     return sink.error_count == before
 
 
-def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str]) -> Iterator[_Use]:
-    directory = str(unit.directory)
-    for element, attribute, name in file_attributes(unit.root):
-        written = written_path(unit.settings, element, name)
-        if written not in unit.contents:
-            yield _Use(unit, element, attribute, path=join(directory, written))
-    for element in unit.root.iterfind("asset/model"):
-        name = str(element.get("file") or "")
-        path = join(directory, name)
-        if not name or name in unit.contents or path in seen:
+def _admit(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None, models: set[str]) -> None:
+    check_meshes(unit, 0, sink)
+    for element, attribute, name, written in _files_named(unit):
+        path, is_model = join(str(unit.directory), written), element.tag == "model"
+        if not name or written in unit.contents or (is_model and path in models):
             continue
-        seen.add(path)
-        use = _Use(unit, element, "file", path=path)
-        yield use
-        if unit.door.exists(path):
+        try:
+            unit.door.admit(path)
+        except Refused as refused:
+            refused.report(sink, unit.origins.span(element, unit.file, attribute), shown=shown)
+        if is_model:
+            models.add(path)
+        if is_model and unit.door.exists(path):
             aside = Sink()
-            inner = parse_file(Path(path), aside, file=shown(Path(path)), door=unit.door)
+            inner = parse_file(Path(path), aside, file=(shown or str)(Path(path)), door=unit.door)
             for each in aside.errors:
                 if each.code == "source-outside":
                     sink.add(each)  # an include; other errors are reported when the model is linked
             if inner is not None:
-                check_meshes(inner, 0, sink)
-                yield from _named(inner, sink, shown, seen=seen)
+                _admit(inner, sink, shown, models=models)
 
 
 def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
