@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
 import pytest
 from mjcompose.base.access import ALL
-from mjcompose.mujoco.convert import convert_urdf
-from mjcompose.mujoco.engine import Limits
+from mjcompose.mujoco.convert import Converted, convert_urdf
+from mjcompose.mujoco.engine import Limits, Session
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
 ARM = f"""<robot name="arm">
@@ -32,8 +33,13 @@ def arm(tmp_path: Path) -> Path:
     return path
 
 
+def convert(path: Path, packages: dict[str, Path], limits: Limits | None = None, **options: Any) -> Converted:
+    with Session(limits) as session:
+        return convert_urdf(path, packages, door=ALL, session=session, **options)
+
+
 def converted(path: Path, *, is_fixed: bool = True) -> ElementTree.Element:
-    result = convert_urdf(path, {"arm": path.parent}, door=ALL, is_fixed=is_fixed)
+    result = convert(path, {"arm": path.parent}, is_fixed=is_fixed)
     assert result.text is not None, result.error
     return ElementTree.fromstring(result.text)
 
@@ -64,7 +70,7 @@ def test_the_root_stays_a_body_where_it_does_not_stand_in_the_world(arm: Path) -
 
 
 def test_a_package_that_is_not_known(arm: Path) -> None:
-    result = convert_urdf(arm, {"other": arm.parent}, door=ALL)
+    result = convert(arm, {"other": arm.parent})
     assert (result.text, result.crash, result.meshes) == (None, None, ("package://arm/wedge.obj",))
     assert result.error is not None
 
@@ -72,13 +78,13 @@ def test_a_package_that_is_not_known(arm: Path) -> None:
 def test_a_mesh_that_is_not_there(arm: Path) -> None:
     text = ARM.replace("<robot name", "<robot  name").replace("package://arm/wedge.obj", "meshes/no.obj")
     arm.write_text(text.replace("<link", '<mujoco><compiler meshdir="m"/></mujoco><link', 1))
-    result = convert_urdf(arm, {}, door=ALL)
+    result = convert(arm, {})
     assert (result.text, result.meshes, result.folder.rstrip("/")) == (None, ("meshes/no.obj",), "m")
 
 
 def test_warnings_of_reading_come_once(arm: Path) -> None:
     arm.write_text(ARM.replace('<parent link="base"/>', '<parent link="base"/><mimic joint="no"/>'))
-    result = convert_urdf(arm, {"arm": arm.parent}, door=ALL)
+    result = convert(arm, {"arm": arm.parent})
     assert result.text is not None
     if hasattr(mujoco.MjSpec, "fuse_static"):  # an older one has no mimic
         assert len(result.warnings) == 1 and "turn" in result.warnings[0]
@@ -86,10 +92,10 @@ def test_warnings_of_reading_come_once(arm: Path) -> None:
 
 def test_what_mujoco_refuses(arm: Path) -> None:
     arm.write_text(ARM.replace('child link="upper"', 'child link="no"'))
-    result = convert_urdf(arm, {}, door=ALL)
+    result = convert(arm, {})
     assert result.text is None and result.error is not None and "joint" in result.error
 
 
 def test_no_verdict(arm: Path) -> None:
-    result = convert_urdf(arm, {}, door=ALL, limits=Limits(seconds=1e-6))
+    result = convert(arm, {}, limits=Limits(seconds=1e-6))
     assert (result.text, result.crash) == (None, "timeout")

@@ -16,7 +16,7 @@ from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.attributes import save_digits
-from mjcompose.mujoco.engine import Limits, Session, call, without_folder
+from mjcompose.mujoco.engine import Session, call, without_folder
 
 PACKAGE = "package://"
 
@@ -45,7 +45,7 @@ class Converted:
 def convert_urdf(
     path: Path, packages: Mapping[str, Path], *, door: Door, is_fixed: bool = True, text: str | None = None,
     made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
-    limits: Limits | None = None, session: Session | None = None,
+    session: Session,
 ) -> Converted:  # fmt: skip
     """Convert a file. `packages` has the folders for `package://NAME`, `door` limits the files that it may read.
 
@@ -57,15 +57,8 @@ def convert_urdf(
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
 
     Needs all meshes, because MuJoCo saves only models that compile. Raises Refused for a mesh that the door does not
-    admit, before MuJoCo opens any; for no other faults of the file. `limits` apply only without a `session`, which
-    has its own.
+    admit, before MuJoCo opens any; for no other faults of the file.
     """
-    if session is None:
-        with Session(limits) as own:
-            return convert_urdf(
-                path, packages, door=door, is_fixed=is_fixed, text=text, made=made, massless=massless,
-                shells=shells, session=own,
-            )  # fmt: skip
     argument = {
         "path": str(path.absolute()), "is_fixed": is_fixed, "text": text, "massless": list(massless),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},

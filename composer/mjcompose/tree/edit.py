@@ -367,10 +367,6 @@ def unlistable_message(reference: Reference[M], new: str, called: str) -> str:
     return f"{cannot}: {called} has it in a list of names, which cannot hold one with a space"
 
 
-# An element still works without its class or its material, but not without anything else that it names.
-DISPENSABLE = frozenset({"default", "material"})
-
-
 @dataclass(frozen=True, slots=True)
 class Removal(Generic[M]):
     """The outermost removed elements, each with its model, and the remaining references to them."""
@@ -427,7 +423,8 @@ def is_section(node: Node) -> bool:
 
 def can_do_without(node: Node, namespace: str) -> bool:
     """Return whether an element works without its reference to something of that namespace."""
-    return namespace in DISPENSABLE or section_of(node) == "default"
+    # Without its class or its material it still does, but not without anything else that it names.
+    return namespace in ("default", "material") or section_of(node) == "default"
 
 
 def names_in(node: Node) -> list[tuple[str, str]]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -347,19 +347,13 @@ class Grammar:
         raw = self._data["elements"][path]
         rows_of = raw.get("rows_of")
         if rows_of is None:
-            has_default = "default" in raw
-            attributes = {
-                name: self._attribute(place, name, row, has_default=has_default)
-                for place, name, row in self._rows(path, raw)
-            }
+            rows, has_default = self._rows(path, raw), "default" in raw
+            attributes = {name: self._attribute(place, name, row, has_default=has_default) for place, name, row in rows}
             constraints = self._constraints(raw)
         else:
             attributes = self._default_rows(rows_of)
-            constraints = tuple(
-                rule
-                for rule in self.element(rows_of).constraints
-                if all(name in attributes for bundle in rule.bundles for name in bundle)
-            )
+            rules = self.element(rows_of).constraints
+            constraints = tuple(rule for rule in rules if attributes.keys() >= set(chain(*rule.bundles)))
         low, high = COUNTS[raw["occurs"]]
         element = self._elements[path] = ElementType(
             path, path.rpartition("/")[2], attributes,

@@ -238,19 +238,16 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
         if element.tag != "geom" or source.tag != "visual":
             continue
         material = source.find("material")
-        texture = None
-        if material is not None:
-            texture = material.find("texture")
-            if texture is None and material.find("color") is None:
-                texture = named.get(str(material.get("name")))
+        texture = None if material is None else material.find("texture")
+        if material is not None and texture is None and material.find("color") is None:
+            texture = named.get(str(material.get("name")))
         if texture is not None and (path := _picture(robot, texture, sink)) is not None:
             read[texture] = "material and texture"
             _give(unit, element, source, robot=robot, name=path.stem, picture=path, kept=kept)
         elif material is None or material.get("name") == "":
             found = robot.looks.get(files.get(str(element.get("mesh")), ""))
-            if found is not None and found.texture is not None:
-                name = str(element.get("mesh"))
-                _give(unit, element, source, robot=robot, name=name, picture=found.texture, kept=kept)
+            if found is not None and (picture := found.texture) is not None:
+                _give(unit, element, source, robot=robot, name=str(element.get("mesh")), picture=picture, kept=kept)
     return read
 
 

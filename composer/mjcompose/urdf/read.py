@@ -144,6 +144,7 @@ class UrdfReader:
     ) -> Converted | None:
         """Return MuJoCo's conversion, or None if a mesh is outside of the readable folders."""
         text = robot.text()
+        assert self.session is not None
         try:
             return convert_urdf(
                 self.source.path, robot.packages, door=robot.unit.door, is_fixed=self.is_fixed_in_world, text=text,
@@ -172,11 +173,9 @@ class UrdfReader:
         unit.origins.texts.clear()
         name_fused_links(unit.root)
         pairs = locate_in_urdf(unit, robot.root, written.origins)
-        unit.contents = {
-            written_path(unit.settings, mesh, file): robot.made[file]
-            for mesh in unit.root.iterfind("asset/mesh")
-            if (file := str(mesh.get("file"))) in robot.made
-        }
+        named = ((mesh, str(mesh.get("file"))) for mesh in unit.root.iterfind("asset/mesh"))
+        of_made = ((written_path(unit.settings, mesh, file), file) for mesh, file in named if file in robot.made)
+        unit.contents = {path: robot.made[file] for path, file in of_made}
         made: dict[Node, list[Node]] = defaultdict(list)
         for element, source in pairs:
             made[source].append(element)
@@ -231,9 +230,8 @@ class UrdfReader:
             if name is not None and joint.get("type") != "fixed" and seen.setdefault(name, joint) is not joint:
                 message = f"two joints are called `{name}`: this joint has no name in the model"
                 notes = (Note(f"the other `{name}` is written here", self._span(seen[name], "name")),)
-                self.sink.warning(
-                    "name-clash", message, self._span(joint, "name"), notes=notes, help="rename one of them"
-                )
+                span, help = self._span(joint, "name"), "rename one of them"
+                self.sink.warning("name-clash", message, span, notes=notes, help=help)
 
     def _report_roots(self, robot: Robot) -> None:
         """Warn of several links without a parent: MuJoCo puts each in the world."""
@@ -250,10 +248,8 @@ class UrdfReader:
         for section in robot.root.iterfind("mujoco/*"):
             tag = str(section.tag)
             if tag not in _READ:
-                message, notes = (
-                    f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF",
-                    (exists_note("section", _READ, tag),),
-                )
+                message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
+                notes = (exists_note("section", _READ, tag),)
                 span, help = self._span(section), "write it into the recipe"
                 self.sink.warning("unknown-element", message, span, notes=notes, help=help)
                 continue
@@ -292,10 +288,11 @@ class UrdfReader:
         known = [each for each, _ in self.source.packages]
         note = Note(f"no folder above `{self.shown(self.source.path)}` is called `{name}`")
         notes = (note, exists_note("package", known, name)) if known else (note,)
-        self.sink.error(
-            "asset-missing", f"the package `{name}` is not known", at, notes=(*notes, *self._asked()),
-            help=f"add its folder next to `model`: `packages: {{{name}: {folder}}}`",
-        )  # fmt: skip
+        message, help = (
+            f"the package `{name}` is not known",
+            f"add its folder next to `model`: `packages: {{{name}: {folder}}}`",
+        )
+        self.sink.error("asset-missing", message, at, notes=(*notes, *self._asked()), help=help)
 
 
 def _is_of_inertia(converted: Converted) -> bool:
