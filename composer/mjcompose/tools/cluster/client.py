@@ -100,11 +100,9 @@ def connected(text: str) -> Client:
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
     except Exception as error:  # Dask does not check whether a scheduler wrote the file, and fails later
-        help = "check that `dask scheduler` runs there and that you can reach its port; `tls:` needs the keys of the"
-        raise ClusterError(
-            "cluster-unreachable", f"no scheduler of Dask answers at `{text}`",
-            f"{help} cluster in Dask's configuration", notes=(_words(error),),
-        ) from error  # fmt: skip
+        message, reach = f"no scheduler of Dask answers at `{text}`", "runs there and that you can reach its port"
+        help = f"check that `dask scheduler` {reach}; `tls:` needs the keys of the cluster in Dask's configuration"
+        raise ClusterError("cluster-unreachable", message, help, notes=(_words(error),)) from error
 
 
 def _words(error: BaseException) -> str:
