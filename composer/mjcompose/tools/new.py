@@ -75,11 +75,8 @@ def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
     for name, path in _FILES.items():
         called = yaml_name(model) if name == "recipe.yaml" else model
         files[path.replace("MODEL", model)] = _template(name, {**given, "MODEL": called})
-    return {
-        **files,
-        _ACTION: _shipped("action.yml", "action.yml").read_text("utf-8"),
-        "recipes/recipe.schema.json": schema,
-    }
+    action = _shipped("action.yml", "action.yml").read_text("utf-8")
+    return {**files, _ACTION: action, "recipes/recipe.schema.json": schema}
 
 
 def needed(model: str) -> frozenset[str]:

@@ -39,11 +39,9 @@ class Causes:
     """
 
     def __init__(self, a: Side, b: Side, found: Contrast) -> None:
-        self.alone: set[tuple[int, str | None]] = {
-            (("removed", "added").index(each.what), each.name)
-            for each in found.changes
-            if each.kind == "body" and each.what in ("removed", "added")
-        }
+        sides = {"removed": 0, "added": 1}
+        bodies = (each for each in found.changes if each.kind == "body" and each.what in sides)
+        self.alone: set[tuple[int, str | None]] = {(sides[each.what], each.name) for each in bodies}
         self.a, self.b = (
             Elements(side, {kind: n[at] for kind, n in found.elements.items()}) for at, side in enumerate((a, b))
         )
@@ -162,12 +160,10 @@ class Causes:
             other, theirs = self.b.value(after, attribute)
             if text == other if text is None or other is None else same_value(text, other):
                 continue
-            places = [
-                self.a.written(writer, attribute) or self.a.written(before, None),
-                self.b.written(theirs, attribute) or self.b.written(after, None),
-            ]
-            for mine, yours in _latest_first(*places):
-                yield Cause(f"`{attribute}`", mine or places[0][-1], yours or places[1][-1])
+            ours = self.a.written(writer, attribute) or self.a.written(before, None)
+            others = self.b.written(theirs, attribute) or self.b.written(after, None)
+            for mine, yours in _latest_first(ours, others):
+                yield Cause(f"`{attribute}`", mine or ours[-1], yours or others[-1])
             yield Cause("class", self.a.class_in_force(before), self.b.class_in_force(after))
 
     def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
@@ -270,11 +266,10 @@ class Causes:
 
     def _entry(self, change: Change) -> Iterator[Cause]:
         """Yield the key's numbers for a joint, actuator or body; else the cause that moves the body with its key."""
-        (mine, ours), (yours, theirs) = (
-            side.key_lines(node, change.field.removeprefix("key_"), change.entry)
-            for side, node in zip(self.both, self._nodes(change), strict=True)
-        )
-        yield from (Cause("key", before, after) for before, after in zip_longest(ours, theirs))
+        vector, (before, after) = change.field.removeprefix("key_"), self._nodes(change)
+        mine, ours = self.a.key_lines(before, vector, change.entry)
+        yours, theirs = self.b.key_lines(after, vector, change.entry)
+        yield from (Cause("key", first, second) for first, second in zip_longest(ours, theirs))
         for pair in self.pairs.holding(mine, yours):
             yield from self._attribute(*pair)
 

@@ -105,11 +105,9 @@ class Elements:
 
     def like(self, mine: Life | None) -> Node | None:
         """Return the element that was read from the same line of a model as one of the other side, or None."""
-        alike = (
-            life.node for life in self.lives if mine is not None and life.made_by is None and life.gone is None
-            and (life.tag, life.line, life.attributes) == (mine.tag, mine.line, mine.attributes)
-        )  # fmt: skip
-        return next(alike, None)
+        wanted = None if mine is None else (mine.tag, mine.line, mine.attributes)
+        read = (life for life in self.lives if life.made_by is None and life.gone is None)
+        return next((life.node for life in read if (life.tag, life.line, life.attributes) == wanted), None)
 
     def key_lines(self, key: Node | None, vector: str, entry: str) -> tuple[Node | None, tuple[Span, ...]]:
         """Return the element of a key's numbers, and where they are written, the numbers themselves first."""

@@ -376,9 +376,6 @@ def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
 
 def breaking_as_data(breaking: Breaking) -> dict[str, Any]:
     """Return the data of the diff, with its `level` and the changes by level."""
-    levels = {
-        level.name: {"groups": _groups(level.groups), "addresses": list(map(asdict, level.moves))}
-        for level in breaking.levels
-    }
-    level = breaking.levels[0].name if breaking.levels else None
-    return {**as_data(breaking.diff), "level": level, "levels": levels}
+    found = breaking.levels
+    levels = {each.name: {"groups": _groups(each.groups), "addresses": list(map(asdict, each.moves))} for each in found}
+    return {**as_data(breaking.diff), "level": found[0].name if found else None, "levels": levels}

@@ -57,11 +57,9 @@ class Traced:
         self.classes = Classes(self.model.root)
         self.causes = trace_words.Causes(self.watch)
         self.labels = query.labels(self.model.root)
-        self.declared = {
-            str(each.get("class") or MAIN): each
-            for section in self.model.root.iterchildren("default")
-            for each in section.iter("default")
-        }
+        sections = self.model.root.iterchildren("default")
+        declared = (each for section in sections for each in section.iter("default"))
+        self.declared = {str(each.get("class") or MAIN): each for each in declared}
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
         """Return the answer to a query, or None if there is none, which is reported."""

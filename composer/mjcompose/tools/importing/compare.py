@@ -163,9 +163,8 @@ class Comparison:
         other = elements.plain(
             elements.effective(after, self.merged), after.kind.tag, self.merged.settings, degrees=degrees
         )
-        if elements.POSE & (one.keys() | other.keys()) and elements.at_the_same_place(
-            one, part.settings, other, others=self.merged.settings
-        ):
+        ends = elements.placed(one, part.settings), elements.placed(other, self.merged.settings)
+        if elements.POSE & (one.keys() | other.keys()) and elements.at_the_same_place(*ends):
             for name in (*elements.POSE, "size"):
                 one.pop(name, None)
                 other.pop(name, None)
@@ -315,20 +314,14 @@ class Comparison:
         if each.is_base:
             self.unnamed(here, there, _IN_WORLD, each=each)
             return []
-        return [*self.beside(here, each)] + [
-            elements.flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
-            for tag in _IN_BODIES
-            if _without_name(here, tag)
-        ]
+        where = {"parent": _IN_WORLD, "where": quoted("${name == ''}")}
+        tags = (tag for tag in _IN_BODIES if _without_name(here, tag))
+        return [*self.beside(here, each), *(elements.flow({tag: '"**"', **where}) for tag in tags)]
 
     def beside(self, here: Node, each: Instance) -> list[str]:
         """Compare the bodies without a name next to the part's root; return selectors of those to drop."""
         around = each.body.getparent()
-        kind = GRAMMAR.within("worldbody")["body"]
-        one, other = (
-            [Item(node, kind, "worldbody", namespace="body") for node in _without_name(holder, "body")]
-            for holder in (here, each.body if around is None else around)
-        )
+        one, other = (_unnamed(holder, "body") for holder in (here, each.body if around is None else around))
         other = [item for item in other if item.node not in self.covered]
         dropped = []
         for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
@@ -364,11 +357,7 @@ class Comparison:
     def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
         """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
         for tag in (*_IN_BODIES, "body"):
-            kind = GRAMMAR.within("worldbody")[tag]
-            one, other = (
-                [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]
-                for body in (before, after)
-            )
+            one, other = _unnamed(before, tag), _unnamed(after, tag)
             for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
                 select = _numbered(a.node, parent)
                 if b is None:
@@ -401,3 +390,8 @@ def _numbered(node: Node, parent: str) -> str:
 
 def _without_name(body: Node, tag: str) -> list[Node]:
     return [node for node in body.iterchildren(tag) if not node.get("name")]
+
+
+def _unnamed(body: Node, tag: str) -> list[Item]:
+    kind = GRAMMAR.within("worldbody")[tag]
+    return [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]

@@ -10,6 +10,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
+from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -46,12 +47,9 @@ def numbers(values: tuple[float, ...]) -> str:
     >>> numbers((0.1 + 0.2, 1e-17, 0.943714364147489))
     '[0.3, 0, 0.943714364147489]'
     """
-    shorts = [f"{round(value, 12) + 0.0:.12g}" for value in values]
-    exact = (
-        short if math.isclose(float(short), value, rel_tol=1e-15, abs_tol=1e-15) else repr(value)
-        for short, value in zip(shorts, values, strict=True)
-    )
-    return f"[{', '.join(exact)}]"
+    pairs = ((f"{round(value, 12) + 0.0:.12g}", value) for value in values)
+    close = partial(math.isclose, rel_tol=1e-15, abs_tol=1e-15)
+    return f"[{', '.join(short if close(float(short), value) else repr(value) for short, value in pairs)}]"
 
 
 SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
@@ -129,10 +127,9 @@ def _same(before: str, after: str, attribute: Attribute, prefix: str) -> bool:
 
 def assets_of(unit: Unit) -> dict[tuple[str, str], Node]:
     """Return the assets by tag and name; an unnamed asset has the stem of its file as name."""
+    nodes = (node for section in unit.root.iterchildren("asset") for node in section.iterchildren("*"))
     return {
-        (str(node.tag), str(node.get("name") or PurePosixPath(str(node.get("file") or "")).stem)): node
-        for section in unit.root.iterchildren("asset")
-        for node in section.iterchildren("*")
+        (str(node.tag), str(node.get("name") or PurePosixPath(node.get("file") or "").stem)): node for node in nodes
     }
 
 
@@ -231,7 +228,10 @@ def pose_in(values: Mapping[str, str] | Node, settings: Settings) -> Pose:
     return read_pose(values, settings.angle == "degree", settings.eulerseq)
 
 
-def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[float]] | None:
+Placed = tuple[Pose, list[float]]
+
+
+def placed(values: Mapping[str, str], settings: Settings) -> Placed | None:
     """Return the pose and size that the values describe, or None if they are not numbers."""
     try:
         pose, size = pose_in(values, settings), read(values.get("size", ""))
@@ -248,9 +248,8 @@ def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[fl
         return None
 
 
-def at_the_same_place(one: Mapping[str, str], settings: Settings, other: Mapping[str, str], others: Settings) -> bool:
-    """Return whether two elements have the same pose and size except for rounding, however they are written."""
-    here, there = placed(one, settings), placed(other, others)
+def at_the_same_place(here: Placed | None, there: Placed | None) -> bool:
+    """Return whether two poses and sizes, as `placed` returns them, are the same except for rounding."""
     if here is None or there is None or len(here[1]) != len(there[1]):
         return False
     is_turned_alike = is_near(here[0].quat, there[0].quat) or is_near(here[0].quat, [-x for x in there[0].quat])
@@ -307,10 +306,8 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
 
 
 def likeness_of(data: Mapping[str, Any]) -> Likeness:
-    return Likeness(
-        {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()},
-        {kind: (a, b) for kind, (a, b) in data["counts"].items()},
-    )
+    same = {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()}
+    return Likeness(same, {kind: (a, b) for kind, (a, b) in data["counts"].items()})
 
 
 def is_rounding(change: Change) -> bool:

@@ -227,10 +227,8 @@ class _Proposer(Comparison):
             if attribute is None or path == ("size", "nkey"):
                 continue  # MuJoCo writes the number of keys, and adds empty ones
             value = wanted.get(path, elements.default_text(attribute))
-            said = {each.get(path, value) for each in others}
-            if value is not None and (
-                base.get(path, elements.default_text(attribute)) != value or (said and said != {value})
-            ):
+            said = {each.get(path, value) for each in others} | {base.get(path, elements.default_text(attribute))}
+            if value is not None and said != {value}:
                 into = settled.setdefault(section, {})
                 for tag in inner:
                     into = into.setdefault(tag, {})  # type: ignore[assignment]

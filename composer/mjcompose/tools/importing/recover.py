@@ -6,6 +6,7 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import field, replace
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 
@@ -147,13 +148,9 @@ def recover(
     """
     before = context.sink.error_count
     read = [parse_file(path, context.sink, file=context.shown(path)) for path in (merged, *parts)]
-    units: list[Unit] = [
-        unit
-        for unit in read
-        if unit is not None
-        and all_admitted(unit, context.sink, context.shown)  # MuJoCo opens the files that it names
-        and check_source(unit, context.sink)
-    ]
+    named = (unit for unit in read if unit is not None)
+    admitted = (unit for unit in named if all_admitted(unit, context.sink, context.shown))  # MuJoCo opens these files
+    units = [unit for unit in admitted if check_source(unit, context.sink)]
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
@@ -235,11 +232,9 @@ class _Recovery:
         return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
 
     def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
-        references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
-        return propose(
-            self.units[0], self.units[1:], references,
-            relative=lambda file: _reference(file, self.out.parent), likeness=likeness,
-        )  # fmt: skip
+        relative = partial(_reference, folder=self.out.parent)
+        references = [self.references.get(path) or relative(path) for path in self.parts]
+        return propose(self.units[0], self.units[1:], references, relative=relative, likeness=likeness)
 
     def settled(self, proposal: Proposal, progress: Callable[[str], None]) -> Recovered:
         """Return the proposal without the entries that do not build, and with the keys that it lacked."""

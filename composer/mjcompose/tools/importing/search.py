@@ -214,10 +214,8 @@ def search(merged: Path, folders: Iterable[Path], context: Context, progress: Ca
 
 def _found(whole: Unit, units: list[tuple[Candidate, Unit]]) -> tuple[tuple[Candidate, ...], set[str]]:
     """Return the models that are parts of the whole, and the bodies that they cover."""
-    found = [
-        each for each in find(whole, [unit for _, unit in units])
-        if len(each.names) >= _LEAST and each.likeness >= _SEARCHING_ENOUGH
-    ]  # fmt: skip
+    every = find(whole, [unit for _, unit in units])
+    found = [each for each in every if len(each.names) >= _LEAST and each.likeness >= _SEARCHING_ENOUGH]
     covered = {each.prefix + name for each in found for name in each.names} & _named(whole)
     return tuple(dict.fromkeys(units[each.part][0] for each in found)), covered
 

@@ -87,11 +87,8 @@ advise, refuse = partial(_report, Editing.warn), partial(_report, Editing.refuse
 
 
 def _plugin(name: str, version: str, plugins: tuple[str, ...], places: str, help: str) -> Change:
-    forward, _ = refuse(
-        "extension/plugin " + places, "MuJoCo no longer has the plugin of {called}", help,
-        matches=lambda editing, node: node.get("plugin") in plugins,
-    )  # fmt: skip
-    return Change(name, version, (forward, None))
+    message, matches = "MuJoCo no longer has the plugin of {called}", lambda _, node: node.get("plugin") in plugins
+    return Change(name, version, (refuse("extension/plugin " + places, message, help, matches=matches)[0], None))
 
 
 def _keep_colors(editing: Editing, value: str) -> None:

@@ -128,10 +128,8 @@ def migrate(
     The unit is changed. `values` are the measurements of the MuJoCo of `before`, if known.
     """
     pieces = Pieces.of(unit, context)
-    whole = [
-        Editing(each.unit, context.sink, before, after=after, values=pieces.measured(each, values or {}))
-        for each in pieces.every
-    ]
+    found = [(each.unit, pieces.measured(each, values or {})) for each in pieces.every]
+    whole = [Editing(unit, context.sink, before, after=after, values=own) for unit, own in found]
     sources = [_sources(editing.unit, context) for editing in whole]
     if context.sink.errors:
         return None

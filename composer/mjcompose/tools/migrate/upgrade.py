@@ -10,18 +10,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, OtherError, RejectedError, differences
 from mjcompose.sources.context import Context
+from mjcompose.tools.migrate import migrate
 from mjcompose.tools.migrate.editing import Meaning, Step
-from mjcompose.tools.migrate.migrate import (
-    Migrated,
-    found_model,
-    install,
-    installed,
-    known,
-    lay_out,
-    migrate,
-    opened,
-    read,
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +44,8 @@ class Caused:
         moved = self.moved
         facts = {name: getattr(moved, name) for name in ("kind", "name", "amount", "unit", "trial", "time")}
         causes = [{**_row(each), "edit": each.words} for each in self.steps]
-        return {
-            **facts,
-            "causes": causes,
-            "suspects": [{**_row(each), "message": each.message} for each in self.suspects],
-        }
+        suspects = [{**_row(each), "message": each.message} for each in self.suspects]
+        return {**facts, "causes": causes, "suspects": suspects}
 
 
 def _row(each: Step | Meaning) -> dict[str, str | None]:
@@ -78,14 +65,14 @@ class Upgrade:
 
 def upgrade(request: Request, context: Context, progress: Callable[[str], None]) -> Upgrade | None:
     """Compare the motion of a model in two versions; return None if that fails, which is reported."""
-    model = found_model(request.model, context)
-    before = known(request.before, "--from", context)
-    after = installed() if request.after is None else known(request.after, "--to", context)
+    model = migrate.found_model(request.model, context)
+    before = migrate.known(request.before, "--from", context)
+    after = migrate.installed() if request.after is None else migrate.known(request.after, "--to", context)
     if model is None or before is None or after is None:
         return None
     try:
-        others = opened(request.pythons, context)
-        install((before, after), others, context, progress=progress)
+        others = migrate.opened(request.pythons, context)
+        migrate.install((before, after), others, context, progress=progress)
         with scratch("upgrade") as folder:
             trials = _Trials(request, model, folder, context=context, others=others, progress=progress)
             one, other = trials.motion(model, before), trials.motion(model, after)
@@ -129,7 +116,7 @@ class _Trials:
             migrated = self._migrated(before, after, tuple(each for each in names if each != name))
             if migrated is not None:
                 (folder := self.folder / f"model{self.count}").mkdir()
-                motion = self.motion(lay_out(migrated, folder, link=True)[self.model], after)
+                motion = self.motion(migrate.lay_out(migrated, folder, link=True)[self.model], after)
                 found = differences(start, motion, signal="qpos", tolerance=self.request.tolerance)
                 left[name] = {(each.name, each.unit): each.amount for each in found}
         for each in moved:
@@ -139,8 +126,8 @@ class _Trials:
             caused = tuple(step for step in steps if is_cause and step.change == best)
             yield Caused(each, caused, () if caused or whole is None else whole.meanings)
 
-    def _migrated(self, before: str, after: str, adopt: tuple[str, ...]) -> Migrated | None:
+    def _migrated(self, before: str, after: str, adopt: tuple[str, ...]) -> migrate.Migrated | None:
         """Return the model for the new version without the adopted changes, or None if there is none."""
         context = Context(environment=self.context.environment, folder=self.context.folder)
-        unit = read(self.model, context)
-        return None if unit is None else migrate(unit, before, after, context=context, adopt=adopt)
+        unit = migrate.read(self.model, context)
+        return None if unit is None else migrate.migrate(unit, before, after, context=context, adopt=adopt)

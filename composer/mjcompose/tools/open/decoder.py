@@ -326,10 +326,8 @@ def mujoco_folder(named: Path | None = None) -> Path:
             raise PluginError("mujoco-missing", "the package `mujoco` is not installed", "use `--mujoco`")
         named = Path(spec.submodule_search_locations[0])
     if not os.path.isfile(named / "include" / "mujoco" / "mjplugin.h"):
-        raise PluginError(
-            "mujoco-missing", f"`{named}` has no `include/mujoco/mjplugin.h`",
-            "name the folder of a MuJoCo release, or of the package `mujoco`",
-        )  # fmt: skip
+        help = "name the folder of a MuJoCo release, or of the package `mujoco`"
+        raise PluginError("mujoco-missing", f"`{named}` has no `include/mujoco/mjplugin.h`", help)
     return named
 
 
@@ -342,10 +340,8 @@ def library_in(folder: Path) -> Path:
 def install(folder: Path) -> Path:
     """Compile the decoder for the MuJoCo in a folder and put it in its place. Raises PluginError and OutputError."""
     if sys.platform != "linux":
-        raise PluginError(
-            "not-supported", "the plugin for programs without Python exists for Linux only",
-            "in Python, use `mjcompose.mujoco_plugin.register()`",
-        )  # fmt: skip
+        message = "the plugin for programs without Python exists for Linux only"
+        raise PluginError("not-supported", message, "in Python, use `mjcompose.mujoco_plugin.register()`")
     header = read_regular(folder / "include" / "mujoco" / "mujoco.h").decode(errors="replace")
     version = next((line.split()[-1] for line in header.splitlines() if "#define mjVERSION_HEADER" in line), "0")
     if int(version) < 4_000_000:
