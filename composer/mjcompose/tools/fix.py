@@ -30,6 +30,9 @@ class Edit:
     end: int
     text: str
 
+    def meets(self, other: Edit) -> bool:
+        return self.start == other.start or (self.start < other.end and other.start < self.end)
+
 
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     """Return the change to a file's text for a diagnostic's fix, or None if there is none or it does not fit.
@@ -148,8 +151,7 @@ class Fixing:
     at_once: int | None = None
 
     def fixed(self) -> Fixed:
-        result = Fixed()
-        left = self.found()
+        result, left = Fixed(), self.found()
         for _ in range(_ROUNDS):
             earlier = dict(self.now)
             tried = self.carry_out(left)
@@ -198,10 +200,7 @@ class Fixing:
             if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
                 break
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not any(
-                each.start == edit.start or (each.start < edit.end and edit.start < each.end)
-                for each in edits.get(path, ())
-            ):
+            if edit is not None and not any(edit.meets(other) for other in edits.get(path, ())):
                 edits.setdefault(path, {})[edit] = diagnostic
         for path, each in edits.items():
             mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
+from itertools import chain, count
 from typing import Any
 
 from mjcompose.base.dataclass import dataclass
@@ -69,11 +70,9 @@ def names_of(side: Side, session: Session, context: Context) -> Names | None:
         context.sink.error("mujoco-crash", message)
         return None
     model = "" if side.traced is None else str(side.traced.model.root.get("model") or "")
-    file = side.bundle.model if side.bundle is not None else MODEL
+    sha256 = side.digests.get(side.bundle.model if side.bundle is not None else MODEL, "")
     value = answer.value
-    return Names(
-        model, side.digests.get(file, ""), value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"]
-    )
+    return Names(model, sha256, value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"])
 
 
 def to_json(names: Names) -> str:
@@ -97,10 +96,8 @@ def _addresses(data: Mapping[str, Any], table: str, taken: frozenset[str], *, up
     used: set[str] = set()
     for number, row in enumerate(data[kind]):
         if row["name"] and row.get(f"{prefix}size", 1):
-            word = unique = _identifier(row["name"].upper() if upper else row["name"], taken)
-            count = 2
-            while unique in used:
-                unique, count = f"{word}_{count}", count + 1
+            word = _identifier(row["name"].upper() if upper else row["name"], taken)
+            unique = next(each for each in chain([word], (f"{word}_{at}" for at in count(2))) if each not in used)
             used.add(unique)
             yield unique, row.get(f"{prefix}address", number), _printed(row["name"])
 
@@ -116,8 +113,8 @@ def _head(names: Names, data: Mapping[str, Any]) -> Iterator[str]:
     yield "Angles are in radians, lengths in meters."
     yield f"sha256 of the MJCF text: {names.sha256}"
     for kind in _KINDS:
-        if count := sum(not row["name"] for row in data[kind]):
-            yield f"{count} {kind if count > 1 else kind[:-1]} without a name: see `mjcompose names --json`."
+        if number := sum(not row["name"] for row in data[kind]):
+            yield f"{number} {kind if number > 1 else kind[:-1]} without a name: see `mjcompose names --json`."
 
 
 def to_python(names: Names) -> str:

@@ -60,12 +60,10 @@ class Watch:
 
     def wait(self, before: dict[Path, Mark]) -> bool:
         """Return True as soon as a file is not as `before`; False once `stop` is set."""
-        while not self.stop.is_set():
-            if marks(before) != before:
-                self.stop.wait(_SETTLE_SECONDS)  # the editor may not be done yet
-                return not self.stop.is_set()
+        while not self.stop.is_set() and marks(before) == before:
             self._sleep({file.parent for file in before})
-        return False
+        self.stop.wait(_SETTLE_SECONDS)  # the editor may not be done yet
+        return not self.stop.is_set()
 
     def _sleep(self, folders: set[Path]) -> None:
         """Wait until something happens in the folders, or for a while if that cannot be observed."""
@@ -206,8 +204,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
     if 0 <= key < model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, key)
     for name in ("qpos", "qvel", "act", "ctrl"):
-        value = asked.get(name)
-        array = getattr(data, name)
+        value, array = asked.get(name), getattr(data, name)
         if value is not None and len(value) == len(array):
             array[:] = value
     data.time = asked.get("time", 0.0)
@@ -240,12 +237,9 @@ class Physics:
                 self._going.clear()
             self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
 
-    def control(self, ctrl: list[float]) -> None:
-        self._state = {**self._state, "ctrl": ctrl}
-
-    def pull(self, asked: State) -> None:
-        """Pull a body while the simulation runs, until the next request; an empty one ends it."""
-        self._state = {**self._state, "pull": asked}
+    def update(self, state: State) -> None:
+        """Change the controls, or the pull at a body until the next request; without points nothing pulls."""
+        self._state = {**self._state, **state}
 
     def look(self, version: int, asked: State) -> None:
         """Send contacts, tendons and sensors of a pose, with the `looked` of the page that asks."""

@@ -141,11 +141,10 @@ class Draft:
             kept = {at for at, item in enumerate(items) if _is_same(item.value, values[at])}
             values = [item.value if at in kept else values[at] for at, item in enumerate(items)]
             changes = [Change(item.span, texts[at]) for at, item in enumerate(items) if at not in kept]
-        elif (
-            lines_of(self.text)[node.span.line - 1][node.span.column - 1] != "["
-            or items[-1].span.end_line != node.span.line
-        ):
-            raise Refused(f"`{path[-1]}` is written over several lines: write `{whole}` yourself")
+        else:
+            start = lines_of(self.text)[node.span.line - 1][node.span.column - 1]
+            if start != "[" or items[-1].span.end_line != node.span.line:
+                raise Refused(f"`{path[-1]}` is written over several lines: write `{whole}` yourself")
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
@@ -200,12 +199,8 @@ class Offset:
     def computed(self) -> list[tuple[str, str]]:
         """The keys that have an expression, each with it."""
         keys = [key for key in ("pos", self.form) if key is not None and key in self.mapping.entries]
-        return [
-            (key, node.text)
-            for key in keys
-            for _, _, node in yaml_tree.walk(self.mapping.entries[key][1])
-            if isinstance(node, Scalar) and is_template(node.text)
-        ]
+        found = ((key, each.node) for key in keys for each in yaml_tree.walk(self.mapping.entries[key][1]))
+        return [(key, node.text) for key, node in found if isinstance(node, Scalar) and is_template(node.text)]
 
     @property
     def pose(self) -> Pose:

@@ -54,7 +54,7 @@ def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, 
             say("others can reach this address, so the page is read-only")
         # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
         failed: list[Exception] = []
-        watching = Thread(target=_watch, args=(server, before, stop, said, failed), daemon=True)
+        watching = Thread(target=lambda: failed.extend(_watch(server, before, stop, said)), daemon=True)
         with _opened(server.address) if opens and _no_browser() is None else nullcontext():
             watching.start()
             try:
@@ -70,18 +70,15 @@ def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, 
         server.close()
 
 
-def _watch(
-    server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None],
-    failed: list[Exception],
-) -> None:  # fmt: skip
-    """Build again whenever a file changes, until `stop` is set."""
+def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None]) -> Iterator[Exception]:
+    """Build again whenever a file changes, until `stop` is set; yield the exception that ends it sooner."""
     try:
         watch = Watch(stop)
         while watch.wait(before):
             before = _build(server, lambda shown: None if stop.is_set() else said(shown))
     except Exception as error:
         if not stop.is_set():
-            failed.append(error)
+            yield error
 
 
 @contextmanager
@@ -112,14 +109,11 @@ def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
 def _invitation(address: str, opens: bool) -> list[str]:
     reason, port = _no_browser() if opens else None, address.split("/")[2].rpartition(":")[2]
     if reason == "ssh":
-        connection = os.environ.get("SSH_CONNECTION", "").split()
-        host = connection[2] if len(connection) > 2 else "HOST"
+        host = [*os.environ.get("SSH_CONNECTION", "").split()[2:], "HOST"][0]
         ssh = f"ssh -L {port}:127.0.0.1:{port} {host}"
         return [address, f"on your own machine: {ssh}, then open the address there"]
-    if reason == "container":
-        docker = f"with Docker start it with -p 127.0.0.1:{port}:{port}, and this with --host 0.0.0.0 --port {port}"
-        return [address, f"in a container: forward the port {port}; {docker}"]
-    return [address]
+    docker = f"with Docker start it with -p 127.0.0.1:{port}:{port}, and this with --host 0.0.0.0 --port {port}"
+    return [address, *([f"in a container: forward the port {port}; {docker}"] if reason == "container" else [])]
 
 
 def _no_browser() -> str | None:

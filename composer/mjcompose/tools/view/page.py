@@ -31,7 +31,7 @@ from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Node, Scalar, find
-from mjcompose.tools.diff.changes import Change, Diff, End
+from mjcompose.tools.diff.changes import Cause, Change, Diff, End
 from mjcompose.tools.diff.sides import Kind, Operand, Side, split
 from mjcompose.tools.diff.text import render
 from mjcompose.tools.explain import query
@@ -101,14 +101,11 @@ class Names:
 
     def diff(self, found: Diff) -> Diff:
         """Return a comparison whose text has short names."""
-        groups = [
-            replace(
-                each, cause=replace(each.cause, before=self.span(each.cause.before), after=self.span(each.cause.after))
-            )
-            if each.cause is not None
-            else each
-            for each in found.groups
-        ]
+
+        def short(cause: Cause | None) -> Cause | None:
+            return cause and replace(cause, before=self.span(cause.before), after=self.span(cause.after))
+
+        groups = [replace(each, cause=short(each.cause)) for each in found.groups]
         return replace(found, a=self._end(found.a), b=self._end(found.b), groups=tuple(groups))
 
     def _end(self, end: End) -> End:
@@ -153,8 +150,7 @@ class Origins:
         of: dict[str, list[Any]] = {}
         if traced is not None:
             for kind in filter(names.__contains__, KINDS):
-                nodes = nodes_of(kind, names[kind], traced)
-                of[kind] = [None if node is None else self._element(node, traced) for node in nodes]
+                of[kind] = list(map(self._element, nodes_of(kind, names[kind], traced)))
         exclude = self._of_excludes(excluded)  # before `files`, which lists its files too
         return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
 
@@ -164,15 +160,16 @@ class Origins:
         traced = self.side.traced
         nodes = () if traced is None else traced.model.root.iterfind("contact/exclude")
         found = {frozenset((str(node.get("body1")), str(node.get("body2")))): node for node in nodes}
-        rows: list[Any] = []
+        rows = []
         for pair in map(frozenset, pairs):
-            place, words = None, ""
-            if traced is not None and pair in found:
-                place, _, words, _ = self._element(found[pair], traced)
+            place, _, words, _ = self._element(found.get(pair)) or (None, -1, "", [])
             rows.append([place, words, why.get(pair)])
         return rows
 
-    def _element(self, node: Any, traced: Traced) -> list[Any]:
+    def _element(self, node: Any) -> list[Any] | None:
+        traced = self.side.traced
+        if node is None or traced is None:
+            return None
         life = traced.watch.life(node)
         written = list(traced.written(life))
         place = next((self._place(each.span) for each in written if each.span is not None), None)

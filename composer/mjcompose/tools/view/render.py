@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from enum import StrEnum
 from functools import partial
@@ -132,9 +132,7 @@ def size_of(text: str) -> tuple[int, int] | None:
     (640, 480)
     """
     found = re.fullmatch("([0-9]+)x([0-9]+)", text.lower())
-    if found is None:
-        return None
-    width, height = int(found[1]), int(found[2])
+    width, height = (int(found[1]), int(found[2])) if found else (0, 0)
     return (width, height) if min(width, height) >= 16 and max(width, height) <= MOST_PIXELS else None
 
 
@@ -241,11 +239,9 @@ def render_sheet(
     tiles: list[str] = []
     read: set[Path] = set()
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
-    with ExitStack() as held:
-        folder = held.enter_context(scratch("pictures"))
+    with scratch("pictures") as folder, Pool[tuple[int, Cell], Drawn](workers, _MODULES) as pool:
         handed = replace(operand, context=context_for_worker(context))
         job = _Job(handed, wish, given, folder=folder, limits=in_force())
-        pool = held.enter_context(Pool[tuple[int, Cell], Drawn](workers, _MODULES))
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
         for number, (cell, result) in enumerate(zip(cells, results, strict=True)):
             tell(cell.name)
@@ -255,19 +251,15 @@ def render_sheet(
                 result = False, (Diagnostic("worker-died", message, cell.span, help=help),), ()
             is_drawn, found, inputs = result
             read.update(inputs)
-            if is_drawn:
-                tiles.append(str(job.tile(number)))
+            tiles += [str(job.tile(number))] if is_drawn else []
             for each in found:
                 context.sink.add_of_cell(cell.label, each)
             if any(each.code in _ENDS for each in found):
                 break
         pool.end()
-        return len(tiles) if tiles and _put(tiles, out, operand, session=session, read=read) else 0
-
-
-def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
-    with operand.context.sink:
-        with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
-            engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
-        return True
-    return False
+        with context.sink:
+            if tiles:
+                with staged_file(context.folder / out, "-o", inputs=read) as stage:
+                    engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
+                return len(tiles)
+        return 0

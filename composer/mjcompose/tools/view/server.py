@@ -182,12 +182,7 @@ class Server:
     def __init__(self, workshop: Workshop, host: str, port: int, writes: bool = False) -> None:
         self.workshop, self.hub, self.writer = workshop, Hub(), Writer(workshop)
         self.files = {name: (BUILT / name).read_bytes() for name in _FILES}
-        server = self
-
-        class Handler(_Handler):
-            owner = server
-
-        self._http = _Http((host, port), Handler)
+        self._http = _Http((host, port), self)
         self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16), writes=writes)
         workshop.writes = writes and self.guard.is_private
         self.address = self.guard.address
@@ -232,11 +227,12 @@ class _Http(ThreadingHTTPServer):
     # A port that another process listens on counts as taken, on every system.
     allow_reuse_port = False
 
-    def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
+    def __init__(self, address: tuple[str, int], owner: Server) -> None:
+        self.owner = owner
         self._free = BoundedSemaphore(_MOST_CONNECTIONS)
         self._waiting: dict[socket.socket, None] = {}
         self._lock = Lock()
-        super().__init__(address, handler)
+        super().__init__(address, _Handler)
 
     def process_request(self, request: Any, client_address: Any) -> None:
         if not self._free.acquire(blocking=False):
@@ -306,7 +302,6 @@ class _Asked(io.RawIOBase):
 class _Handler(BaseHTTPRequestHandler):
     """Answers the requests in the table of its server; no part of a request is ever the name of a file."""
 
-    owner: Server
     server: _Http
     protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True  # a head and its content are sent one after the other
@@ -325,12 +320,12 @@ class _Handler(BaseHTTPRequestHandler):
     def do_GET(self) -> None:
         if (key := self._key()) is None:
             return
-        shown = self.owner.workshop.shown
+        shown = self.server.owner.workshop.shown
         if key == "":
             title = (shown.title or "mjcompose").encode("utf-8", "replace").decode()
             self._send(live(title).encode(), "text/html; charset=utf-8")
         elif key in _FILES:
-            self._send(self.owner.files[key], _FILES[key])
+            self._send(self.server.owner.files[key], _FILES[key])
         elif key == "events":
             self._events()
         elif (number := _MODEL.fullmatch(key)) and int(number[1]) <= shown.version:
@@ -372,7 +367,7 @@ class _Handler(BaseHTTPRequestHandler):
         words = self.requestline.split(" ")  # Python splits at other spaces too
         target = words[1] if len(words) == 3 else ""
         hosts, origins = (self.headers.get_all(name, []) for name in ("host", "origin"))
-        key = self.owner.guard.key_of(target, hosts, origins)
+        key = self.server.owner.guard.key_of(target, hosts, origins)
         if key is None:
             self._refuse(HTTPStatus.FORBIDDEN)
         else:
@@ -392,30 +387,30 @@ class _Handler(BaseHTTPRequestHandler):
     def _change(self, said: Any) -> None:
         """Let a page change a recipe, and send the result."""
         origins, sites = (self.headers.get_all(name, []) for name in ("origin", "sec-fetch-site"))
-        if not self.owner.guard.may_write(origins, sites):
+        if not self.server.owner.guard.may_write(origins, sites):
             self._refuse(HTTPStatus.FORBIDDEN)
             return
-        self._send(json.dumps(self.owner.writer.answer(said)).encode(), "application/json")
+        self._send(json.dumps(self.server.owner.writer.answer(said)).encode(), "application/json")
 
     def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
-        physics = self.owner.physics
+        physics = self.server.owner.physics
         if key == "play":
             start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
             return partial(physics.play, bool(said["playing"]), start)
         if key == "pose":
-            return partial(physics.control, _numbers(said["ctrl"]))
+            return partial(physics.update, {"ctrl": _numbers(said["ctrl"])})
         if key == "choose":
-            return partial(self.owner.choose, _text(said["name"]), _text(said["value"]))
+            return partial(self.server.owner.choose, _text(said["name"]), _text(said["value"]))
         if key == "look":
             asked = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"looked": _text(said["looked"])}
             return partial(physics.look, int(said["version"]), asked)
         if key == "pull":
             points = {name: _numbers(said[name]) for name in ("at", "to") if name in said}
-            return partial(physics.pull, {"body": int(said.get("body", 0))} | points)
+            return partial(physics.update, {"pull": {"body": int(said.get("body", 0))} | points})
         return (lambda: None) if key == "shown" else None
 
     def _events(self) -> None:
-        page = self.owner.hub.join()  # before the page reads the current model, so it misses no change
+        page = self.server.owner.hub.join()  # before the page reads the current model, so it misses no change
         if page is None:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE)
             return
@@ -426,11 +421,11 @@ class _Handler(BaseHTTPRequestHandler):
                 self._headers("text/event-stream")
                 self.send_header("Connection", "close")
                 self.end_headers()
-                known = (encoded(event, data) for event, data in news(self.owner.workshop.shown))
+                known = (encoded(event, data) for event, data in news(self.server.owner.workshop.shown))
                 for message in chain(known, page.messages()):
                     self._write(message)
         finally:
-            self.owner.hub.leave(page)
+            self.server.owner.hub.leave(page)
 
     def _refuse(self, status: HTTPStatus) -> None:
         """Answer with a status and end the connection; discard more bytes, or the system would drop the answer."""

@@ -84,12 +84,9 @@ class _Movable:
     def __init__(self, side: Side, scene: Mapping[str, Any]) -> None:
         assert side.traced is not None and side.plan is not None
         self.traced, self.plans = side.traced, list(side.plan.plans())
-        self.numbers = {
-            node: (kind, number)
-            for kind in KINDS
-            for number, node in enumerate(nodes_of(kind, scene[kind]["name"], side.traced))
-            if node is not None
-        }
+        found = {kind: nodes_of(kind, scene[kind]["name"], side.traced) for kind in KINDS}
+        pairs = ((kind, each) for kind, nodes in found.items() for each in enumerate(nodes))
+        self.numbers = {node: (kind, number) for kind, (number, node) in pairs if node is not None}
         settings = read_settings(side.traced.model.root)
         self.units = settings.angle == "degree", settings.eulerseq
         self.targets: dict[tuple[str, int, int], Target] = {}

@@ -44,6 +44,7 @@ _ELSEWHERE: dict[str, Steps] = {
     "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
 }  # fmt: skip
 """Keys that say a place in another way than by an offset."""
+_CHANGED = "the model has changed: select it again"
 _STALE = "`{}` has changed since this model was built, so nothing is written"
 Answer = dict[str, Any]
 Done = tuple[str, bytes, bytes, str]
@@ -100,7 +101,7 @@ class Writer:
         version = said["version"]
         found = self._known.get(version) if type(version) is int else None
         if found is None:
-            raise Refused("the model has changed: select it again", stale=True)
+            raise Refused(_CHANGED, stale=True)
         return found
 
     @property
@@ -229,7 +230,7 @@ class Writer:
         name, line, column = said["at"]
         target = self._now.targets.by_place.get((str(name), int(line), int(column)))
         if target is None:
-            raise Refused("the model has changed: select it again", stale=True)
+            raise Refused(_CHANGED, stale=True)
         return target
 
     def _to_site(self, offset: Offset, target: Target, name: str) -> str:
@@ -341,9 +342,8 @@ class Writer:
 
     def _back(self, said: Any) -> Answer:
         """Restore the text from before the last change exactly, if nothing else has changed the file."""
-        stack, other = self._done, self._undone
-        if said["kind"] == "redo":
-            stack, other = other, stack
+        both = self._done, self._undone
+        stack, other = both if said["kind"] == "undo" else both[::-1]
         if not stack:
             raise Refused("there is nothing to undo or redo")
         file, before, after, words = stack[-1]

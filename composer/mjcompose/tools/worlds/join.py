@@ -65,11 +65,8 @@ class Tree:
             help = "give it a name in its source"
             raise failure(CODE, f"`{self.name}` has a body without a name, which a union cannot tell from others", help)
         for number, name in enumerate(bodies):
-            self.own[name] = tuple(
-                (kind, *self._about(kind, each))
-                for kind, bodies_of in ON_BODIES.items()
-                for each in np.flatnonzero(getattr(self.model, bodies_of) == number).tolist()
-            )
+            on = {kind: np.flatnonzero(getattr(self.model, of) == number).tolist() for kind, of in ON_BODIES.items()}
+            self.own[name] = tuple((kind, *self._about(kind, each)) for kind, found in on.items() for each in found)
             self.children[name] = []
             if number:
                 self.children[bodies[self.model.body_parentid[number]]].append(name)

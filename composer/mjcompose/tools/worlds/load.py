@@ -229,9 +229,8 @@ def _keep(key: Hashable, kept: _Kept) -> None:
 
 @atexit.register
 def _forget() -> None:
-    for each in [*_kept.values()]:
-        each.folder.close()
-    _kept.clear()
+    while _kept:
+        _kept.popitem()[1].folder.close()
 
 
 def _compiled(mujoco: Any, file: Path, shown: str) -> Model:

@@ -396,20 +396,17 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
         np.array([n for n in range(count) if np.isin(list(referring_bodies(union, kind, n)), at).any()], int)
         for kind, count in (("tendon", union.ntendon), ("actuator", len(union.actuator_trntype)))
     )
-    found: list[tuple[str, np.ndarray, Any]] = [
-        ("body_mass", at, 0.0), ("body_inertia", _all(union.body_inertia, at), 0.0),
-        ("dof_armature", dofs, 1.0), ("dof_damping", dofs, 0.0), ("dof_frictionloss", dofs, 0.0),
-        ("jnt_stiffness", joints, 0.0), ("geom_margin", geoms, _APART), ("geom_gap", geoms, 0.0),
-        ("tendon_stiffness", tendons, 0.0), ("tendon_damping", tendons, 0.0), ("tendon_frictionloss", tendons, 0.0),
-        ("tendon_armature", tendons, 0.0),
-    ]  # fmt: skip
-    for name, rows in (("dof_dampingpoly", dofs), ("jnt_stiffnesspoly", joints), ("tendon_dampingpoly", tendons),
-                       ("tendon_stiffnesspoly", tendons)):  # fmt: skip
-        if hasattr(union, name):
-            found.append((name, _all(getattr(union, name), rows), 0.0))
     pairs = np.flatnonzero(np.isin(union.pair_geom1, geoms) | np.isin(union.pair_geom2, geoms))
-    found += [("pair_margin", pairs, _APART), ("pair_gap", pairs, 0.0)]
-    found += [(name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")]
+    zero = {
+        "body": (at, "mass inertia"), "dof": (dofs, "damping frictionloss dampingpoly"),
+        "jnt": (joints, "stiffness stiffnesspoly"), "geom": (geoms, "gap"), "pair": (pairs, "gap"),
+        "tendon": (tendons, "stiffness damping frictionloss armature dampingpoly stiffnesspoly"),
+        "actuator": (acting, "gainprm biasprm"),
+    }  # fmt: skip
+    named = ((f"{kind}_{each}", rows) for kind, (rows, names) in zero.items() for each in names.split())
+    there = [(name, rows) for name, rows in named if not name.endswith("poly") or hasattr(union, name)]
+    found = [(name, _all(getattr(union, name), rows), 0.0) for name, rows in there]
+    found += [("dof_armature", dofs, 1.0), ("geom_margin", geoms, _APART), ("pair_margin", pairs, _APART)]
     return [each for each in found if each[1].size]
 
 
