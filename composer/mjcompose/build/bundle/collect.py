@@ -47,8 +47,14 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
         if use.path not in paths:
             with suppress(OSError):  # unreadable files are reported when they are read
                 size += os.stat(use.source).st_size if use.content is None else len(use.content)
-            if len(paths) + 1 >= limits.output_files or size > limits.output_size:
-                _report_limit(model, use, sink, is_count=len(paths) + 1 >= limits.output_files)
+            over = "output-files" if len(paths) + 1 >= limits.output_files else "output-size"
+            if over == "output-files" or size > limits.output_size:
+                most = written(over, getattr(limits, over.replace("-", "_")))
+                message = (
+                    f"the bundle would have more than {most} {'files' if over == 'output-files' else 'in its files'}"
+                )
+                span = model.origins.span(use.element, model.file, use.attribute)
+                sink.error("limit-exceeded", message, span, help=advice(over))
                 break
             content = read(model, use, sink, shown=shown)
             paths[use.path] = None if content is None else use.path
@@ -62,13 +68,6 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
             use.element.set("name", stem(use.path))
         use.element.set(use.attribute, path)
     return files
-
-
-def _report_limit(model: Unit, use: FileUse, sink: Sink, is_count: bool) -> None:
-    name, of = ("output-files", "files") if is_count else ("output-size", "in its files")
-    most = written(name, getattr(in_force(), name.replace("-", "_")))
-    span = model.origins.span(use.element, model.file, use.attribute)
-    sink.error("limit-exceeded", f"the bundle would have more than {most} {of}", span, help=advice(name))
 
 
 def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:

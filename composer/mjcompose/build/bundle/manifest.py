@@ -26,13 +26,6 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.index import Index as CompiledIndex
 
 
-def faults_of(error: ValueError) -> tuple[str, ...]:
-    """Return the faults in a manifest that `from_json` refused, in words."""
-    if not isinstance(error, ValidationError):
-        return (str(error),)
-    return tuple(_in_words(each) for each in error.errors(include_url=False, include_context=False))
-
-
 def newer_format(error: ValueError) -> int | None:
     """Return the format version of a refused manifest if it is newer than ours, else None."""
     if isinstance(error, ValidationError):
@@ -456,7 +449,8 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
             sink.error("bundle-manifest", f"the manifest of `{shown}` {written}", help="update mjcompose")
             return None
         help = "a bundle of another version of mjcompose needs that version"
-        notes = list(map(Note, with_rest(faults_of(error))))
+        errors = error.errors(include_url=False, include_context=False) if isinstance(error, ValidationError) else []
+        notes = list(map(Note, with_rest([*map(_in_words, errors)] or [str(error)])))
         sink.error("bundle-manifest", f"the manifest of `{shown}` cannot be read", notes=notes, help=help)
         return None
 

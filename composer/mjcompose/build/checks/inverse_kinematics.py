@@ -135,7 +135,9 @@ class Solver:
     def _step(self, error: Any, jacobian: Any, damping: float) -> Any:
         """Return the step of the moving joints. Joints that would leave their range stay; the others compensate."""
         able = np.ones(len(self.moving), dtype=bool)
-        here = self._scalar_positions()
+        joints = self.model.dof_jntid[self.moving]
+        single = np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))
+        here = np.where(single, self.data.qpos[self.model.jnt_qposadr[joints]], 0.0)
         for _ in range(len(self.moving) + 1):
             part = jacobian[:, able]
             square = part @ part.T
@@ -217,13 +219,6 @@ class Solver:
         bounded = (self.model.jnt_limited[joints] != 0) & np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))
         ends = self.model.jnt_range[joints]
         return np.where(bounded, ends[:, 0], -np.inf), np.where(bounded, ends[:, 1], np.inf)
-
-    def _scalar_positions(self) -> Any:
-        """Return the position of each moving slide and hinge; 0 for other degrees of freedom."""
-        joints = self.model.dof_jntid[self.moving]
-        here = self.data.qpos[self.model.jnt_qposadr[joints]].copy()
-        here[~np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))] = 0.0
-        return here
 
     def _is_at_limit(self, joint: int) -> bool:
         if not self.model.jnt_limited[joint] or self.model.jnt_type[joint] not in (SLIDE, HINGE):

@@ -312,7 +312,9 @@ def _expression_holds(values: Values, selection: Selection, selector: Selector, 
     scope["name"] = values.scope["name"]
     if "index" in _names_in(condition):
         scope["index"] = selection.number(values.node)
-    if _is_of_others(values.node, selector, scope):
+    # It may use an attribute that other elements of the family can have, but not this one.
+    missing = _names_in(condition) - scope.keys() - kind_of(values.node).attributes.keys()
+    if not missing.isdisjoint(_attributes_of(selector.tag)):
         return False
     found = values.evaluated(condition, values.at, scope)
     if isinstance(found, bool):
@@ -335,12 +337,6 @@ def _has_value(values: Values, selection: Selection, key: str, wanted: object) -
     if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
         return selection.fits(meant)(str(have))
     return matches_value(attribute, have, meant)
-
-
-def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
-    """Return whether the condition uses an attribute that other elements of the family can have, but not this one."""
-    missing = _names_in(str(selector.where)) - scope.keys() - kind_of(node).attributes.keys()
-    return bool(missing) and not missing.isdisjoint(_attributes_of(selector.tag))
 
 
 @lru_cache(maxsize=64)

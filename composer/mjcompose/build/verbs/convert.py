@@ -399,14 +399,12 @@ def _position(
     # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
     if "input" not in given and (is_pid or model.form in ("position", "velocity")):
         made["input"] = " ".join(model.inputs) or ("pos" if model.form == "position" else "vel")
-    return made | (_integral(editing, model) if is_pid else {})
-
-
-def _integral(editing: Editing, model: ActuatorModel) -> dict[str, str]:
-    """Return the attributes of a pid other than its gains. They include zeros if classes may set other values."""
-    imax, whole = model.dynprm[0] if model.dynamics == "pid" else 0.0, _in_classes(editing)
-    found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax}
-    return {name: numbers.text([value]) for name, value in found.items() if value or whole}
+    imax, whole = (
+        model.dynprm[0] if model.dynamics == "pid" else 0.0,
+        _in_classes(editing),
+    )  # zeros too, if others are set
+    found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax} if is_pid else {}
+    return made | {name: numbers.text([value]) for name, value in found.items() if value or whole}
 
 
 def _in_classes(editing: Editing) -> bool:

@@ -328,7 +328,9 @@ def _report_range(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str]
         dynamics = text_in_effect(holder, kind_of(holder), "dyntype", classes=model.classes)
         if holder.tag == "intvelocity" or dynamics == "integrator":
             unit = unit.removesuffix("/s")
-    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, entry)
+    angles = [each.unit for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
+    bare = plan.angle_context.at((*key.at, *entry)).angle == "degree"
+    in_degrees = unit.startswith("rad") and (angles[0] == "deg" if angles else bare)
     named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
     value, least, most = (
         f"{math.degrees(number) if in_degrees else number:.6g} {named}".rstrip() for number in (bound.value, low, high)
@@ -348,11 +350,6 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None
     unit = "rad" if bound.unit == "rad" else ""
     way = f"{HOLD}: {key.controls.hold}"
     return f"change the pose, or write the control itself: `{CTRL}: {{{way}, {name}: {nearest:g}{unit}}}`"
-
-
-def _in_degrees(plan: Plan, key: Keyframe, entry: tuple[str, str]) -> bool:
-    angles = [each.unit for each in key.values.get(entry[0], {}).get(entry[1], ()) if isinstance(each, Angle)]
-    return angles[0] == "deg" if angles else plan.angle_context.at((*key.at, *entry)).angle == "degree"
 
 
 def _element(root: Node, kind: str, name: str) -> Node | None:
