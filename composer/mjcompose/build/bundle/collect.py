@@ -50,9 +50,8 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
             over = "output-files" if len(paths) + 1 >= limits.output_files else "output-size"
             if over == "output-files" or size > limits.output_size:
                 most = written(over, getattr(limits, over.replace("-", "_")))
-                message = (
-                    f"the bundle would have more than {most} {'files' if over == 'output-files' else 'in its files'}"
-                )
+                of = "files" if over == "output-files" else "in its files"
+                message = f"the bundle would have more than {most} {of}"
                 span = model.origins.span(use.element, model.file, use.attribute)
                 sink.error("limit-exceeded", message, span, help=advice(over))
                 break

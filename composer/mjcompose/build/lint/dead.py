@@ -62,9 +62,8 @@ def unused_tendon(subject: Subject) -> Found:
             model.tendon_limited[row] or model.tendon_stiffness[row].any() or model.tendon_damping[row].any()
             or model.tendon_frictionloss[row] or model.tendon_armature[row]
         )  # fmt: skip
-        if element is None or exerts or element.get("name") in used:
-            continue
-        yield Finding(element, f"{subject.name('tendon', row)} exerts no force, and nothing refers to it", "name")
+        if element is not None and not exerts and element.get("name") not in used:
+            yield Finding(element, f"{subject.name('tendon', row)} exerts no force, and nothing refers to it", "name")
 
 
 @rule("dead-actuator", in_mujoco=True)

@@ -399,10 +399,7 @@ def _position(
     # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
     if "input" not in given and (is_pid or model.form in ("position", "velocity")):
         made["input"] = " ".join(model.inputs) or ("pos" if model.form == "position" else "vel")
-    imax, whole = (
-        model.dynprm[0] if model.dynamics == "pid" else 0.0,
-        _in_classes(editing),
-    )  # zeros too, if others are set
+    imax, whole = model.dynprm[0] if model.dynamics == "pid" else 0.0, _in_classes(editing)
     found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax} if is_pid else {}
     return made | {name: numbers.text([value]) for name, value in found.items() if value or whole}
 

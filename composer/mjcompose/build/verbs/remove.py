@@ -78,9 +78,8 @@ def _named(node: Node) -> list[DroppedElement]:
         if each.tag in ("frame", "replicate") or is_section(each):
             continue
         declared = declaration(each, section)
-        if declared is None and naming_attribute(kind_of(each)) is None and each is not node:
-            continue
-        found.append(DroppedElement(listed_kind(each, section), declared[1] if declared else ""))
+        if declared is not None or naming_attribute(kind_of(each)) is not None or each is node:
+            found.append(DroppedElement(listed_kind(each, section), declared[1] if declared else ""))
     return found
 
 
