@@ -85,11 +85,11 @@ class Scope:
     separator: str = "/"
     keys: str | None = ""
     whole: bool = True
-    roster: NameTable = field(init=False)
     values: dict[str, Any] = field(default_factory=dict, init=False)
 
-    def __post_init__(self) -> None:
-        self.roster = NameTable(self.model)
+    @cached_property
+    def roster(self) -> NameTable:
+        return NameTable(self.model)
 
     def before(self, kind: str) -> str:
         return (self.keys or "") if kind == "key" else self.prefix

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
 from mjcompose.mujoco.arrays import HINGE, SLIDE
 from mjcompose.tree.classes import class_in_force
+from mjcompose.tree.values import parse_real
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -90,18 +91,11 @@ def inertial_ignored(subject: Subject) -> Found:
         return
     for body in range(1, subject.model.nbody):
         inertial = _inertial(subject, body)
-        written = None if inertial is None else _number(inertial.get("mass"))
+        written = None if inertial is None else parse_real(str(inertial.get("mass") or "").strip())
         mass = float(subject.model.body_mass[body])
         if written is not None and abs(written - mass) > 1e-3 * max(written, mass):
             message = f"MuJoCo ignores this `mass` of {written:g} kg: it computes {mass:.4g} kg from the geoms"
             yield Finding(inertial, message, "mass", help='remove `inertiafromgeom="true"`, or `<inertial>`')
-
-
-def _number(text: str | None) -> float | None:
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return None
 
 
 @rule("inertia-balanced")
@@ -137,7 +131,7 @@ def free_joint_damped(subject: Subject) -> Found:
     for joint in subject.each("joint"):
         own = subject.classes.get(class_in_force(joint).name)
         found = {name: own.lookup("joint", name) for name in _RESISTING if joint.get(name) is None}
-        values = {name: each for name, each in found.items() if each is not None and _number(each[0])}
+        values = {name: each for name, each in found.items() if each is not None and parse_real(each[0].strip())}
         if subject.value(joint, "type") == "free":
             free.append((joint, values))
         else:
