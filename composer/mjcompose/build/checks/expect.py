@@ -190,10 +190,8 @@ class Expect(Check):
         if isinstance(attr, Fault):
             yield replace(attr, at=("attr",))
         elif self.equals is None and self.range is None:
-            message, help = (
-                f"`attr` of {OWNER} does not say which value it has",
-                "write `equals: VALUE`, or `range: [LOW, HIGH]`",
-            )
+            message = f"`attr` of {OWNER} does not say which value it has"
+            help = "write `equals: VALUE`, or `range: [LOW, HIGH]`"
             yield Fault("missing-key", message, ("attr",), key=True, help=help)
         elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):
             note = None if tag is None else "without an index, the attribute means all of its numbers"

@@ -350,10 +350,9 @@ class MeshWorkshop:
                 help = f"look at the pieces, or close the mesh; then write `allow: [{SHAPE}]`"
                 if doubt.kind != "open":
                     scale = numbers.read(each.mesh.get("scale", "1 1 1"))
+                    name = word(name_of(each.node) or "")
                     # Doubled braces are single braces in the text.
-                    entry = (
-                        f"{{{{select: {{{{mesh: {word(name_of(each.node) or '')}}}}}, set: {{{{scale: [{{}}]}}}}}}}}"
-                    )
+                    entry = f"{{{{select: {{{{mesh: {name}}}}}, set: {{{{scale: [{{}}]}}}}}}}}"
                     help = doubt.advice(scale, entry, ", ")
                 place = editing.span_of(each.node)
                 cause = Cause(f"{doubt.kind} meshes of {each.span}", f"{each.called} ({place})")

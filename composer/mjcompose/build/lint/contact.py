@@ -112,9 +112,8 @@ def collides_with_nothing(subject: Subject) -> Found:
         if not contype | conaffinity or geom in pairs:
             continue
         if not any(contype & other or one & conaffinity for one, other in partners):
-            message = (
-                f"`contype` {contype} and `conaffinity` {conaffinity} of {subject.name('geom', geom)} fit no other geom"
-            )
+            name = subject.name("geom", geom)
+            message = f"`contype` {contype} and `conaffinity` {conaffinity} of {name} fit no other geom"
             yield Finding(subject.node("geom", geom), message, help="correct `contype` and `conaffinity`")
 
 

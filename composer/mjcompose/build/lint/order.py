@@ -22,10 +22,8 @@ def actuator_order(subject: Subject) -> Found:
         return
     for (before, first), (row, joint) in pairwise(rows):
         if joint < first:
-            message = (
-                f"{subject.name('actuator', row)} comes after {subject.name('actuator', before)}, and its"
-                f" {subject.name('joint', joint)} comes before {subject.name('joint', first)}"
-            )
+            its = f"its {subject.name('joint', joint)} comes before {subject.name('joint', first)}"
+            message = f"{subject.name('actuator', row)} comes after {subject.name('actuator', before)}, and {its}"
             yield Finding(subject.node("actuator", row), message)
             return
 

@@ -64,10 +64,9 @@ def density_impossible(subject: Subject) -> Found:
             continue
         most = shapes.volume(geoms).most
         if most > _MARKER and mass / most > _DENSE:
-            message = (
-                f"{subject.name('body', body)} weighs {mass:.4g} kg in {most * 1e6:.4g} cm³, which is"
-                f" {mass / most:,.0f} kg/m³; the densest metal has {_HEAVIEST:,.0f} kg/m³"
-            )
+            density = f"{mass / most:,.0f} kg/m³; the densest metal has {_HEAVIEST:,.0f} kg/m³"
+            name = subject.name("body", body)
+            message = f"{name} weighs {mass:.4g} kg in {most * 1e6:.4g} cm³, which is {density}"
             yield Finding(subject.node("body", body), message, help="write the mass in kilograms")
 
 
@@ -116,11 +115,9 @@ def inertia_balanced(subject: Subject) -> Found:
             name = "diaginertia"
         low, middle, high = sorted(moments) if moments is not None and len(moments) == 3 else (0.0, 0.0, 0.0)
         if low + middle < high * (1 - 1e-6):
-            message = (
-                f"a body cannot have the principal moments {low:.4g}, {middle:.4g} and {high:.4g} kg·m²: the largest is"
-                f" {high / (low + middle):.3g} times the sum of the others, so MuJoCo replaces all three by"
-                f" {(low + middle + high) / 3:.4g}"
-            )
+            times, mean = f"{high / (low + middle):.3g} times the sum of the others", (low + middle + high) / 3
+            three = f"the principal moments {low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
+            message = f"a body cannot have {three}: the largest is {times}, so MuJoCo replaces all three by {mean:.4g}"
             yield Finding(element, message, name, help="write the inertia of the CAD model")
 
 
@@ -156,10 +153,8 @@ def timestep_too_long(subject: Subject) -> Found:
         node = subject.node("actuator", actuators[0]) if actuators else None
         by = f" with {subject.name('actuator', actuators[0])}" if actuators else ""
         longest = "" if mode.timestep is None else f"; up to {mode.timestep * 1000:.2g} ms it does not"
-        message = (
-            f"{subject.name('joint', joint)}{by}: small motions grow {mode.factor:.3g} times in each step of"
-            f" {subject.model.opt.timestep * 1000:g} ms{longest}"
-        )
+        each = f"each step of {subject.model.opt.timestep * 1000:g} ms{longest}"
+        message = f"{subject.name('joint', joint)}{by}: small motions grow {mode.factor:.3g} times in {each}"
         place = node if node is not None else subject.node("joint", joint)
         yield Finding(place, message, help="shorten `timestep`, add `armature` to the joint, or lower the gains")
 
@@ -180,10 +175,9 @@ def servo_undamped(subject: Subject) -> Found:
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
         damping = model.dof_damping[dof].ravel()[0] + servos.damping[dof, dof]
         if stiff and damping == 0 and model.dof_frictionloss[dof] == 0:
-            message = (
-                f"nothing damps {subject.name('actuator', stiff[0])}: it holds {subject.name('joint', joint)} with"
-                f" {servos.stiffness[dof, dof]:.4g} {_unit(subject, joint)}, without damping or friction"
-            )
+            stiffness = f"{servos.stiffness[dof, dof]:.4g} {_unit(subject, joint)}"
+            held = f"it holds {subject.name('joint', joint)} with {stiffness}, without damping or friction"
+            message = f"nothing damps {subject.name('actuator', stiff[0])}: {held}"
             yield Finding(subject.node("actuator", stiff[0]), message, help='add `dampratio="1"`')
 
 
@@ -200,10 +194,8 @@ def friction_exceeds_motor(subject: Subject) -> Found:
         ends, friction = servos.strongest(dof), float(subject.model.dof_frictionloss[dof])
         if ends is not None and friction > 0 and max(abs(each) for each in ends) <= friction:
             unit = _unit(subject, joint, per=False)
-            message = (
-                f"{subject.name('joint', joint)} has {friction:.4g} {unit} of dry friction, and its actuators give at"
-                f" most {max(abs(each) for each in ends):.4g} {unit}"
-            )
+            most = f"its actuators give at most {max(abs(each) for each in ends):.4g} {unit}"
+            message = f"{subject.name('joint', joint)} has {friction:.4g} {unit} of dry friction, and {most}"
             yield Finding(subject.node("joint", joint), message, "frictionloss", help="lower `frictionloss`")
 
 
@@ -217,10 +209,8 @@ def motor_too_weak(subject: Subject) -> Found:
         servos = Servos(subject.mujoco, subject.model, data)
         for joint, dof, needed, ends in _held(subject, data, servos) if not data.qvel.any() else ():
             unit, node = _unit(subject, joint, per=False), subject.node("actuator", servos.of_dof(dof)[0])
-            message = (
-                f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and its actuators"
-                f" give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
-            )
+            given = f"its actuators give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+            message = f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and {given}"
             seen.setdefault(joint, Finding(node, message, help="raise the limit of the force"))
     yield from seen.values()
 

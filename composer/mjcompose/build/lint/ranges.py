@@ -64,10 +64,8 @@ def key_out_of_range(subject: Subject) -> Found:
         for each in ranged(compiled, vectors):
             low, high = each.range
             if not each.is_within(-_ROUNDING * max(1.0, abs(high - low))):
-                message = (
-                    f"`{each.vector}` of {subject.name(each.kind, each.number)} in {name} is {each.value:.6g}, and its"
-                    f" range is from {low:.6g} to {high:.6g}"
-                )
+                of, ends = subject.name(each.kind, each.number), f"{low:.6g} to {high:.6g}"
+                message = f"`{each.vector}` of {of} in {name} is {each.value:.6g}, and its range is from {ends}"
                 if element is None:
                     yield Finding(made, f"`nkey` makes empty keyframes: {message}", "nkey", help="remove `nkey`")
                 else:
@@ -86,10 +84,8 @@ def reference_out_of_range(subject: Subject) -> Found:
         at, (low, high) = float(model.qpos0[model.jnt_qposadr[row]]), map(float, model.jnt_range[row])
         if not low - _ROUNDING <= at <= high + _ROUNDING:
             unit = "rad" if int(model.jnt_type[row]) == HINGE else "m"
-            message = (
-                f"{subject.name('joint', row)} starts at {at:.4g} {unit}, and its range is from {low:.4g} to {high:.4g}"
-                f" {unit}; there is no keyframe"
-            )
+            ends = f"its range is from {low:.4g} to {high:.4g} {unit}"
+            message = f"{subject.name('joint', row)} starts at {at:.4g} {unit}, and {ends}; there is no keyframe"
             yield Finding(subject.node("joint", row), message, "range")
 
 
@@ -106,11 +102,9 @@ def control_misses_range(subject: Subject) -> Found:
         width, common = most - least, max(min(high, most) - max(low, least), 0.0)
         if width <= 0 or common >= 0.8 * width:
             continue
-        message = (
-            f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}, and"
-            f" {subject.name('joint', joint)} moves from {least:.4g} to {most:.4g}: {1 - common / width:.0%} of its"
-            " range cannot be reached"
-        )
+        aim = f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}"
+        moves = f"{subject.name('joint', joint)} moves from {least:.4g} to {most:.4g}"
+        message = f"{aim}, and {moves}: {1 - common / width:.0%} of its range cannot be reached"
         yield Finding(subject.node("actuator", row), message, "ctrlrange", help='write `inheritrange="1"`')
 
 
