@@ -203,8 +203,8 @@ def test_behind_an_actuator_with_several_outputs(tmp_path: Path) -> None:
     assert [(each["array"], each["index"]) for each in column["targets"]] == [("actuator_gear", [3, 0])]
 
 
-def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path) -> None:
-    from mjcompose.build.verify.draws import DrawTable
+def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from mjcompose.build.verify.draws import DrawTable, resolve_addresses
     from mjcompose.mujoco.engine import Called, Session
 
     (tmp_path / "m.xml").write_text(MODEL)
@@ -215,9 +215,10 @@ def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path) -> None:
     context = Context(folder=tmp_path)
     built = build(Request(Path("r.yaml"), verified=False), context)
     assert built is not None
+    late = Called(False, error="MuJoCo did not finish within 2 s", crash="timeout")
+    monkeypatch.setattr("mjcompose.mujoco.engine.call", lambda *_, **__: late)
     with Session() as session:
-        table = DrawTable(built.plan, (), session, context)
-        table.crashed(Called(False, error="MuJoCo did not finish within 2 s", crash="timeout"))
+        assert DrawTable(built.plan, (), session, context).ask(resolve_addresses, [], []) is None
     (error,) = context.sink.errors
     assert (error.code, error.span and error.span.line) == ("mujoco-timeout", 5)
     assert error.help is not None and "--timeout" in error.help

@@ -91,17 +91,10 @@ class CellMaker:
         )  # fmt: skip
 
     def keep(
-        self, result: CellResult, record: Record, inputs: Sequence[FileState], packages: Iterable[Package]
-    ) -> None:
-        """Store the result of other processes, if its inputs are the same here, and record that it is written."""
-        if result.result is not None:
-            self.keep_record(result.cell, record, inputs, packages=packages, result=result.result)
-
-    def keep_record(
         self, cell: Cell, record: Record, inputs: Sequence[FileState], packages: Iterable[Package],
         result: BuildResult | None = None,
     ) -> None:  # fmt: skip
-        """Store the record of a cell that was written elsewhere, if its inputs are the same here."""
+        """Store the record of a cell that was written elsewhere, and its result, if its inputs are the same here."""
         cache, key = self.maker.cache, self._key(cell)
         if cache is None or key is None:
             return

@@ -266,14 +266,13 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
 
 def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementBuilder) -> AttachmentPlace:
     """Return the place moved so that the part's site, body or frame `mate` lies on it instead of the part's origin."""
-    name = step.attachment.mate
-    worlds = unit.root.iterchildren("worldbody")
-    named = [element for world in worlds for element in world.iter(*_MATES) if element.get("name") == name]
-    if not named:
-        _report_no_mate(step, unit, making)
+    name = step.attachment.mate or ""
+    inside = [each for world in unit.root.iterchildren("worldbody") for each in world.iter(*_MATES) if each.get("name")]
+    known = {tag: {str(each.get("name")): each for each in inside if each.tag == tag} for tag in _MATES}
+    if (element := next((named[name] for named in known.values() if name in named), None)) is None:
+        _report_no_mate(step, known, making)
         return place
     settings = (unit.settings.angle == "degree", unit.settings.eulerseq)
-    element = min(named, key=lambda each: _MATES.index(each.tag))
     if (scaled := scaled_above(element)) is not None:
         message = f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be computed"
         span = locate(making.document, (*step.at, "mate"))
@@ -306,10 +305,8 @@ def _text(values: Iterable[float]) -> str:
     return numbers.text(value + 0.0 for value in values)  # no -0, which an inverse is full of
 
 
-def _report_no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
+def _report_no_mate(step: AttachPart, known: Mapping[str, Collection[str]], making: ElementBuilder) -> None:
     name = step.attachment.mate or ""
-    worlds = list(unit.root.iterchildren("worldbody"))
-    known = {tag: [str(e.get("name")) for world in worlds for e in world.iter(tag) if e.get("name")] for tag in _MATES}
     all_names = [each for names in known.values() for each in names]
     message = f"`{step.prefix}` has no site, body or frame `{name}` to mate with"
     span = locate(making.document, (*step.at, "mate"))

@@ -407,8 +407,6 @@ class Composer:
             if (dropped := PartEdits(plan, wanted, unit, composer=self).carry_out()) is None:
                 return None
             if wanted.drops_elements:
-                from mjcompose.link.subtree import Subtree
-
                 known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
                 self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.dropped, *dropped))
         return unit

@@ -186,9 +186,7 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
     geom.set("conaffinity", str(conaffinity))
     geom.set("group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
     geom.set("mass", "0")
-    for name in _TAKEN:
-        if old.get(name):
-            geom.set(name, str(old.get(name)))
+    geom.attrib.update({name: str(old.get(name)) for name in _TAKEN if old.get(name)})
 
 
 def _leave_out(editing: Editing, geom: Node) -> None:

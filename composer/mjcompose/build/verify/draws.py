@@ -65,11 +65,9 @@ class DrawTable:
                 "tag": each.tag, "family": each.family, "name": each.name, "place": each.place,
                 "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
             })  # fmt: skip
-        answer = engine.call(self.session, resolve_addresses, [WHOLE], argument=questions)
-        if not answer.ok:
-            self.crashed(answer)
+        if (answers := self.ask(resolve_addresses, [WHOLE], questions)) is None:
             return False
-        for each, found in zip(numeric, answer.value, strict=True):
+        for each, found in zip(numeric, answers, strict=True):
             if "error" in found:
                 message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
                 instead = "or draw the `mass` of its body" if each.first.attribute == "density" else ""
@@ -108,11 +106,16 @@ class DrawTable:
         help = "build without `--as worlds`" + (f", {instead}" if instead else ", so each sample is a model")
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
-    def crashed(self, answer: engine.Called) -> None:
+    def ask(self, question: Callable[..., Any], models: Sequence[str], argument: Any) -> Any:
+        """Return the answer of MuJoCo's process, or None if it crashes, which is reported."""
+        answer = engine.call(self.session, question, models, argument=argument)
+        if answer.ok:
+            return answer.value
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
         span = locate(self.plan.document, ("randomize", "samples"))
         message = f"the table of draws: {answer.error or answer.crash}"
         self.context.sink.error(code, message, span, help=CRASH_HELP.get(code))
+        return None
 
 
 def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
@@ -216,21 +219,16 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
     with scratch("worlds") as folder:
         paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
         np.save(paths["draws"], np.array(list(table.values.values()), float).T)
-        question: dict[str, object] = {**paths, "columns": list(table.columns.values())}
-        answer = engine.call(table.session, compute_worlds, [WHOLE], argument=question)
-        if not answer.ok:
-            table.crashed(answer)
+        if table.ask(compute_worlds, [WHOLE], {**paths, "columns": list(table.columns.values())}) is None:
             return bundle
         for sample in sorted({1, (wanted.samples + 1) // 2, wanted.samples}):
             if not build(sample):
                 return bundle
-            question = {**paths, "world": sample - 1}
-            answer = engine.call(table.session, compare_world, [WHOLE, SAMPLE], argument=question)
-            if not answer.ok:
-                table.crashed(answer)
+            different = table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})
+            if different is None:
                 return bundle
-            if answer.value:
-                listed = ", ".join(f"`{name}`" for name in answer.value)
+            if different:
+                listed = ", ".join(f"`{name}`" for name in different)
                 message = f"world {sample - 1} differs from sample {sample} as a build makes it: {listed}"
                 help = "remove the fields that change these, or build without `--as worlds`"
                 span = locate(table.plan.document, ("randomize",), key=True)
@@ -322,8 +320,7 @@ class DerivedValues:
         self._has_inertia = are_close(_mean_inertia(model), self._inertia)
         self._has_mass = are_close(_mean_mass(model), self._mass)
         lengths = self._lengths() if model.ntendon else np.empty(0)
-        # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
-        # pose.
+        # If the range `springlength` is not set, both ends are the length in the springs' reference pose.
         self._springs = [n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])]
 
     def settle(self) -> None:

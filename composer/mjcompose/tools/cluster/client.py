@@ -290,7 +290,8 @@ class Stations:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
-            self._making.keep(result.cell, result.record, result.inputs, packages=self._packages)
+            cell, packages = result.cell, self._packages
+            self._making.keep(cell.cell, result.record, result.inputs, packages=packages, result=cell.result)
             if self._journal is not None:
                 self._journal.forget(result.cell.cell.name)
         return result.cell

@@ -76,7 +76,7 @@ class Journal:
                 return False
             if making.maker.form not in _READABLE or read(target).sha256 != record.sha256:
                 return False
-            making.keep_record(cell, record, [file_state(each) for each in inputs], packages=packages)
+            making.keep(cell, record, [file_state(each) for each in inputs], packages=packages)
         except (OSError, ReadError, ValueError, TypeError, KeyError, RecursionError):
             return False
         self.forget(cell.name)
