@@ -6,6 +6,7 @@ import ast
 import contextlib
 import copy
 import dataclasses
+import functools
 import inspect
 import pickle
 import subprocess
@@ -303,6 +304,56 @@ def test_a_subclass_that_is_called_first_leaves_its_base_as_it_is() -> None:
     assert (derived(1).b, derived(1).c) == (3, 4)
     assert derived.__base__(1).b == 1
     assert base(5).b == 1
+
+
+class Node(ours.Struct):
+    x: int
+    y: int = 2
+    tags: list[str] = field(default_factory=list)
+    note: str = field(default="", compare=False, repr=False)
+    origin: ClassVar[int] = 0
+
+    @property
+    def sum(self) -> int:
+        return self.x + self.y
+
+
+class Leaf(Node, kw_only=True):
+    y: int = 7
+    z: int
+
+
+class Open(ours.Struct, frozen=False, slots=False, eq=False):
+    a: int = 1
+
+    @functools.cached_property
+    def b(self) -> int:
+        return self.a + 1
+
+
+def test_a_struct_is_a_dataclass_without_a_decorator() -> None:
+    node, like = Node(1, note="a"), _point(ours.dataclass)
+    assert repr(node) == repr(like(1)).rpartition(".")[2].replace("Point", "Node")
+    assert (node, node.sum, node.origin) == (Node(1), 3, 0) and node != Node(1, 3)
+    assert dataclasses.replace(node, x=4) == Node(4) and dataclasses.asdict(node)["tags"] == []
+    assert pickle.loads(pickle.dumps(node)) == node and not hasattr(node, "__dict__")
+    assert str(inspect.signature(Node)).removesuffix(" -> None") == str(inspect.signature(like)).removesuffix(
+        " -> None"
+    )
+    assert Node.__slots__ == like.__slots__ and Node.__match_args__ == like.__match_args__
+    with pytest.raises(FrozenInstanceError):
+        node.x = 2  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        hash(node)  # a list has no hash
+
+
+def test_the_options_of_a_struct_follow_its_bases() -> None:
+    assert (Leaf(1, z=3).y, Leaf(1, 5, z=3).x, Leaf.__slots__) == (7, 1, ("z",))
+    with pytest.raises(TypeError):
+        Leaf(1)  # type: ignore[call-arg]
+    made = Open()
+    made.a = 5
+    assert made.b == 6 and made.__dict__ == {"a": 5, "b": 6} and Open() != Open() and Open.a == 1
 
 
 def test_every_dataclass_of_the_package_is_made_here() -> None:

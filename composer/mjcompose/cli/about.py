@@ -14,7 +14,7 @@ from importlib import metadata
 import click
 
 from mjcompose.base import __version__
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError
 from mjcompose.base.sandbox import call_confined
 from mjcompose.base.scratch import scratch
@@ -28,8 +28,7 @@ _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelo
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(Struct):
     """A finding; `fine` is None if something optional is missing."""
 
     what: str

@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span, hide
 from mjcompose.base.files import own_name
 from mjcompose.base.report import counted
@@ -130,8 +130,7 @@ def _checked_folder(task: Task, count: int) -> Path | str:
     return folder
 
 
-@dataclass(slots=True)
-class _Results:
+class _Results(Struct, frozen=False):
     """Counts for the summary of a run, and rows for its tables: the index lists paths relative to `beside`, if any."""
 
     spec: OutputSpec
@@ -209,8 +208,7 @@ def _take_all(
 
 def _folder(out: str) -> str:
     """Return the folder in which every model has its own name, or a folder by its hash."""
-    folder = out.partition("{")[0].rpartition("/")[0]
-    return folder or ("/" if out.startswith("/") else ".")
+    return out.partition("{")[0].rpartition("/")[0] or ("/" if out.startswith("/") else ".")
 
 
 def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:

@@ -64,8 +64,7 @@ def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:
             {"part": each.member.part, "unchanged": None if each.obscure is not None else each.ok}
             for each in stored.parts
         ]
-        answer = {"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}
-        click.echo(json.dumps(answer))
+        click.echo(json.dumps({"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}))
     elif form == "text" and ok:
         unchanged = sum(each.ok for each in stored.parts)
         compared = f", {unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"

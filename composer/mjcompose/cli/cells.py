@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from mjcompose.base import report as text
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, DiagnosticError, listed
 from mjcompose.base.files import STDIN
 from mjcompose.base.sink import Sink
@@ -109,8 +109,7 @@ class CellsOptions(Group):
         return chosen, USAGE if sink.has_errors else 0
 
 
-@dataclass(frozen=True, slots=True)
-class Shard:
+class Shard(Struct):
     """The shard with this `number`, from 1, of `count` shards."""
 
     number: int
@@ -264,8 +263,7 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
         click.echo("\r\x1b[K", err=True, nl=False)
 
 
-@dataclass(slots=True)
-class Tally:
+class Tally(Struct, frozen=False):
     """Counts the cells of a run: `total` is their number, `whole` the number of those without errors."""
 
     recipe: Path

@@ -13,7 +13,7 @@ import click
 
 from mjcompose.base import files as sources
 from mjcompose.base import report as github
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.files import STDIN
 from mjcompose.base.limits import in_force
@@ -66,8 +66,7 @@ def check(options: Options, run: Run) -> int:
     return checking.sum_up()
 
 
-@dataclass(frozen=True, slots=True)
-class _Result:
+class _Result(Struct):
     """The result of one recipe, with the numbers of models and checks in words."""
 
     recipe: Path
@@ -88,8 +87,7 @@ class _Checking:
         how = run.context.fetching
         assert how is not None
         named = options.choices.named(run.context)
-        verifies = not options.no_compile
-        self.order = BuildOptions(verifies, choices=named, locked=how.locked, offline=how.offline)
+        self.order = BuildOptions(not options.no_compile, choices=named, locked=how.locked, offline=how.offline)
         self.results: list[_Result] = []
 
     def alone(self, recipe: Path) -> int:

@@ -167,8 +167,7 @@ def names(options: NamesOptions, run: Run) -> Answer:
     found = tool.names(options.model, run.context, given, pick=options.cell.pick, sample=options.cell.sample)
     if found is None:
         raise Stop(run.code_of_failure(Path(options.model.partition(":")[2] or options.model)))
-    write = tool.to_python if options.python else tool.to_cpp if options.cpp else tool.to_json
-    text = write(found)
+    text = (tool.to_python if options.python else tool.to_cpp if options.cpp else tool.to_json)(found)
     if options.out in (None, "-"):
         return Answer(text.removesuffix("\n"), code=0, reports=False)
 

@@ -258,8 +258,7 @@ def _with_hint(error: click.NoSuchOption) -> click.NoSuchOption:
     name = error.option_name
     known = {each for option in error.ctx.command.get_params(error.ctx) for each in option.opts}
     if (called := _OPTIONS_CALLED.get(name)) in known:
-        message = f"No such option '{name}'. Did you mean '{called}'?"
-        return click.NoSuchOption(name, message, ctx=error.ctx)
+        return click.NoSuchOption(name, f"No such option '{name}'. Did you mean '{called}'?", ctx=error.ctx)
     return click.NoSuchOption(name, possibilities=closest(name, known), ctx=error.ctx)
 
 

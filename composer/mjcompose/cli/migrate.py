@@ -81,8 +81,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
         show_differences(result.migrated.changed, context, done="migrated")
     if result is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(*([Path(model)] if ":" not in model else [])))
-    left = bool(result.migrated.changed) and written is None
-    code = FINDINGS if left or result.unexplained else 0
+    code = FINDINGS if (result.migrated.changed and written is None) or result.unexplained else 0
     if run.form == "json":
         return code
     words = "\n".join(_lines(result, written, options.in_place, context=context))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.bundle import OutputError, unwritable_error
@@ -61,8 +61,7 @@ def new(options: Options, run: Run) -> Answer | None:
     return Answer(outcome.words, {"wrote": list(outcome.wrote), "kept": list(outcome.kept)}, is_outcome=True)
 
 
-@dataclass(frozen=True, slots=True)
-class _Outcome:
+class _Outcome(Struct):
     words: str
     wrote: tuple[str, ...]
     kept: tuple[str, ...]

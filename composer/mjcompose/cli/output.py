@@ -11,7 +11,7 @@ from dataclasses import asdict, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
@@ -50,8 +50,7 @@ def picture_beside(target: str, name: str) -> Path:
     return Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
 
 
-@dataclass(slots=True)
-class Picturing:
+class Picturing(Struct, frozen=False):
     """Draws the pictures in one child process with a renderer, which ends with `opened`."""
 
     opened: ExitStack
@@ -77,8 +76,7 @@ class Picturing:
                 render(_KEPT, out, Wish(), context=context, session=self._session, option="--picture")
 
 
-@dataclass(frozen=True, slots=True)
-class OutputSpec:
+class OutputSpec(Struct):
     """The form and place of an output, and how it is reported; `picturing` draws a picture next to it."""
 
     out: str
@@ -216,8 +214,7 @@ def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
             yield from (f"  not built again: {line}" for line in result.why or ("nothing that it depends on changed",))
 
 
-@dataclass(frozen=True, slots=True)
-class Task:
+class Task(Struct):
     """One run of `build`: the workers, the outputs, and the values of parameters."""
 
     maker: Maker
@@ -272,8 +269,7 @@ def add_picture(result: BuildResult, spec: OutputSpec, context: Context) -> None
         spec.picturing.put(target, result.name, is_known=result.is_written, context=context)
 
 
-@dataclass(frozen=True, slots=True)
-class _Writer:
+class _Writer(Struct):
     maker: Maker
     spec: OutputSpec
     context: Context

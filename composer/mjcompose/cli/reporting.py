@@ -161,8 +161,7 @@ def progress(message: str) -> None:
         click.echo(message, err=True)
         return
     clear_progress()
-    width = shutil.get_terminal_size().columns - 1
-    click.echo(message[:width], err=True, nl=False)
+    click.echo(message[: shutil.get_terminal_size().columns - 1], err=True, nl=False)
     _meta()[_LINE] = True
 
 
@@ -195,8 +194,7 @@ def progress_of_command() -> Callable[[str], None]:
 
 def arguments() -> list[str]:
     """Return the arguments of the current command, its verb first."""
-    given = click.get_current_context().meta.get(ARGUMENTS, [])
-    return [str(each) for each in given]
+    return [str(each) for each in click.get_current_context().meta.get(ARGUMENTS, [])]
 
 
 def on_terminal() -> bool:

@@ -9,14 +9,13 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
-from dataclasses import field
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import Mark, keep_stdin
 from mjcompose.base.report import Suite, printable
@@ -44,8 +43,7 @@ RECIPE_PATH = _RecipePath(path_type=Path)
 _PATIENCE = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class _Declared:
+class _Declared(Struct):
     """The default of a field of options: a parameter for Click, or a class of options as a group of them."""
 
     of: Callable[..., click.Parameter] | type
@@ -73,13 +71,8 @@ def group(options: type) -> Any:
     return _Declared(options)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(field,))
-@dataclass(frozen=True)
-class Group:
-    """The base of all classes of options: each of them is a frozen dataclass."""
-
-    def __init_subclass__(cls) -> None:
-        dataclass(frozen=True)(cls)
+class Group(Struct):
+    """The base of all classes of options."""
 
 
 def command(
@@ -162,8 +155,7 @@ class Stop(Exception):
         self.code = code
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Struct):
     """The output of a command after its report: `data` with `--output-format json`, otherwise `text`.
 
     A function instead of any of them is called only if its result is printed. `markdown` replaces the text in that

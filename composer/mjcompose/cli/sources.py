@@ -191,6 +191,5 @@ def lock(options: LockOptions, run: Run) -> Answer:
     if made is None and any(each.code == "unknown-name" for each in run.context.sink.errors):
         raise Stop(USAGE)
     path, changes = run.need(made, options.recipe)
-    done = f"wrote {path}" if changes else f"{path} is up to date"
-    words = "\n".join([*(f"  {line}" for line in changes), done])
+    words = "\n".join([*(f"  {line}" for line in changes), f"wrote {path}" if changes else f"{path} is up to date"])
     return Answer(words, {"lock": path, "changes": changes}, is_outcome=True)

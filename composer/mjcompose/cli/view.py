@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.report import counted
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
@@ -133,24 +134,20 @@ def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node],
 _LONGEST_FILM = 60.0
 
 
-def _size(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int] | None:
-    from mjcompose.tools.view.render import MOST_PIXELS, size_of
+def _reading(reader: str, problem: str) -> Callable[[click.Context, click.Parameter, str | None], Any]:
+    """Return a callback that reads an option with a function of `render`; `problem` follows a text that it refuses."""
 
-    size = None if text is None else size_of(text)
-    if text is not None and size is None:
-        message = f"`{text}` is not WIDTHxHEIGHT in pixels, from 16 to {MOST_PIXELS}: write for instance `640x480`."
-        raise click.BadParameter(message)
-    return size
+    def read(context: click.Context, option: click.Parameter, text: str | None) -> Any:
+        from mjcompose.tools.view import render
 
+        found = None if text is None else getattr(render, reader)(text)
+        if text is not None and found is None:
+            looks = ", ".join(f"{kind}/NAME" for kind in render.LOOKS)
+            words = problem.format(most=render.MOST_PIXELS, looks=looks, colors=", ".join(render.COLORS))
+            raise click.BadParameter(f"`{text}` {words}")
+        return found
 
-def _look(context: click.Context, option: click.Parameter, text: str | None) -> tuple[str, str] | None:
-    from mjcompose.tools.view.render import LOOKS, look_of
-
-    found = None if text is None else look_of(text)
-    if text is not None and found is None:
-        kinds = ", ".join(f"{kind}/NAME" for kind in LOOKS)
-        raise click.BadParameter(f"`{text}` is not an element: write {kinds}.")
-    return found
+    return read
 
 
 def _labels(context: click.Context, option: click.Parameter, text: str | None) -> tuple[str, ...]:
@@ -162,13 +159,9 @@ def _labels(context: click.Context, option: click.Parameter, text: str | None) -
     return kinds
 
 
-def _color(context: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int, int, int] | None:
-    from mjcompose.tools.view.render import COLORS, color_of
-
-    found = None if text is None else color_of(text)
-    if text is not None and found is None:
-        raise click.BadParameter(f"`{text}` is not a color: write `#RRGGBB`, or {', '.join(COLORS)}.")
-    return found
+_size = _reading("size_of", "is not WIDTHxHEIGHT in pixels, from 16 to {most}: write for instance `640x480`.")
+_look = _reading("look_of", "is not an element: write {looks}.")
+_color = _reading("color_of", "is not a color: write `#RRGGBB`, or {colors}.")
 
 
 class RenderOptions(Group):
@@ -246,8 +239,7 @@ def render(options: RenderOptions, run: Run) -> Answer:
     return Answer(words, is_outcome=True)
 
 
-@dataclass(frozen=True, slots=True)
-class _Rendering:
+class _Rendering(Struct):
     operand: Operand
     out: Path
     wish: Wish

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import cached_property
 from pathlib import Path
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
 from mjcompose.build.lint.rule import rules
@@ -23,8 +23,7 @@ from mjcompose.text.node import Change, Mapping, find, position, with_item, with
 from mjcompose.tools.fix import edit_of, place_of
 
 
-@dataclass(frozen=True)
-class Offer:
+class Offer(Struct, slots=False):
     """A place in a recipe, with the diagnostics that the editor shows there."""
 
     question: Question

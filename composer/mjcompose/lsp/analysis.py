@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.sink import Sink
@@ -123,8 +123,7 @@ def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
     return replace(span, line=line + 1, end_line=None if end is None else end + 1)
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
+class Item(Struct):
     """A completion. `insert` replaces the word, and in an attribute or element of XML, `$0` is the cursor afterwards.
 
     With `again`, the editor completes again. Small `rank`s come first.
@@ -139,14 +138,12 @@ class Item:
     again: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Hover:
+class Hover(Struct):
     text: str
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Action:
+class Action(Struct):
     """A change that is offered for a diagnostic or a place. `is_preferred` marks the most likely one."""
 
     title: str
@@ -156,8 +153,7 @@ class Action:
     kind: str = "quickfix"
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(Struct):
     name: str
     kind: str
     span: Span
@@ -166,8 +162,7 @@ class Symbol:
     children: tuple[Symbol, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Hint:
+class Hint(Struct):
     """Text that an editor shows after a place, as if it were written there."""
 
     span: Span
@@ -175,8 +170,7 @@ class Hint:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Lens:
+class Lens(Struct):
     """A command that is shown above a line; `arguments` are passed to it."""
 
     span: Span
@@ -185,8 +179,7 @@ class Lens:
     arguments: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Fold:
+class Fold(Struct):
     """A range of lines that can be folded, counted from 0."""
 
     first: int
@@ -194,8 +187,7 @@ class Fold:
     kind: str = "region"
 
 
-@dataclass(frozen=True, slots=True)
-class Completion:
+class Completion(Struct):
     """The completions at a place, and the stretch of the line that they replace."""
 
     items: tuple[Item, ...] = ()
@@ -206,8 +198,7 @@ _DESCRIBING = ("type", "pos", "joint", "tendon", "site", "file", "range")
 """The attributes that a line about an element shows."""
 
 
-@dataclass(frozen=True, slots=True)
-class Known:
+class Known(Struct):
     """A name. `part` is the path of its part, and `holder` the body that contains it."""
 
     name: str
@@ -225,8 +216,7 @@ class Known:
         return f"{self.tag}{of}{place}{', ' + self.words if self.words else ''}"
 
 
-@dataclass(frozen=True)
-class Names:
+class Names(Struct, slots=False):
     """The names of a model by namespace, the paths of its parts, and by these their units and prefixes."""
 
     known: dict[str, dict[str, Known]] = field(default_factory=dict)
@@ -352,8 +342,7 @@ def _closers(line: str) -> str:
     return "".join(reversed(waiting))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Model:
+class Model(Struct, eq=False):
     """A composed model: its tree, the part of each element, the sources of that time and unsaved texts of editors."""
 
     unit: Unit
@@ -363,8 +352,7 @@ class Model:
     texts: Entries[str, bytes]
 
 
-@dataclass(frozen=True)
-class Analysis:
+class Analysis(Struct, slots=False):
     """The result of analyzing a recipe. It never changes.
 
     `tree`, `plan` and `model` belong to the current text, or to the last text that had one; `is_current` and
@@ -434,8 +422,7 @@ def shown(path: PathlibPath, folder: PathlibPath) -> str:
     return Context(folder=folder, environment={}).shown(path)
 
 
-@dataclass(frozen=True)
-class Question:
+class Question(Struct, slots=False):
     """A place in the newest `lines` of a recipe, with `line` and `column` from 0, and the recipe's analysis."""
 
     analysis: Analysis

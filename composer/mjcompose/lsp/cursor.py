@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import field, replace
 from typing import Literal
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 Path = tuple[str | int, ...]
 Role = Literal["key", "value", "either", "text", "tag", "content", "end"]
@@ -23,8 +23,7 @@ _BLOCK = re.compile(r"[|>][-+0-9]*\s*(?:#.*)?$")
 _CLOSING = {"{": "}", "[": "]"}
 
 
-@dataclass(frozen=True, slots=True)
-class Cursor:
+class Cursor(Struct):
     """The text that you are writing at a cursor.
 
     `path` leads to the mapping of a key that you are writing (`key`), to a value (`value`), or to a place for a value
@@ -47,8 +46,7 @@ class Cursor:
     written: tuple[str, ...] = ()
 
 
-@dataclass(slots=True)
-class _Frame:
+class _Frame(Struct, frozen=False):
     """An open mapping or list: its indent or bracket, and the step to its next value."""
 
     indent: int
@@ -223,8 +221,7 @@ class _Scan:
 
     def as_key(self, cursor: Cursor, text: str) -> Cursor:
         """Return the cursor, with the information whether the colon of the key is already written."""
-        rest = text[cursor.end + len(cursor.quote) :].lstrip()
-        return replace(cursor, has_colon=rest.startswith(":"))
+        return replace(cursor, has_colon=text[cursor.end + len(cursor.quote) :].lstrip().startswith(":"))
 
     def settle(self, indent: int) -> None:
         """Close everything that a word with this indent cannot belong to."""

@@ -12,7 +12,7 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
 from mjcompose.base.files import RECIPES, read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
@@ -258,8 +258,7 @@ class Workspace:
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
 
 
-@dataclass(eq=False)
-class Document:
+class Document(Struct, frozen=False, slots=False, eq=False):
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
     The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version`

@@ -199,8 +199,7 @@ def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     plurals = {"body": "bodies"}
     yield "- " + ", ".join(counted(count, word, plurals.get(word, "")) for word, count in counts.items() if count)
     files = list(files_of_source(source))
-    size = sum(os.path.getsize(each) for each in files)
-    yield f"- {len(files)} files, {size / 1e6:.2f} MB"
+    yield f"- {len(files)} files, {sum(os.path.getsize(each) for each in files) / 1e6:.2f} MB"
     places = [place for body in (world, *bodies) for place in body.places if place.kind != "body"]
     if places:
         yield from ("", "places to attach to:")

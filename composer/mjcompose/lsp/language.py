@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.language.schema import recipe_schema
 from mjcompose.lsp.cursor import Path
 from mjcompose.tree.grammar import GRAMMAR, ElementType
@@ -26,8 +26,7 @@ def whole() -> Schema:
     return recipe_schema()
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(Struct):
     """One way to write a value. `role` is its name in the schema, such as `element.geom`."""
 
     schema: Schema
@@ -38,8 +37,7 @@ class Form:
         return str(self.schema.get("markdownDescription") or self.schema.get("description") or "")
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
+class Key(Struct):
     name: str
     doc: str
     forms: tuple[Form, ...]

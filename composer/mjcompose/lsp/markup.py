@@ -12,7 +12,6 @@ from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import MJCF_FILES, read_regular, unsaved
 from mjcompose.base.sink import Sink
 from mjcompose.lsp.analysis import Analysis, Known, Names, Question, names_in_tree, shown
@@ -75,8 +74,7 @@ def _blank(text: str) -> str:
     return "".join(each if each == "\n" else " " for each in text)
 
 
-@dataclass(frozen=True)
-class ModelAnalysis(Analysis):
+class ModelAnalysis(Analysis, slots=False):
     """The result of reading an MJCF file.
 
     `unit` is its model; for a file that others include, the model of the first one that does. `nodes` are the elements
@@ -95,8 +93,7 @@ class ModelAnalysis(Analysis):
         return names
 
 
-@dataclass(frozen=True)
-class ModelQuestion(Question):
+class ModelQuestion(Question, slots=False):
     analysis: ModelAnalysis
 
     @cached_property

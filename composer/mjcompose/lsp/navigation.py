@@ -328,5 +328,4 @@ def _label(node: Node, index: int) -> str:
 def _detail(node: Node) -> str:
     if isinstance(node, Scalar):
         return node.text if len(node.text) <= 60 else f"{node.text[:59]}…"
-    found = (find(node, (key,)) for key in _DESCRIBING)
-    return next((each.text for each in found if isinstance(each, Scalar)), "")
+    return next((each.text for each in (find(node, (key,)) for key in _DESCRIBING) if isinstance(each, Scalar)), "")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.language.datasheets import library
 from mjcompose.language.forms.translate import name_scopes
@@ -71,8 +71,7 @@ ANY = "*"
 PART, KEY, DATASHEET = "part", "key", "datasheet"
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
+class Wanted(Struct):
     """The names that are allowed at a place, by namespace, the most likely one first.
 
     With `tags`, only elements with these tags are allowed. Names come from the part at the path `of` or with the name
@@ -135,9 +134,8 @@ def wanted_key(path: Path) -> Wanted | None:
             return Wanted((PART,))
         kind = VECTORS.get(str(path[2]))
         return None if kind is None else Wanted((kind.removeprefix("mocap "),))
-    if len(path) == 4 and path[0] == "keyframe" and path[3] == "joint":
-        return Wanted(("joint",))
-    return None
+    is_joint = len(path) == 4 and path[0] == "keyframe" and path[3] == "joint"
+    return Wanted(("joint",)) if is_joint else None
 
 
 def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:

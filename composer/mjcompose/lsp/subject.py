@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.read import read_recipe
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 
 
-@dataclass(frozen=True, slots=True)
-class Use:
+class Use(Struct):
     """A name in a recipe, as a value or a key, and the names that are allowed there."""
 
     text: str
@@ -52,8 +51,7 @@ def formed(tree: Node | None) -> Iterator[Formed]:
     """Yield the values of a recipe with the forms that the language allows there, in the order of the text."""
     if isinstance(tree, Mapping):
         data = to_python(tree)
-        forms = forms_at((), data)
-        yield from _below(Formed((), None, tree, data=data, forms=forms, above=[], around=None))
+        yield from _below(Formed((), None, tree, data=data, forms=forms_at((), data), above=[], around=None))
 
 
 def _below(at: Formed) -> Iterator[Formed]:
@@ -80,8 +78,7 @@ def uses_in(tree: Node | None) -> Iterator[Use]:
             yield Use(at.node.text, at.node.span, at.path, wanted)
 
 
-@dataclass(frozen=True, slots=True)
-class Settable:
+class Settable(Struct):
     """A parameter or an axis of variants. `default` is as written; `values` are the allowed ones, if listed."""
 
     name: str
@@ -123,8 +120,7 @@ def nested_document(at: Path, question: Question) -> Mapping | None:
     step = part_at(at, question.analysis.plan)
     if step is None or not isinstance(step.model, Plan):
         return None
-    context = Context(folder=question.analysis.folder, fetching=Fetching(offline=True))
-    node = read_recipe(step.model.path, context)
+    node = read_recipe(step.model.path, Context(folder=question.analysis.folder, fetching=Fetching(offline=True)))
     return node if isinstance(node, Mapping) else None
 
 
@@ -138,9 +134,7 @@ def text(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, list):
-        return f"[{', '.join(map(text, value))}]"
-    return str(value)
+    return f"[{', '.join(map(text, value))}]" if isinstance(value, list) else str(value)
 
 
 def parameter_at(question: Question) -> tuple[str, Path | None] | None:
@@ -207,9 +201,7 @@ def wanted_at(question: Question) -> Wanted | None:
     if isinstance(question, ModelQuestion):
         return question.named
     found = wanted_as_value(question)
-    if found is None and question.cursor.role in ("key", "either"):
-        return wanted_key(question.path)
-    return found
+    return wanted_key(question.path) if found is None and question.cursor.role in ("key", "either") else found
 
 
 def named_at(question: Question) -> list[Known]:

@@ -21,7 +21,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Memory, open_regular, read_regular, unsaved_text
 
 if TYPE_CHECKING:
@@ -234,8 +234,7 @@ def read(path: str | PathLike[str]) -> bytes | None:
     return content if hashlib.sha256(content).digest() == digest else None
 
 
-@dataclass(frozen=True, slots=True)
-class Blob:
+class Blob(Struct):
     """An entry of one file; `used` is when it was last read or written, in seconds."""
 
     kind: str
@@ -266,8 +265,7 @@ FOLDER = "mujoco"
 READY = ".ready"
 
 
-@dataclass(frozen=True, slots=True)
-class KeptMujoco:
+class KeptMujoco(Struct):
     """A MuJoCo in the store. `size` is in bytes, `used` when it was last started, in seconds."""
 
     version: str

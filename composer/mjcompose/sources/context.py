@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.access import Door, door_of_user
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import log
 from mjcompose.base.sink import Sink
 
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from mjcompose.text.node import Node
 
 
-@dataclass(frozen=True, slots=True)
-class ReadRecipe:
+class ReadRecipe(Struct):
     """A recipe file that was read, merged over the recipes that it extends, with its diagnostics.
 
     `extended` are the recipes that it extends, each with the place that names it. `said` has, by file name in
@@ -37,8 +36,7 @@ class ReadRecipe:
     trust: Trust
 
 
-@dataclass(slots=True)
-class Context:
+class Context(Struct, frozen=False):
     """The environment variables, the folder that displayed paths start from, the diagnostics, and how to fetch.
 
     `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with

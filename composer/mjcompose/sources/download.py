@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
@@ -36,8 +36,7 @@ _LEAST = 1024
 _BUSY = (429, 500, 502, 503, 504)
 
 
-@dataclass(frozen=True, slots=True)
-class Version:
+class Version(Struct):
     """A server's version of a file; either field may be empty."""
 
     etag: str = ""
@@ -68,8 +67,7 @@ def download(
     return _Download(url, lookup, headers or {}, partial, known).run()
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Struct):
     """The answer of a server: `headers` is a mapping without case."""
 
     status: int
@@ -92,8 +90,7 @@ def post_json(url: str, question: object, media: str, lookup: Lookup) -> tuple[i
         return answer.status, None
 
 
-@dataclass(slots=True)
-class _Download:
+class _Download(Struct, frozen=False):
     url: str
     lookup: Lookup
     headers: Mapping[str, str]

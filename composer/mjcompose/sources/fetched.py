@@ -1,7 +1,8 @@
-"""Model references to what is fetched: archives, objects and artifacts, and repositories of git.
+"""Model references to sources that are fetched: archives, objects, artifacts, and repositories of git.
 
-A lock pins archives on the web, in object stores and in OCI registries by their sha256, and git repositories, also of
-the Hugging Face Hub (with Git LFS), by their commit. `fsspec` reads object stores with the user's own credentials.
+A lock pins archives on the web, in object stores and in OCI registries by their sha256. It pins git repositories and
+those of the Hugging Face Hub (with Git LFS) by their commit. `fsspec` reads object stores with the user's own
+credentials.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.sources import license
@@ -203,8 +204,7 @@ def _resolve_oci(reference: Reference, lookup: Lookup) -> Source:
     return source_in(fetching.origins[id], reference)
 
 
-@dataclass(frozen=True, slots=True)
-class _Artifact:
+class _Artifact(Struct):
     reference: Reference
     store: Store
     lookup: Lookup
@@ -398,8 +398,7 @@ def _resolve_hf(reference: Reference, lookup: Lookup) -> Source:
     """Return the file, from the repository that git fetches: its commit is checked by its hash. Raises SourceError."""
     from mjcompose.sources.git_repository import resolve  # a model that the cache knows is not fetched
 
-    hub = _hub(reference, lookup)
-    source = resolve(replace(reference, name=f"{hub}/{reference.name}"), lookup)
+    source = resolve(replace(reference, name=f"{_hub(reference, lookup)}/{reference.name}"), lookup)
     assert source.origin is not None, "what is fetched has an origin"
     return replace(source, license=license.of_card(source.origin.root / "README.md"))
 

@@ -12,7 +12,7 @@ from pathlib import Path, PurePath, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING
 
 from mjcompose.base.access import SERVED, Door, door_of_user, folder_of_recipe, own_door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import foreign_format, real_path
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import license
@@ -95,8 +95,7 @@ def quiet(message: str) -> None:
     """Discard progress messages."""
 
 
-@dataclass(slots=True)
-class Fetching:
+class Fetching(Struct, frozen=False):
     """The rules and the memory of one run.
 
     `offline`: nothing is fetched, and a source that is not in the store is an error. `locked`: a source that the
@@ -179,8 +178,7 @@ class Fetching:
         return self.lock.sources[id].files if self.lock is not None and id in self.lock.sources else {}
 
 
-@dataclass(frozen=True, slots=True)
-class Lookup:
+class Lookup(Struct):
     """The folder of the file with a reference, the environment, and the run; a fetched recipe `is_confined`."""
 
     folder: Path

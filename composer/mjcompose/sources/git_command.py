@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Process
 from mjcompose.sources.blobs import files_below
@@ -47,8 +47,7 @@ class GitFailure(Exception):
         self.said = said
 
 
-@dataclass(frozen=True, slots=True)
-class Git:
+class Git(Struct):
     """Runs git in one repository, or in none; `limit` is the maximum time of one command in seconds."""
 
     environment: Mapping[str, str]
@@ -224,8 +223,7 @@ _PATH_MAX = 4096
 _NOTHING = "a link to `{}`, which is not in the commit"
 
 
-@dataclass(frozen=True, slots=True)
-class _Blob:
+class _Blob(Struct):
     mode: str
     name: str
     hash: str

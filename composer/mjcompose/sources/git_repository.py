@@ -11,7 +11,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
@@ -36,13 +36,11 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     """Return the file at a revision, whose commit the lock or the repository says. Raises SourceError."""
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
-        store = Store.of(lookup.environment)
-        known[id] = _Repository(reference, id, store, lookup=lookup).origin()
+        known[id] = _Repository(reference, id, Store.of(lookup.environment), lookup=lookup).origin()
     return source_in(known[id], reference)
 
 
-@dataclass(frozen=True, slots=True)
-class _Repository:
+class _Repository(Struct):
     reference: Reference
     id: str
     store: Store
@@ -223,8 +221,7 @@ _TOGETHER = 100
 _HEADER, _VALUE = re.compile(r"[A-Za-z0-9-]+"), re.compile(r"[\x20-\x7e]*")
 
 
-@dataclass(frozen=True, slots=True)
-class Pointer:
+class Pointer(Struct):
     sha256: str
     size: int
 
@@ -272,8 +269,7 @@ def replace_pointers(folder: Path, url: str, partial: Path, lookup: Lookup) -> N
         lookup.fetching.progress(f"`{url}` has files in Git LFS, which mjcompose fetches over https only")
 
 
-@dataclass(frozen=True, slots=True)
-class _Server:
+class _Server(Struct):
     url: str
     partial: Path
     lookup: Lookup

@@ -54,8 +54,7 @@ def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
     folder = PurePath(written).parent.as_posix()
     start = "./" if folder == "." else f"{folder}/" if folder.startswith((".", "/", "~")) else f"./{folder}/"
     beside = [start + each for each in nearby.model_files(wanted.parent, depth=0)]
-    below = [f"./{each}" for each in nearby.model_files(relative_to)]
-    return list(dict.fromkeys(beside + below))
+    return list(dict.fromkeys(beside + [f"./{each}" for each in nearby.model_files(relative_to)]))
 
 
 def _is_folder(text: str, folder: Path) -> SourceError:

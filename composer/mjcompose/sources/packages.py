@@ -196,8 +196,7 @@ def _robot(library: Any, reference: Reference) -> Any:
     names: list[str] = library.names()
     if reference.name in names:
         return library.get(reference.name)
-    within = [name for name in names if reference.name.lower() in name]
-    likely = closest(reference.name, names, 3) + within
+    likely = closest(reference.name, names, 3) + [name for name in names if reference.name.lower() in name]
     rest = f"/{reference.path}" if reference.path else ""
     message = f"MuJoCo Menagerie has no robot `{reference.name}`"
     help = f"write `menagerie:{likely[0]}{rest}`" if likely else None

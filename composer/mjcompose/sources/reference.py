@@ -12,7 +12,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from mjcompose.base.access import NOTHING, Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.sources.ros import AS_WRITTEN, UrdfChoices
 
@@ -52,8 +52,7 @@ Pin = Literal["commit", "tree", "sha256", "package", "version"]
 PINS: tuple[Pin, ...] = get_args(Pin)
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(Struct):
     """One way to write a reference: an example for messages and docs, and its meaning."""
 
     example: str
@@ -66,16 +65,14 @@ class Form:
         return scheme if colon else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Library:
+class Library(Struct):
     """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose with it."""
 
     name: str
     extra: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Kind:
+class Kind(Struct, kw_only=True):
     """The facts about a kind of model reference. Every field is required.
 
     | field | meaning |
@@ -121,8 +118,7 @@ class Kind:
             raise ValueError(f"the kind {self.name!r} pins {sorted(self.pins.difference(PINS))}: no lock has that")
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(Struct):
     """The components of a model reference.
 
     | kind | `name` | `path` |
@@ -190,8 +186,7 @@ def check_secrets(text: str, host: str) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Origin:
+class Origin(Struct):
     """A repository at a commit, an archive, a robot of Menagerie, or an installed package.
 
     `id` is the model reference without the file (`git+https://host/repo@v1`). `root` is the folder that file names
@@ -247,8 +242,7 @@ ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices]
 """A file, and how it is read; equal for sources that give the same model."""
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
+class Source(Struct):
     """The model file of a reference.
 
     `reference` is the text as written. `package` and `version` name the distribution of the file. The version is None
@@ -272,8 +266,7 @@ class Source:
     urdf: UrdfChoices = AS_WRITTEN
 
     def __post_init__(self) -> None:
-        belongs_to = self.kind if self.origin is None else self.origin.kind
-        belongs_to.check_pinned(package=self.package)
+        (self.kind if self.origin is None else self.origin.kind).check_pinned(package=self.package)
 
     @property
     def format(self) -> Format:
@@ -290,8 +283,7 @@ def has_format(path: PurePath) -> bool:
     return path.suffix.lower() in FORMATS
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SourceKind(Kind):
+class SourceKind(Kind, kw_only=True):
     """A kind of model reference as a row of `mjcompose.sources.kinds.KINDS`. Every field is required.
 
     `parse` takes the text of a reference apart, without I/O. `resolve` finds its file, and fetches it if necessary.
@@ -324,8 +316,7 @@ def never(reference: Reference) -> bool:
     return False
 
 
-@dataclass(frozen=True, slots=True)
-class Trust:
+class Trust(Struct):
     """The files and references that the outer recipe trusts.
 
     `files` are folders that the user's own models may read; fetched recipes may name `references`. A

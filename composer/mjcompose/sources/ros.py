@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 
 Visuals = Literal["keep", "drop"]
@@ -17,8 +17,7 @@ Inertia = Literal["repair", "keep"]
 Actuators = Literal["declared", "all", "none"]
 
 
-@dataclass(frozen=True, slots=True)
-class UrdfChoices:
+class UrdfChoices(Struct):
     """Settings of a recipe for a URDF: `arguments` of a xacro template, and the choices of `urdf:`.
 
     None leaves it to the file, and where that says nothing to MuJoCo, which drops visuals and fuses fixed links.

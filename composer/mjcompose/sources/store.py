@@ -26,7 +26,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular, untrusted
 from mjcompose.base.limits import parse_size
 from mjcompose.sources import blobs
@@ -55,8 +55,7 @@ def store_folder(environment: Mapping[str, str]) -> str:
     return user_cache_dir("mjcompose", appauthor=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(Struct):
     """One entry of the store; `content` is the folder with its files, `about` are the fetcher's notes."""
 
     kind: str
@@ -77,8 +76,7 @@ Kept: TypeAlias = Entry | blobs.Blob | blobs.KeptMujoco
 """Entries that a prune may remove."""
 
 
-@dataclass(frozen=True, slots=True)
-class Store:
+class Store(Struct):
     """A folder of entries; `limit` is its maximum size in bytes."""
 
     folder: Path

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Protocol
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import open_regular
 from mjcompose.base.limits import MIB, advice, in_force, written
 from mjcompose.sources.blobs import differences, sha256_of
@@ -223,8 +223,7 @@ def resolve(reference: Reference, lookup: Lookup, download: Download | None = No
     return source_in(known[id], reference)
 
 
-@dataclass(frozen=True, slots=True)
-class _Archive:
+class _Archive(Struct):
     reference: Reference
     id: str
     store: Store

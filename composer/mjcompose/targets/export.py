@@ -8,7 +8,7 @@ from dataclasses import asdict, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle import manifest as manifests
@@ -165,8 +165,7 @@ def _bundle(
     return with_manifest(aimed, manifest.model_copy(update=changed))
 
 
-@dataclass(slots=True)
-class _Places:
+class _Places(Struct, frozen=False):
     """Finds where the elements of a compiled model are written."""
 
     model: Unit

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.targets.readers.shared import facts as programs
 from mjcompose.targets.target import Loss
 
@@ -45,8 +45,7 @@ _MOVED = 0.01
 """How much of the longest way, and of 1, the end of a motion may be off: programs have integrators of their own."""
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Difference(Struct):
     """Something that a consumer has read as another one: a feature, the kind and the name of the element, and words."""
 
     feature: str

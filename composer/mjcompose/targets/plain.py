@@ -44,8 +44,7 @@ def _one(value: Any) -> str:
         return "true" if value else "false"
     if value == 0:
         return "0"
-    plain = 1e-5 <= abs(value) < 1e16
-    write = np.format_float_positional if plain else np.format_float_scientific
+    write = np.format_float_positional if 1e-5 <= abs(value) < 1e16 else np.format_float_scientific
     return write(value, trim="-", unique=True)
 
 
@@ -241,8 +240,7 @@ def simple_actuators(root: Node, *, any_input: bool = False) -> None:
         if not affine and gain[0] == 1 and actuator.get("biastype", "none") == "none" and not said:
             _rename(actuator, "motor", {})
         elif affine and said in ("pos", unsaid) and not bias[0] and bias[1] == -gain[0] < 0 and bias[2] <= 0:
-            kv = {"kv": -bias[2]} if bias[2] else {}
-            _rename(actuator, "position", {"kp": gain[0], **kv})
+            _rename(actuator, "position", {"kp": gain[0], **({"kv": -bias[2]} if bias[2] else {})})
         elif affine and bias[:3] == [0, 0, -gain[0]] and said in ("vel", unsaid and "vel"):
             _rename(actuator, "velocity", {"kv": gain[0]})
 

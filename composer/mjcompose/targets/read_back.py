@@ -14,7 +14,7 @@ from typing import Any
 
 from lxml import etree
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import in_force
@@ -36,8 +36,7 @@ _LAST_WORDS = 400
 _RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
 
 
-@dataclass(frozen=True, slots=True)
-class Reader:
+class Reader(Struct):
     """A program that reads models back.
 
     `program` is both the file in `readers/` and the folder of its environment. Python imports `module`, and pip
@@ -118,8 +117,7 @@ _POSES = 50
 LOSS = "target-loss"
 
 
-@dataclass(frozen=True, slots=True)
-class Work:
+class Work(Struct):
     """A bundle that MuJoCo has compiled. The session keeps its model under the name `whole`."""
 
     bundle: Bundle
@@ -163,8 +161,7 @@ def _about(
         written = f"MuJoCo reads the plain text of the model back as another one: {written['differences'][0]}"
     if isinstance(written, str):
         return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
-    all_losses = [Loss(**each) for each in written["losses"]]
-    lacked = [each for each in all_losses if not each.otherwise]
+    lacked = [loss for each in written["losses"] if not (loss := Loss(**each)).otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
     losses: list[Fault] = []

@@ -102,9 +102,7 @@ def _zeroed(draft: Draft) -> None:
 def _moved(joint: Node, by: float) -> Pose:
     """Return the motion of a joint's body, in its frame, when the joint moves by an angle (rad) or a distance (m)."""
     anchor, axis = shifted(_numbers(joint, "pos")), _numbers(joint, "axis")
-    if joint.get("type") == "slide":
-        return shifted(by * axis)
-    return joined(anchor, about(axis, by), back(anchor))
+    return shifted(by * axis) if joint.get("type") == "slide" else joined(anchor, about(axis, by), back(anchor))
 
 
 def _reference(joint: Node) -> float:
@@ -352,8 +350,7 @@ def greatest_force(model: Any, joint: int) -> float | None:
     """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit; None without."""
     limits = [float(np.abs(model.jnt_actfrcrange[joint]).max())] if model.jnt_actfrclimited[joint] else []
     drives = np.flatnonzero((model.actuator_trntype == _JOINT) & (model.actuator_trnid[:, 0] == joint)).tolist()
-    forces = [_greatest(model, each) for each in drives]
-    known = [each for each in forces if each is not None]
+    known = [each for each in [_greatest(model, each) for each in drives] if each is not None]
     if drives and len(known) == len(drives):
         limits.append(sum(known))
     return min(limits, default=None)

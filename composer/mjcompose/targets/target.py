@@ -10,7 +10,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tree.files import file_attributes
 from mjcompose.tree.xml_text import write
 
@@ -24,8 +24,7 @@ class Outcome(StrEnum):
     REFUSED = "refused"
 
 
-@dataclass(frozen=True, slots=True)
-class Loss:
+class Loss(Struct):
     """An element that a target cannot express, and what happens to it.
 
     `feature` is a row of the table of features. `kind` and `number` identify the element in the compiled model,
@@ -102,8 +101,7 @@ def in_words(title: str, group: list[Loss]) -> str:
     return f"{title} ignores {of}{counted}" + (f"; {first.why}" if first.why else "")
 
 
-@dataclass(slots=True)
-class Draft:
+class Draft(Struct, frozen=False):
     """The plain text of a model with its files, and the compiled model itself.
 
     `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of the
@@ -162,8 +160,7 @@ def write_mjcf(draft: Draft) -> dict[str, bytes]:
     return {draft.output: write(draft.root), **files}
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
+class Refusal(Struct):
     """An element of a compiled model that a simulator does not take; the kind of its options is `option`."""
 
     kind: str
@@ -172,8 +169,7 @@ class Refusal:
     help: str
 
 
-@dataclass(frozen=True, slots=True)
-class Limit:
+class Limit(Struct):
     """A feature that a target does not support. `apply` changes the draft and records each loss.
 
     `refuses` yields the elements of a compiled model (after MuJoCo, as its second argument) that a simulator refuses,
@@ -186,8 +182,7 @@ class Limit:
     refuses: Callable[[Any, Any], Iterator[Refusal]] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(Struct):
     """A program that reads models, or a form in which models are written.
 
     `words` describe it. `package` is the package on PyPI with which it is tested, or None. `limits` are its limits, in

@@ -166,8 +166,7 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
     dof = int(model.jnt_dofadr[number])
     etree.SubElement(joint, "axis", xyz=text(model.jnt_axis[number]))
     most = greatest_force(model, number)
-    effort = NO_LIMIT if most is None else text(most)
-    limit = etree.SubElement(joint, "limit", effort=effort, velocity=NO_LIMIT)
+    limit = etree.SubElement(joint, "limit", effort=NO_LIMIT if most is None else text(most), velocity=NO_LIMIT)
     if model.jnt_limited[number]:
         low, high = model.jnt_range[number]
         limit.set("lower", text(low))

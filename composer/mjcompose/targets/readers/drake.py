@@ -41,8 +41,7 @@ def read(file):
             "joint": joint, "kp": gains.p if gains else 0.0, "kd": gains.d if gains else 0.0,
             "effort": ends(-effort, effort),
         }  # fmt: skip
-        reflected = actuator.default_rotor_inertia() * actuator.default_gear_ratio() ** 2
-        found["joints"][joint]["armature"] = reflected
+        found["joints"][joint]["armature"] = actuator.default_rotor_inertia() * actuator.default_gear_ratio() ** 2
     inspector = scene.model_inspector()
     for body in [plant.world_body(), *bodies.values()]:
         shapes = (*plant.GetVisualGeometriesForBody(body), *plant.GetCollisionGeometriesForBody(body))

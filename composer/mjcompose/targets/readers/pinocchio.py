@@ -23,8 +23,7 @@ def read(file):
             found["armature"] = float(model.armature[at])
         if limited:
             most = float(model.upperEffortLimit[at])
-            unlimited = not np.isfinite(most) or (urdf and most == 1e6)
-            found["force"] = None if unlimited else most
+            found["force"] = most if np.isfinite(most) and not (urdf and most == 1e6) else None
         return found
 
     found = facts(pin.__version__, composite=True, without=["friction"])
