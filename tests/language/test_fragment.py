@@ -22,7 +22,7 @@ def test_kept() -> None:
     [
         ("<geom", "xml-syntax", "not well-formed XML"),
         ("", "xml-syntax", "not well-formed XML: no element found"),
-        ("<geom/>\n<geom/>", "wrong-length", "a fragment is one element"),
+        ("<geom/>\n<geom/>", "wrong-length", "a fragment is a single element"),
         ("<!DOCTYPE a []><geom/>", "xml-syntax", "a fragment has no `<!DOCTYPE>`"),
         ("<body>\n text</body>", "xml-syntax", "text in `body`"),
         ("<gem/>", "unknown-element", "`gem` is not allowed in `add`"),

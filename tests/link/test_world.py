@@ -360,7 +360,7 @@ def test_who_looks_at_the_origin_of_a_moved_part_is_reported(
         (
             '<mujoco><worldbody><replicate count="2" offset="1 0 0"><frame name="f"/></replicate></worldbody></mujoco>',
             placed("frame", "f"),
-            "makes several",
+            "copies it",
         ),
     ],
 )

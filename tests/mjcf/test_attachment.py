@@ -276,10 +276,10 @@ def test_names_clash_across_models(arm: mjcf.RootElement, gripper: mjcf.RootElem
     arm.attach(gripper)
     with pytest.raises(mjcf.MjcfError, match="which would have two"):
         gripper.model = "gripper"
-    with pytest.raises(mjcf.MjcfError, match="geom is called `hand/left_pad` already"):
+    with pytest.raises(mjcf.MjcfError, match="geom is already called `hand/left_pad`"):
         arm.worldbody.add("geom", name="hand/left_pad")
     arm.worldbody.add("geom", name="hand/new", size=[1])
-    with pytest.raises(mjcf.MjcfError, match="geom is called `hand/new` already"):
+    with pytest.raises(mjcf.MjcfError, match="geom is already called `hand/new`"):
         gripper.worldbody.add("geom", name="new")
     assert gripper.model == "hand"
 
@@ -360,7 +360,7 @@ def test_a_frame_that_becomes_a_body_needs_its_name(
     arm.worldbody.add("body", name="gripper/")
     frame = arm.attach(gripper)
     before = str(arm)
-    with pytest.raises(mjcf.MjcfError, match="another body is called `gripper/` already"):
+    with pytest.raises(mjcf.MjcfError, match="another body is already called `gripper/`"):
         become_body(frame)
     assert str(arm) == before and not frame.all_children()
 

@@ -120,7 +120,7 @@ def test_default_classes_are_elements() -> None:
     assert red.name == "red" and geom.dclass is red and red.geom.tag == "geom"
     geom.dclass = model.default
     assert geom.dclass is model.default and 'class="main"' in repr(geom)
-    with pytest.raises(mjcf.MjcfError, match="default class is called `red`"):
+    with pytest.raises(mjcf.MjcfError, match="default class is already called `red`"):
         model.default.add("default", dclass="red")
 
 
@@ -200,7 +200,7 @@ def test_a_name_taken_from_a_file_is_a_name(clash: Callable[[mjcf.Element], None
     model.asset.add("mesh", file="cube.stl")
     model.asset.add("mesh", name="cup", file="third/shell.stl")
     before = str(model)
-    with pytest.raises(mjcf.MjcfError, match="another mesh is called `shell` already"):
+    with pytest.raises(mjcf.MjcfError, match="another mesh is already called `shell`"):
         clash(model.asset)
     assert str(model) == before
 
@@ -209,7 +209,7 @@ def test_a_skin_is_named_after_its_file_in_both_sections() -> None:
     model = mjcf.RootElement()
     skin = model.deformable.add("skin", file="coat.skn")
     assert model.find("skin", "coat") is skin
-    with pytest.raises(mjcf.MjcfError, match="another skin is called `coat` already"):
+    with pytest.raises(mjcf.MjcfError, match="another skin is already called `coat`"):
         model.asset.add("skin", file="old/coat.skn")
 
 

@@ -115,10 +115,10 @@ def test_names_that_stand_twice_are_told_where_the_second_one_is() -> None:
         )
     told = [(fault.code, fault.message, fault.span and fault.span.line) for fault in caught.value.diagnostics]
     assert told == [
-        ("name-clash", "another body is called `x` already", 1),
-        ("name-clash", "another joint is called `j` already", 2),
-        ("name-clash", "another mesh is called `m` already", 3),
-        ("class-clash", "another default class is called `c` already", 4),
+        ("name-clash", "another body is already called `x`", 1),
+        ("name-clash", "another joint is already called `j`", 2),
+        ("name-clash", "another mesh is already called `m`", 3),
+        ("class-clash", "another default class is already called `c`", 4),
     ]
 
 

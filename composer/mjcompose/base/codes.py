@@ -180,7 +180,7 @@ RULES: set[str] = set()
 """The codes of the rules of the linter, which add themselves here and to `CODES`. Their pages are in `docs/rules`."""
 
 OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
-"""Prefixes of the codes about files and addresses that do not exist or are out of reach."""
+"""Prefixes of the codes about files and addresses that do not exist or cannot be reached."""
 
 _PASTED = re.compile(r"(?:(?:error|warning|note)?\[)?([\w-]+)\]?:?")
 _LINK = re.compile(r"\[([^]]+)\]\((?!\))[^)]*\)")

@@ -217,7 +217,7 @@ _FILES = {1: 13, 2: 14, 3: 15, 4: 15}
 
 
 def _landlock(kernel: _Kernel, readable: Sequence[str]) -> str | None:
-    """Forbid all of files but reading these, TCP, sockets, and signals to others, as far as this kernel does."""
+    """Forbid TCP, sockets, signals to others, and all of files except reading these, as far as this kernel can."""
     version = kernel.syscall(_CREATE, 0, 0, 1)
     if version in _NOT_THERE:
         return None

@@ -17,7 +17,7 @@ _SEVERITIES = tuple(Severity)
 
 
 class TooManyFaults(Exception):
-    """There are more errors than the limit; `sink` has those found so far."""
+    """There are more errors than the limit; `sink` has the errors found so far."""
 
     def __init__(self, sink: Sink) -> None:
         super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")

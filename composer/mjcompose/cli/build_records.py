@@ -17,7 +17,7 @@ from mjcompose.sources.context import Context
 
 
 def render_depfile(outputs: Iterable[str], inputs: Iterable[str]) -> str:
-    r"""Return a rule, and an empty rule for each input, by which Make goes on if the input is gone.
+    r"""Return a rule, and an empty rule for each input, so Make continues if the input is gone.
 
     An input with `%` has none, which would be a pattern.
 

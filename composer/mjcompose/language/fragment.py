@@ -133,7 +133,7 @@ class _Check:
             if what == "junk after document element":
                 help = "write one element here, and an entry of its own for every other"
                 at = (error.lineno, error.offset + 1, 1)
-                self.fault("wrong-length", "a fragment is one element, and here is another", at, help=help)
+                self.fault("wrong-length", "a fragment is a single element, and this is a second one", at, help=help)
             else:
                 lines = text.rstrip().splitlines() or [""]
                 at = (error.lineno, error.offset + 1, 1)

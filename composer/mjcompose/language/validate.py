@@ -248,7 +248,7 @@ def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     """Yield the faults to report.
 
-    If a place has a fault of its own, then that its value is not an expected one is left out. Faults inside of an
+    If a place has a fault of its own, the fault that its value is unexpected is omitted. Faults inside of an
     unknown key, or of a list where no list is expected, do not count.
     """
     unknown = {fault.at for fault in found if fault.key}

@@ -98,7 +98,7 @@ class Declaration(Model):
         parameter = self.parameter("", Span("", 1, 1))
         for name in ("min", "max"):
             if isinstance(bound := _in_unit(getattr(self, name), parameter.unit), Angle):
-                message = f"`{name}` of {IT} is an angle, and its unit is none"
+                message = f"`{name}` of {IT} is an angle, but the parameter has no unit of angles"
                 yield Fault("wrong-type", message, (name,), help=f"write `unit: {bound.unit}`")
                 return
         if parameter.low is not None and parameter.high is not None and parameter.low > parameter.high:

@@ -341,7 +341,7 @@ _IGNORED_BY = {"range": ("free",), "actuatorfrcrange": ("free", "ball")}
 
 
 def autolimits(linking: Linking) -> None:
-    """Check the units that set `autolimits="false"` in a model that does not, in which such a range would limit.
+    """Check the units that set `autolimits="false"` in a model that does not, because a range would limit there.
 
     If all units set it, the model does too, and MuJoCo (3.12 to 4.0) reports the range: "joint has `range` but not
     `limited`".

@@ -291,7 +291,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
         return None
     copies = next(body.iterancestors("replicate"), None)
     if copies is not None:
-        message = f"the body `{name}` cannot be taken alone: it is in a `<replicate>`, which makes several of it"
+        message = f"the body `{name}` cannot be taken alone: it is in a `<replicate>`, which copies it"
         notes = [Note("the `<replicate>`", unit.origins.span(copies, unit.file))]
         help = "take a body around the `<replicate>`"
         sink.error("not-supported", message, span, notes=notes, help=help, subjects=(name,))

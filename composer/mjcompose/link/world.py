@@ -197,7 +197,7 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     part, first = hung.part, found[0]
     named, more = _named(first), f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
-        why, note = "a `<replicate>` makes several of it", Note("here", linking.span(linking.base, hung.copied))
+        why, note = "a `<replicate>` copies it", Note("here", linking.span(linking.base, hung.copied))
         help = "omit it (`drop`), or attach the part in the model with the `<replicate>`"
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))

@@ -87,7 +87,7 @@ class AttachmentFrame(Element):
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
         if taken is not None:
             help = "give it another name, or the attached model: `other.model = '…'`"
-            message = f"another body is called `{name}` already, as the frame would be"
+            message = f"another body is already called `{name}`, as the frame would be"
             raise failure("name-clash", message, notes=(is_here(taken),), help=help)
 
     def remove(self, cascade: bool = False) -> None:

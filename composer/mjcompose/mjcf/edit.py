@@ -259,7 +259,7 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     if taken is None or (taken.model is model and taken.node is node):
         return
     code, called = ("class-clash", "default class") if namespace == "default" else ("name-clash", namespace)
-    message = f"another {called} is called `{model.full_prefix + name}` already"
+    message = f"another {called} is already called `{model.full_prefix + name}`"
     raise failure(code, message, notes=(is_here(taken),), help="give one of the two another name")
 
 

@@ -135,7 +135,7 @@ def _check_names(unit: Unit, sink: Sink) -> None:
                     code, kind = "class-clash", "default class"
                 span = unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file")
                 notes = (Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),)
-                message, help = f"another {kind} is called `{name}` already", "give one of the two another name"
+                message, help = f"another {kind} is already called `{name}`", "give one of the two another name"
                 sink.error(code, message, span, notes=notes, help=help)
 
 

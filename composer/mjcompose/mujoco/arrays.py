@@ -99,7 +99,7 @@ class Treatment(StrEnum):
     LENS = "lens"
     """Exactly, except for a camera without a sensor, which does not use it."""
     DERIVED = "derived"
-    """Up to rounding if no element of others is on the same kinematic tree and the part is not moved, else not at
+    """Up to rounding if no element of others is on the same kinematic tree and the part is not moved, otherwise not at
     all; the values it is computed from are compared.
     """
     GAIN = "gain"

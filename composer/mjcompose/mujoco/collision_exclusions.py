@@ -236,7 +236,7 @@ def _is_free(mujoco: Any, model: Any, body: int) -> bool:
 
 
 def _is_tied(mujoco: Any, model: Any, pair: Pair, *, sliding: bool) -> bool:
-    """Whether the two cannot go apart as far as they like; `sliding` says that slides without a range do not count."""
+    """Whether the two cannot move apart freely; `sliding` says that slides without a range do not count."""
     one, other = (set(_chain(model, body)) for body in pair)
     free, slide = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
     for body in one ^ other:

@@ -80,7 +80,7 @@ def _names(model: Any, mujoco: Any) -> dict[str, Any]:
 
 
 def _words(model: Any, mujoco: Any) -> dict[str, Any]:
-    """Flags and kinds by their names, for the numbers behind them are not the same in all versions."""
+    """Flags and kinds by their names, because their numbers differ between versions."""
     found: dict[str, Any] = {"flags": {}}
     off, on = int(model.opt.disableflags), int(model.opt.enableflags)
     for prefix, kind, bits in (("mjDSBL_", "mjtDisableBit", ~off), ("mjENBL_", "mjtEnableBit", on)):

@@ -224,7 +224,7 @@ class Session:
         self._held.close()
 
     def end(self) -> None:
-        """Kill the child process, from any thread: whoever waits for it gets a failure, and so does who asks later."""
+        """Kill the child process, from any thread: callers that wait for it get a failure, and so do later callers."""
         self._is_over = True
         if (process := self._process) is not None:
             process.end()

@@ -51,7 +51,7 @@ def targets_of(paths: Iterable[Path]) -> list[Target]:
     """Return the models in folders, those that a glob matches, and all other paths as they are.
 
     A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe.
-    A file that another one includes may be no model alone.
+    A file that another file includes may not be a model by itself.
     """
     found: dict[Path, Target] = {}
     for path in paths:

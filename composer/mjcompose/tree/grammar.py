@@ -286,7 +286,9 @@ class Grammar:
         return found
 
     def section(self, tag: str) -> ElementType:
-        """Return a child of the root: `worldbody`, `asset`, `option`, … Raises `KeyError` if it is none."""
+        """Return a child of the root: `worldbody`, `asset`, `option`, … Raises `KeyError` if there is none of that
+        name.
+        """
         return self.root.children[tag]
 
     def within(self, section: str) -> Mapping[str, ElementType]:

@@ -172,7 +172,7 @@ _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
 
 
 def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = True) -> bool:
-    """Whether the meshes of a model, and `attached` points of those that it attaches, are no more than the limit.
+    """Whether the meshes of a model, and `attached` points of models that it attaches, are within the limit.
 
     Files are read only if their sizes leave that open, and not at all unless `opens_files`: to ask for the sizes of
     sixty files takes four times as long as to parse the model that names them. Their points are counted only if a quick

@@ -151,7 +151,7 @@ MAY_REPEAT = frozenset({"model"})
 ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
 """Names that exist in every model, with their namespace."""
 LEADING_OUT: list[int] = []
-"""As long as the number of models of this process, so far, that refer to something outside of themselves."""
+"""Its length is the number of models in this process, so far, that refer to something outside of themselves."""
 _ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
 
 Use = tuple[Node, str]

@@ -80,7 +80,7 @@ def test_paths_that_are_one_where_case_does_not_count_are_refused(one: str, two:
 
 @pytest.mark.parametrize("paths", [["a", "a/b"], ["a/b", "a"], ["A/b/c", "a/B"]])
 def test_a_path_cannot_be_a_file_and_a_folder(paths: list[str]) -> None:
-    with pytest.raises(BundleError, match="is a file and, for"):
+    with pytest.raises(BundleError, match="is a file, but"):
         check_paths(paths)
 
 

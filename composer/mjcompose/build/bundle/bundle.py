@@ -273,13 +273,13 @@ def check_paths(paths: Iterable[str]) -> None:
         if key in files:
             raise BundleError(f"`{path}` and `{files[key]}` are one file where case does not count")
         if key in folders:
-            raise BundleError(f"`{path}` is a file and, for `{folders[key]}`, a folder")
+            raise BundleError(f"`{path}` is a file, but `{folders[key]}` needs a folder of this name")
         files[key] = path
         parts = key.split("/")
         for depth in range(1, len(parts)):
             folder = "/".join(parts[:depth])
             if folder in files:
-                raise BundleError(f"`{files[folder]}` is a file and, for `{path}`, a folder")
+                raise BundleError(f"`{files[folder]}` is a file, but `{path}` needs a folder of this name")
             folders.setdefault(folder, path)
 
 

@@ -61,7 +61,7 @@ def _writing(address: str) -> Iterator[tuple[FileSystem, str]]:
         with open_remote(address) as found:
             yield found
     except RemoteError as error:
-        help = "see that its file system is installed, and that you may write there"
+        help = "check that its file system is installed, and that you can write there"
         raise OutputError("output-unwritable", f"cannot write `{hide(address)}`: {error}", help) from error
 
 

@@ -185,7 +185,7 @@ _POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
 _ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
 _BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
 _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
-"""The controls of these are never positions or velocities of a joint."""
+"""The controls of these actuators are never positions or velocities of a joint."""
 _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 

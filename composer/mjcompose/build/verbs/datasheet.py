@@ -154,7 +154,7 @@ class _Drive:
         called = self.editing.called(self.node)
         if written.bandwidth is None:
             help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
-            self._lacks(f"{called} is a servo, and nothing says how fast it is", help)
+            self._lacks(f"{called} is a servo of unknown speed", help)
         moved = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0] + (written.inertia or 0.0)
         if not moved > 0:
             help = "write `inertia: …` of the moved parts, in kg·m²; or `error: 0.1` instead of `bandwidth`"

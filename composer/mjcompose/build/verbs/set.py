@@ -51,7 +51,7 @@ class Set(Verb):
 
 
 def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the attributes that go, and the others with their values.
+    """Return the attributes to remove, and the others with their values.
 
     >>> _parted({"mass": None, "geom": {"rgba": None, "size": 1}})
     ({'mass': None, 'geom': {'rgba': None}}, {'geom': {'size': 1}})

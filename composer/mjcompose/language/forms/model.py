@@ -106,7 +106,7 @@ class Model(BaseModel):
 
     @classmethod
     def listed(cls) -> list[str]:
-        """Return the keys in the order in which messages list them, of which they cut the end."""
+        """Return the keys in the order in which messages list them; messages cut off the end."""
         return cls.key_names()
 
     def contradictions(self, context: Settings) -> Iterable[Fault]:
@@ -215,7 +215,7 @@ def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
 
 
 class Rule(Protocol):
-    """A condition on the keys of a mapping. If one that is `alone` is broken, no other fault is reported."""
+    """A condition on the keys of a mapping. If a rule that is `alone` is broken, no other fault is reported."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         """Yield the faults of the mapping, with paths below it. `IT` is the mapping."""

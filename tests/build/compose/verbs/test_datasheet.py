@@ -122,7 +122,7 @@ def test_a_delay(tmp_path: Path) -> None:
     ("name", "given", "code", "told"),
     [
         ("p", "model: knwn, bandwidth: 1", "unknown-name", "there is no data sheet `knwn`"),
-        ("p", "model: known", "missing-key", "is a servo, and nothing says how fast it is"),
+        ("p", "model: known", "missing-key", "is a servo of unknown speed"),
         ("p", "model: bare, bandwidth: 1, error: 0.1", "exclusive-keys", "both `bandwidth` and `error`"),
         ("p", "model: late, error: 0.1", "missing-key", "has no speed, from which `kv` would follow"),
         ("p", "model: bare, effort: rated, error: 1", "missing-key", "has no rated torque"),
