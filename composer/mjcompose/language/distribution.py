@@ -225,7 +225,7 @@ class Choice(_Whole):
 _OF_VALUES: dict[str, type[Written]] = {
     "uniform": UniformBounds, "loguniform": LogUniformBounds, "normal": _of_value(BellOfChange, "Bell", Numbers),
     "truncnormal": _of_value(TruncatedOfChange, "Truncated", Numbers),
-    "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the middle of the logarithm"),
+    "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the mean of the logarithm"),
     CHOICE: Choice, "integers": IntegerBounds,
 }  # fmt: skip
 DISTRIBUTIONS: Table[type[Written]] = Table("distributions", _OF_VALUES, "")

@@ -186,10 +186,10 @@ class UrdfKeys(Model):
     """How to read elements that MuJoCo ignores. Omitted keys keep the behavior of the file or of MuJoCo."""
 
     visuals: Literal["keep", "drop"] | None = None
-    """`keep` makes geoms of the visuals, which touch nothing, and puts collision geoms into group 3, which viewers
-    hide. By default `discardvisual` of the file decides."""
+    """`keep` turns visuals into geoms that touch nothing, and puts collision geoms into group 3, which viewers hide. By
+    default `discardvisual` of the file decides."""
     fixed: Literal["keep", "fuse"] | None = None
-    """`keep` makes bodies of fixed links, `fuse` frames of the link above. By default `fusestatic` of the file
+    """`keep` turns fixed links into bodies, `fuse` into frames of the link above. By default `fusestatic` of the file
     decides."""
     actuators: Literal["declared", "all", "none"] = "declared"
     """The joints that get an actuator: joints that `<ros2_control>` and `<transmission>` command, every joint that can

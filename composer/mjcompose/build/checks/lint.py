@@ -70,7 +70,7 @@ def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int) -> 
 
 
 class InertiaImplausible(Rule):
-    """The geoms of a body could have its mass and inertia."""
+    """Each body has a mass and an inertia that its geoms can have."""
 
     word: ClassVar = "inertia-implausible"
     kinds: ClassVar = ("body",)

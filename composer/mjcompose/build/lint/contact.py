@@ -133,7 +133,7 @@ def hull_too_fine(subject: Subject) -> Found:
 
 @rule("geom-twice", in_mujoco=True)
 def geom_twice(subject: Subject) -> Found:
-    """Two geoms that collide, of the same shape at the same place."""
+    """Two colliding geoms of the same shape at the same place."""
     import numpy as np
 
     model = subject.model
