@@ -1,7 +1,7 @@
 """Model references to sources that are fetched: archives, objects, artifacts, and repositories of git.
 
-A lock pins archives on the web, in object stores and in OCI registries by their sha256. It pins git repositories and
-those of the Hugging Face Hub (with Git LFS) by their commit. `fsspec` reads object stores with the user's own
+A lock pins archives on the web, in object stores and in OCI registries by their sha256. It pins git repositories, and
+repositories of the Hugging Face Hub (with Git LFS), by their commit. `fsspec` reads object stores with the user's own
 credentials.
 """
 
