@@ -335,11 +335,6 @@ class Recipe(Model):
         return sorted(cls.key_names(), key=lambda name: name in SETTLED)
 
 
-SETTLED = tuple(
-    name for name, field in Recipe.model_fields.items() if any(isinstance(mark, Settled) for mark in field.metadata)
-)
-
-
 def sections_of(form: type[object]) -> tuple[str, ...]:
     """Return the keys of a recipe that are sections with a form, in the order of the language.
 
@@ -348,6 +343,9 @@ def sections_of(form: type[object]) -> tuple[str, ...]:
     """
     fields = Recipe.model_fields.items()
     return tuple(name for name, field in fields if any(isinstance(mark, form) for mark in field.metadata))
+
+
+SETTLED = sections_of(Settled)
 
 
 def _depth(info: FieldInfo) -> int:

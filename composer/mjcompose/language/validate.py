@@ -11,7 +11,7 @@ from typing import Any, cast
 from pydantic import ValidationError
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
+from mjcompose.base.diagnostic import Fault, Fix, Note, Path
 from mjcompose.base.files import MODEL_FILES
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
@@ -20,12 +20,12 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import fields_of
-from mjcompose.language.forms.translate import misspelt, translated
+from mjcompose.language.forms.translate import misspelt, report, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Typed
 from mjcompose.language.value import kind_of, shown
-from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
+from mjcompose.text.node import Key, Mapping, Node, Scalar, find, texts, to_python
 from mjcompose.text.node import Sequence as List
 from mjcompose.tree.grammar import GRAMMAR
 
@@ -206,12 +206,12 @@ def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -
     if not isinstance(node, Mapping):
         help = "write `recipe: 1` as its first line, and the other keys below"
         message = f"a recipe is a mapping, got {kind_of(to_python(node))}"
-        sink.error("wrong-type", message, _start(node.span), help=help)
+        report([Fault("wrong-type", message, help=help)], node, sink)
         return None
     recipe, faults = judge(node)
     if recipe is not None:
         return Recovered(recipe, node, frozenset())
-    _report((each for each in faults if not _follows(each, node, gone)), node, sink)
+    report((each for each in faults if not _follows(each, node, gone)), node, sink)
     return recover(node, faults, judge)
 
 
@@ -299,22 +299,3 @@ def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
             yield replace(fault, notes=(note, *fault.notes), help=help, fix=None)
         elif fault is first and not (fault.code == "missing-key" and fault.at in several):
             yield fault
-
-
-def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
-    for fault in faults:
-        notes = (*fault.notes, *(Note(message, locate(node, at, key=True)) for message, at in fault.related))
-        message, span = fault.message, locate(node, fault.at, key=fault.key) if fault.at else _start(node.span)
-        if fault.within is not None:
-            line, column, width = fault.within
-            text = find(node, fault.at)
-            if isinstance(text, Scalar) and text.block is not None:
-                line, column = line + text.block[0] - 1, column + text.block[1] - 1
-                span = Span(span.file, line, column, end_line=line, end_column=column + width)
-            else:
-                message = f"line {line} of the fragment: {message}"
-        sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)
-
-
-def _start(span: Span) -> Span:
-    return Span(span.file, span.line, span.column)

@@ -8,12 +8,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
-from mjcompose.base.diagnostic import Diagnostic, Fault, Note, Path, Span
+from mjcompose.base.diagnostic import Diagnostic, Fault, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.forms.context import Schema, Settings, reference, validated
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects, Hints, Items, Measure, Text, Written
-from mjcompose.language.forms.translate import faults
+from mjcompose.language.forms.translate import faults, report
 from mjcompose.language.parameters import Parameter, is_usable
 from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
 from mjcompose.text.node import Mapping as Located
@@ -232,8 +232,5 @@ def read(form: type[Model], data: Any, document: Node, *, at: Path, sink: Sink) 
     try:
         return validated(form, data, Settings())
     except ValidationError as error:
-        for each in faults(error, form, data, start=at):
-            related = (Note(text, locate(document, place, key=True)) for text, place in each.related)
-            span = locate(document, each.at, key=each.key)
-            sink.error(each.code, each.message, span, notes=(*each.notes, *related), help=each.help, fix=each.fix)
+        report(faults(error, form, data, start=at), document, sink)
         return None

@@ -243,17 +243,14 @@ class _PartAttachment:
             # A site has no content: the part is attached next to it, with its pose.
             self.parent, self.pose = holder, effective_pose(self.parent, linking.base.classes)
         if (scaled := scaled_above(self.parent)) is not None:
-            self._report_place(
-                "it is inside a frame that would scale the part",
-                Note("the frame", linking.span(linking.base, scaled, "scale")),
-                "attach the part outside the frame, or apply the scale to the source",
-            )
+            note = Note("the frame", linking.span(linking.base, scaled, "scale"))
+            help = "attach the part outside the frame, or apply the scale to the source"
+            self._report_place("it is inside a frame that would scale the part", note, help)
         if part.place.kind != "world" and not part.floats and (joint := _aligned_by(linking, self.parent)) is not None:
-            self._report_place(
-                "MuJoCo aligns its body with the inertia, which an attached part would prevent",
-                Note("the free joint that is aligned", linking.span(linking.base, joint)),
-                'write `align="false"` on the free joint in the source, or in a copy of it',
-            )
+            note = Note("the free joint that is aligned", linking.span(linking.base, joint))
+            help = 'write `align="false"` on the free joint in the source, or in a copy of it'
+            why = "MuJoCo aligns its body with the inertia, which an attached part would prevent"
+            self._report_place(why, note, help)
         if part.floats and part.sense is not None:
             message = f"`{part.called}` floats freely: no body carries it, and `sense` has nothing to measure"
             help = "omit `sense`, or fix the part to its place"

@@ -260,14 +260,12 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
     """Warn of numbers for an element that has another number of them, or for other vertices, since an edit."""
     for vector, element in dict.fromkeys(reference.lost):
         what = f"{element.tag if element.get('name') else f'`<{element.tag}>`'} {shown_name(element)}"
-        linking.sink.warning(
-            "keyframe-conflict",
-            f"`{vector}` of {called(key.element)} has numbers that no longer fit the {what}: an edit gives it others",
-            linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type"),
-            notes=(Note("the key", key.span(vector)),),
-            help="they become the reference configuration's, or 0. Write them in a key of the recipe",
-            cause=Cause(f"numbers of {what}", f"`{vector}` of {called(key.element)}"),
-        )
+        which = f"`{vector}` of {called(key.element)}"
+        message = f"{which} has numbers that no longer fit the {what}: an edit gives it others"
+        span = linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type")
+        notes, cause = (Note("the key", key.span(vector)),), Cause(f"numbers of {what}", which)
+        help = "they become the reference configuration's, or 0. Write them in a key of the recipe"
+        linking.sink.warning("keyframe-conflict", message, span, notes=notes, help=help, cause=cause)
     reference.lost.clear()
 
 

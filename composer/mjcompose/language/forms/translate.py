@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -11,12 +11,14 @@ from pydantic import BaseModel, Tag, ValidationError
 from pydantic.fields import FieldInfo
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Fix, Path
+from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
+from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.forms.context import Lazy, Rows
 from mjcompose.language.forms.model import IT, KEY, OWNER, Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 from mjcompose.language.forms.scalars import Expects, Hints, Name, Unit
 from mjcompose.language.value import kind_of, shown, without_space, without_unit
+from mjcompose.text.node import Node, Scalar, find, locate
 
 _UNIONS = (Union, UnionType)
 _MAPPINGS = (dict, Mapping)
@@ -208,6 +210,24 @@ def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> It
     for each in errors:
         if id(each) not in meant:
             yield translated(each, root, data, start=start)
+
+
+def report(faults: Iterable[Fault], node: Node, sink: Sink) -> None:
+    """Report faults at their places in a tree."""
+    for fault in faults:
+        notes = (*fault.notes, *(Note(message, locate(node, at, key=True)) for message, at in fault.related))
+        message, span = fault.message, locate(node, fault.at, key=fault.key)
+        if not fault.at:
+            span = Span(span.file, span.line, span.column)
+        if fault.within is not None:
+            line, column, width = fault.within
+            text = find(node, fault.at)
+            if isinstance(text, Scalar) and text.block is not None:
+                line, column = line + text.block[0] - 1, column + text.block[1] - 1
+                span = Span(span.file, line, column, end_line=line, end_column=column + width)
+            else:
+                message = f"line {line} of the fragment: {message}"
+        sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)
 
 
 def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
