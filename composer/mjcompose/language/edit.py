@@ -161,9 +161,7 @@ class Edit(Model):
     """how many elements must be selected"""
     optional: bool = False
     """allows an empty selection"""
-    verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field(
-        default_factory=dict, alias="<verbs>"
-    )
+    verbs: Annotated[Mapping[str, Verb], Rows(lambda: VERBS, selects="select")] = Field({}, alias="<verbs>")
     """the changes, in the order in which they are carried out"""
     allow: Codes = ()
     """the codes of warnings about this entry that you accept"""

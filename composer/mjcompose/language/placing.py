@@ -253,10 +253,8 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
             name = element.attributes.get("name")
             if name in names:
                 related = (("the first one is here", names[name]),)
-                message = f"two joints of one part are called `{name}`"
-                reader.faults.append(
-                    Fault("name-clash", message, (index, "name"), related=related, help="choose another name")
-                )
+                message, help = f"two joints of one part are called `{name}`", "choose another name"
+                reader.faults.append(Fault("name-clash", message, (index, "name"), related=related, help=help))
             names.setdefault(name, (index, "name"))
             elements.append(element)
     return tuple(elements)

@@ -290,9 +290,8 @@ def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], a
     """Return a step such as `{pulley: 2}`, in which a tag has the value of its only attribute, or None."""
     for name in value:
         if name != tag:
-            reader.faults.append(
-                reader.unknown(step, name, value[name], at=(*at, name), owner=owner, own=(), taken=value)
-            )
+            fault = reader.unknown(step, name, value[name], at=(*at, name), owner=owner, own=(), taken=value)
+            reader.faults.append(fault)
     read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults)
     return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
 

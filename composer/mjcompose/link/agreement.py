@@ -149,11 +149,8 @@ def common_settings(
 
 
 def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[str]) -> tuple[Adopted, ...]:
-    return tuple(
-        each
-        for each in adopted
-        if each.path not in overridden and each.path in now and equal_values(now[each.path].value, each.value)
-    )
+    kept = (each for each in adopted if each.path in now and each.path not in overridden)
+    return tuple(each for each in kept if equal_values(now[each.path].value, each.value))
 
 
 _NAMED = 4  # settings that a message names; the notes have all of them

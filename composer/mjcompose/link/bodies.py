@@ -177,9 +177,8 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
-        notes.insert(
-            0, Note(f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames")
-        )
+        what = f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames"
+        notes.insert(0, Note(what))
     linking.sink.error(
         "attach-place", f"the {kind} `{name}` to attach `{part.called}` to does not exist",
         part.place.span or part.span, notes=(*notes, *attached_notes(linking.base, name)), help=help,

@@ -326,12 +326,10 @@ class KeptSettings:
         named = " and ".join(f"`{name}`" for name in self.names)
         compilers = list(unit.root.iterchildren("compiler"))
         compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
-        linking.sink.error(
-            "compiler-setting",
-            f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
-            linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
-            help="remove the setting from the source, or write the values it gives",
-        )
+        message = f"{named} of `{unit.label}` cannot be kept in a composition: {why}"
+        span = linking.span(unit, compiler, first) if element is None else linking.span(unit, element)
+        help = "remove the setting from the source, or write the values it gives"
+        linking.sink.error("compiler-setting", message, span, help=help)
 
 
 def compile_unaligned(

@@ -118,9 +118,8 @@ class _UnitRenaming:
         attribute = "name" if clash.namespace != "default" else "class"
         notes = (Note("the first one is here", self.linking.span(self.unit, clash.earlier)),)
         message = f"`{self.unit.file}` declares the {word(clash.namespace)} `{name}` twice"
-        self.linking.sink.error(
-            clash.code, message, self.linking.span(self.unit, clash.element, attribute), notes=notes, subjects=(name,)
-        )
+        span = self.linking.span(self.unit, clash.element, attribute)
+        self.linking.sink.error(clash.code, message, span, notes=notes, subjects=(name,))
 
     def _report_clashes(self, part: Part, clashes: Sequence[_Clash]) -> None:
         linking = self.linking

@@ -256,14 +256,11 @@ def memory_size(linking: Linking) -> None:
         if not size.attrib and not len(size):
             detach(size)
     first, *others = linking.notes.memory
-    linking.sink.warning(
-        "option-conflict",
-        f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"
-        f" MuJoCo's own choice, {_megabytes(own)}, is used",
-        first.span,
-        notes=[Note(f"{_quoted(each.called)} requests `{each.name}` {each.value}", each.span) for each in others],
-        help=f"to set it yourself, write in the recipe `size: {{memory: {_megabytes(own)}}}`, or another amount",
-    )
+    amount, why = f"{round(own / 2**20)}M", f"is {first.value}, which is too little for the whole model"
+    message = f"`size.{first.name}` of {_quoted(first.called)} {why}: MuJoCo's own choice, {amount}, is used"
+    notes = [Note(f"{_quoted(each.called)} requests `{each.name}` {each.value}", each.span) for each in others]
+    help = f"to set it yourself, write in the recipe `size: {{memory: {amount}}}`, or another amount"
+    linking.sink.warning("option-conflict", message, first.span, notes=notes, help=help)
 
 
 def _measured(linking: Linking, unit: Unit) -> float | None:
@@ -281,10 +278,6 @@ def bytes_of(text: str) -> float:
     """
     text = text.strip().lower()
     return float(text[:-1]) * _SCALE[text[-1]] if text and text[-1] in _SCALE else float(text or 0)
-
-
-def _megabytes(count: float) -> str:
-    return f"{round(count / 2**20)}M"
 
 
 def _quoted(called: str) -> str:

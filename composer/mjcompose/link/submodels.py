@@ -210,9 +210,8 @@ class _Bundler:
         sub.origins.own(sub.root, shown)
         unit.origins.adopt(sub.origins)  # to report a missing file at the element that names it
         element.set("file", f"{path}.xml")
-        self.linking.files.append(
-            FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
-        )
+        use = FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
+        self.linking.files.append(use)
 
     def _count(self, unit: Unit, element: Node, depth: int) -> None:
         """Count one more sub-model, because models that each refer to two others would grow without end."""
@@ -273,9 +272,8 @@ class _Bundler:
             name = next(each for each in names if taken.setdefault(each.lower(), source) == source)
             element.set(attribute, f"{beside}/{name}")
             content = known if isinstance(known, bytes) else None
-            self.linking.files.append(
-                FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
-            )
+            use = FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
+            self.linking.files.append(use)
         for nested in sub.root.findall("asset/model"):
             model_file = nested.get("file")
             if model_file:
