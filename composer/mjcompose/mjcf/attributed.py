@@ -237,8 +237,7 @@ class Attributed:
         >>> ball.origin_of('size').column
         32
         """
-        known = attribute_of(self._kind, as_name("attribute", attribute))
-        if known is None:
+        if (known := attribute_of(self._kind, as_name("attribute", attribute))) is None:
             raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
             raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set")

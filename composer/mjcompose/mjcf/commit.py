@@ -60,8 +60,7 @@ def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultCla
     spelled.attrib.pop("class", "")
     if found.name != MAIN:
         spelled.set("class", found.name)
-    wanted = settings(sections, spelled)
-    if wanted is None:  # MuJoCo says why when the model is compiled
+    if (wanted := settings(sections, spelled)) is None:  # MuJoCo says why when the model is compiled
         return
     as_good: Node | None = None
     name = str(spelled.get("class") or "")  # a `general` of the same class without any other attribute
@@ -205,8 +204,7 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
 
 
 def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
-    above = model.frame_above(node)
-    if above is None:
+    if (above := model.frame_above(node)) is None:
         classes = Classes(model.unit.root)
         for each in _elements_below(node):
             name = str(each.get("class") or "") or (childclass_of(each) if _is_in(each, "worldbody") else None)

@@ -113,8 +113,7 @@ def check(
     edit = Edit()
     attributes: dict[str, Attribute] = {}
     for name in values:
-        attribute = attribute_of(kind, name)
-        if attribute is None:
+        if (attribute := attribute_of(kind, name)) is None:
             raise no_attribute(kind, name)
         attributes[name] = attribute
     written = {} if node is None else {str(name): str(value) for name, value in node.items()}

@@ -110,8 +110,7 @@ def _with_file_names(model: FileUse, names: Mapping[str, str]) -> FileUse:
     root = etree.fromstring(model.content)
     for element in root.iter("*"):
         for attribute in ("file", *CUBE):
-            new = changed.get(str(element.get(attribute)))
-            if new is not None:
+            if (new := changed.get(str(element.get(attribute)))) is not None:
                 rename_file(element, attribute, new)
     return model._replace(content=write(root))
 
@@ -324,8 +323,7 @@ def text(model: Model, conflict: Policy) -> str:
         issue_warnings(warnings)
         return found
     _check(model, conflict)
-    known = relocated_text(model, label(model))
-    if known is not None:
+    if (known := relocated_text(model, label(model))) is not None:
         return known
     flat = link_checked(model, conflict, copy_unit, check_keys=False)
     name_files(flat)

@@ -50,8 +50,7 @@ def copied(element: Attributed, memo: dict[int, Any]) -> Any:
     """Return the element's counterpart in the copy of its model. The model is copied unless `memo` has the copy."""
     model = element._alive()._model
     twin = copy.deepcopy(view(model, model.unit.root), memo)._model
-    frame = model.frame_above(element._node)
-    if frame is None:
+    if (frame := model.frame_above(element._node)) is None:
         return view(twin, counterpart(element._node, model.unit.root, twin.unit.root))
     there = twin.attachments[model.attachment_of(frame).child.prefix].frame
     return view(twin, counterpart(element._node, frame, there))
@@ -73,8 +72,7 @@ class _Tree:
         nodes = list(node.iter())
         owners: dict[int, str | Span] = {}
         for at, each in enumerate(nodes):
-            owner = origins.owners.get(each)
-            if owner is not None:
+            if (owner := origins.owners.get(each)) is not None:
                 owners[at] = owner if isinstance(owner, str | Span) else owner(None)
         lines: list[Any] = [each.sourceline for each in nodes]
         return cls(etree.tostring(node, with_tail=False), [line or 0 for line in lines], owners)
@@ -301,8 +299,7 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
     top, prefix = model.top, model.full_prefix
     for namespace, names in source.names.declared.items():
         for name, node in names.items():
-            taken = top.lookup(namespace, prefix + name)
-            if taken is not None:
+            if (taken := top.lookup(namespace, prefix + name)) is not None:
                 code = "class-clash" if namespace == "default" else "name-clash"
                 message = f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`"
                 note = Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node))

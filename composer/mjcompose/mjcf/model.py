@@ -163,11 +163,9 @@ class Model:
     def section(self, tag: str) -> Node:
         """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
         root = self.unit.root
-        found = next(root.iterchildren(tag), None)
-        if found is None:
+        if (found := next(root.iterchildren(tag), None)) is None:
             with self.lock:
-                found = next(root.iterchildren(tag), None)
-                if found is None:
+                if (found := next(root.iterchildren(tag), None)) is None:
                     order = list(GRAMMAR.root.children)
                     later = order[order.index(tag) + 1 :]
                     before = next(root.iterchildren(*later), None) if later else None
@@ -203,15 +201,13 @@ class Model:
         """Yield each attachment whose prefix the name begins with, and the rest of the name."""
         at = name.find(SEPARATOR) if self.attachments else -1
         while at >= 0:
-            attachment = self.attachments.get(name[: at + 1])
-            if attachment is not None:
+            if (attachment := self.attachments.get(name[: at + 1])) is not None:
                 yield attachment, name[at + 1 :]
             at = name.find(SEPARATOR, at + 1)
 
     def lookup(self, namespace: str, name: str) -> Target | None:
         """Return the element with this name: one of this model, or by prefix one of an attached model. Else None."""
-        node = self.names.find(namespace, name)
-        if node is not None:
+        if (node := self.names.find(namespace, name)) is not None:
             return Target(self, node)
         if namespace == "body" and name == WORLD:
             return Target(self, self.section(WORLD_SECTION))
@@ -220,11 +216,9 @@ class Model:
         if self.hung is not None and name.startswith(UP):
             return self.hung.parent.lookup(namespace, name[len(UP) :])
         for attachment, rest in self.split(name):
-            found = attachment.child.lookup_attached(namespace, rest)
-            if found is not None:
+            if (found := attachment.child.lookup_attached(namespace, rest)) is not None:
                 return found
-            frame = attachment.find(namespace, rest)
-            if frame is not None:
+            if (frame := attachment.find(namespace, rest)) is not None:
                 return Target(self, frame)
         return None
 
@@ -340,10 +334,7 @@ def page(model: Model, node: Node) -> str:
 
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
-    """Append a node and everything below it to `lines`, up to `left` elements. Return how many are left.
-
-    The result is negative if elements were left out.
-    """
+    """Append a node and all below it to `lines`, up to `left` elements. Return how many are left, negative if cut."""
     if left <= 0:
         return left - _count(model, node)
     if depth > _DEEPEST:

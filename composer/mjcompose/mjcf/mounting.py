@@ -62,8 +62,7 @@ def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
             elif section not in _OF_BODIES:
                 top = whole(node)
                 declared = declaration(top, section)
-                parent = top.getparent()
-                if parent is not None:
+                if (parent := top.getparent()) is not None:
                     parent.remove(top)
                     waiting += [declared] if declared else []
             elif namespace == "material":
@@ -102,8 +101,7 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                 continue
             for child in parent:
                 kind = child.tag
-                attributes = allowed.get(kind)
-                if attributes is None:
+                if (attributes := allowed.get(kind)) is None:
                     if isinstance(kind, str):
                         _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink=sink)
                     continue
@@ -312,8 +310,7 @@ class Mounting:
         for node in self.named:
             del node.attrib["name"]
         for frame in self.added:
-            parent = frame.getparent()
-            if parent is not None:
+            if (parent := frame.getparent()) is not None:
                 at = parent.index(frame)
                 parent[at : at + 1] = list(frame)
 

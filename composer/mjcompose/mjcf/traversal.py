@@ -24,8 +24,7 @@ def from_root(model: Model, query: Query) -> Iterator[Target]:
 
 def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
     """Yield all matches below a node, without the node itself."""
-    frame = model.frame_above(node)
-    if frame is not None:
+    if (frame := model.frame_above(node)) is not None:
         yield from _frame_content(model.attachment_of(frame), query) if node is frame else ()
         return
     section = section_of(node)
@@ -40,8 +39,7 @@ def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
 
 def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
-    frame = model.frame_above(node)
-    if frame is not None:
+    if (frame := model.frame_above(node)) is not None:
         yield from _frame_content(model.attachment_of(frame), query, immediate=True)
         return
     section = section_of(node)

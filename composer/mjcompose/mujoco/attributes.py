@@ -97,8 +97,7 @@ class NameTable:
 
     def describe(self, kind: str, index: int) -> str:
         """Return the element's name, or the place of an unnamed one: ``#2 of body `arm```, or ``#5``."""
-        name = self.names[kind][index]
-        if name:
+        if name := self.names[kind][index]:
             return name
         if kind not in ON_BODIES:
             return f"#{index}"

@@ -139,8 +139,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
 
 
 def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
-    missing = [name for name in request["models"] if name not in kept]
-    if missing:
+    if missing := [name for name in request["models"] if name not in kept]:
         return {"ok": False, "error": f"no model is kept as `{missing[0]}`", "crash": None}
     module, _, name = request["function"].partition(":")
     try:

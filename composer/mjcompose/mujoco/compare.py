@@ -133,8 +133,7 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
                 continue
             different = None
             if mine.shape == other.shape:
-                compared = rules.run(kind, name, index, run=(mine, other))
-                if compared is None:
+                if (compared := rules.run(kind, name, index, run=(mine, other))) is None:
                     continue
                 mine, other, bound = compared
                 different = unequal(mine, other, bound)

@@ -107,11 +107,9 @@ def of_control(model: Model, mujoco: Any, row: int) -> str | None:
     rate = "/s" if dynamics == int(mujoco.mjtDyn.mjDYN_INTEGRATOR) else ""
     if gains.get("kp", 0) > 0:
         return about + rate
-    if rate:
-        return None
-    if gains.get("kv", 0) > 0:
+    if gains.get("kv", 0) > 0 and not rate:
         return f"{about}/s"
-    return FORCES[about] if gains.get("gain") == 1 else None
+    return FORCES[about] if gains.get("gain") == 1 and not rate else None
 
 
 _MOST = 10**9

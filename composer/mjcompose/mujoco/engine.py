@@ -79,8 +79,7 @@ class Request:
     folder_is_reused: bool = False
 
     def __post_init__(self) -> None:
-        unknown = set(self.wants) - WANTS
-        if unknown:
+        if unknown := set(self.wants) - WANTS:
             raise ValueError(f"unknown needs {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path, step: float = 0) -> str:

@@ -120,8 +120,7 @@ def _install(folder: Path, version: str) -> None:
 def _commands(folder: Path, version: str) -> list[list[str]]:
     """Return the commands that install it: with uv if it exists, else with this Python and pip."""
     wanted = [f"mujoco=={version}", "numpy"]
-    uv = shutil.which("uv")
-    if uv is not None:
+    if (uv := shutil.which("uv")) is not None:
         python = ["--python", "3.11"]  # all versions since 3.0 have a wheel for it
         install = [uv, "pip", "install", "--quiet", "--python", str(_python_of(folder)), *wanted]
         return [[uv, "venv", "--quiet", *python, str(folder)], install]

@@ -361,8 +361,7 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
     for node in (each for each in expected if each is not None):
         mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
         alike = places.get(mine, [])
-        found = roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)
-        if found is not None:
+        if (found := roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)) is not None:
             yield node, found
         if found in alike:
             alike.remove(found)

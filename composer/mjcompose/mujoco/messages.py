@@ -212,8 +212,7 @@ def of_other_version(
     >>> found.message, found.notes[0].message
     ('this MuJoCo has no attribute `mpr_iterations` of `<option>`', 'it existed up to MuJoCo 3.2.2')
     """
-    known = _span(element, name)
-    if known is None:
+    if (known := _span(element, name)) is None:
         return None
     subject = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
     help = None
@@ -286,8 +285,7 @@ def translate(message: str, element: Node | None) -> Translation:
 
 def unknown_attribute(element: Node, name: str, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an unknown attribute in a `file` that a MuJoCo of `version` reads, if known."""
-    found = of_other_version(element, name, file, version=version)
-    if found is None:
+    if (found := of_other_version(element, name, file, version=version)) is None:
         known = list(kind.attributes) if (kind := kind_of(element)) is not None else []
         found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
     return Translation(found, name, key=True)

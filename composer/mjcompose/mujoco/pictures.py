@@ -383,8 +383,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
         return {"no encoder": str(error)}
     except NoOpenGL as error:
         return {"no OpenGL": str(error)}
-    view = asked["camera"]
-    if view is None:
+    if (view := asked["camera"]) is None:
         view = stage.whole(None if subject is None else points_of(mujoco, model, stage.data, *subject))
     try:
         if tile is not None:

@@ -115,8 +115,7 @@ Reader = Callable[[Model, int], Iterator[Link]]
 def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
 
     def read(model: Model, index: int) -> Iterator[Link]:
-        values = getattr(model, array, None)
-        if values is not None:
+        if (values := getattr(model, array, None)) is not None:
             yield Link(array, kind, int(values[index]), world=world)
 
     return read
@@ -211,8 +210,7 @@ WRAPS_A_GEOM = (4, 5)
 def _path(model: Model, index: int) -> Iterator[Link]:
     first = int(model.tendon_adr[index])
     for place in range(int(model.tendon_num[index])):
-        at = first + place
-        wrapped = int(model.wrap_type[at])
+        at, wrapped = first + place, int(model.wrap_type[first + place])
         kind = "geom" if wrapped in WRAPS_A_GEOM else {WRAP_JOINT: "joint", WRAP_SITE: "site"}.get(wrapped)
         if kind is not None:
             yield Link(f"wrap_objid[{place}]", kind, int(model.wrap_objid[at]))
@@ -272,8 +270,7 @@ def _sensor(model: Model, index: int) -> Iterator[Link]:
 def _tuple(model: Model, index: int) -> Iterator[Link]:
     first = int(model.tuple_adr[index])
     for place in range(int(model.tuple_size[index])):
-        kind = OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))
-        if kind is not None:
+        if (kind := OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))) is not None:
             yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]))
 
 

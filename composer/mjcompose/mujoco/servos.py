@@ -107,8 +107,7 @@ class Servos:
 
     def _unstable(self, dofs: slice) -> Iterator[Mode]:
         timestep, count = float(self.model.opt.timestep), dofs.stop - dofs.start
-        step = self._step(dofs, timestep)
-        if step is None:
+        if (step := self._step(dofs, timestep)) is None:
             return
         values, vectors = np.linalg.eig(step)
         wrong = np.abs(values) > 1 + _GROWS
@@ -158,10 +157,7 @@ class Servos:
         return [int(each) for each in np.flatnonzero(self.moment[:, dof])]
 
     def strongest(self, dof: int) -> tuple[float, float] | None:
-        """Return the least and the greatest force on a hinge or slide (N m, N) that its actuators can give together.
-
-        None if they have no limit, act on other joints too, or none act on it.
-        """
+        """Return the least and the greatest force on a hinge or slide (N m, N); None if unlimited, shared or none."""
         model, joint = self.model, int(self.model.dof_jntid[dof])
         low = high = 0.0
         for actuator in self.of_dof(dof):

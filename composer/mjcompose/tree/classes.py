@@ -201,11 +201,9 @@ class InForce:
 
 def class_in_force(element: Node) -> InForce:
     """Return its own class, else the childclass around it, else the top class."""
-    own = element.get("class")
-    if own:
+    if own := element.get("class"):
         return InForce(str(own), "class", element)
-    around = childclass_of(element)
-    if around is None:
+    if (around := childclass_of(element)) is None:
         return InForce(MAIN)
     holder = next(each for each in element.iterancestors() if each.get("childclass") == around)
     return InForce(around, "childclass", holder)
@@ -235,8 +233,7 @@ def value(steps: list[Level]) -> str | None:
 
 def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes) -> str | None:
     """Return the effective text of an attribute, or None if the element has no such attribute or nothing sets it."""
-    attribute = kind.attributes.get(name)
-    if attribute is None:
+    if (attribute := kind.attributes.get(name)) is None:
         return None
     words = (written(element, name) or "").split()
     if words and not _may_go_on(attribute, len(words)):

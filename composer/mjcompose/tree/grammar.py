@@ -297,8 +297,7 @@ class Grammar:
         If a tag has several meanings, the one nearest to the section is used: `geom` within `worldbody` is the geom
         of a body, not of a composite.
         """
-        known = self._within.get(section)
-        if known is None:
+        if (known := self._within.get(section)) is None:
             known, waiting = {}, [self.section(section)]
             for parent in waiting:  # which grows
                 for tag, child in parent.children.items():
@@ -347,8 +346,7 @@ class Grammar:
 
     def _build(self, path: str) -> ElementType:
         raw = self._data["elements"][path]
-        rows_of = raw.get("rows_of")
-        if rows_of is None:
+        if (rows_of := raw.get("rows_of")) is None:
             rows, has_default = self._rows(path, raw), "default" in raw
             attributes = {name: self._attribute(place, name, row, has_default=has_default) for place, name, row in rows}
             constraints = self._constraints(raw)

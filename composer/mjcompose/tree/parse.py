@@ -141,8 +141,7 @@ def parse_file(
     to its project.
     """
     shown, door = file or str(path), door or own_door(path)
-    data = read_file(path, sink, door, file=shown, span=span)
-    if data is None:
+    if (data := read_file(path, sink, door, file=shown, span=span)) is None:
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door)
     if unit is not None:
@@ -173,8 +172,7 @@ def parse_text(
     `door` limits the files that it may read besides `contents`, by default as for a file in `directory`.
     """
     before = sink.error_count
-    root = parse_xml(data, file, sink)
-    if root is None:
+    if (root := parse_xml(data, file, sink)) is None:
         return None
     unit = Unit(root, file, directory, label=label, contents=contents or {}, header=take_header_in(root))
     read_from(unit, data, door)
@@ -303,8 +301,7 @@ class _Includes:
             message, help = _unreadable(f"the included file `{name}`", Path(name), path, error=error)
             refuse(message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
             return
-        included = parse_xml(data, shown, self.sink)
-        if included is None:
+        if (included := parse_xml(data, shown, self.sink)) is None:
             return
         origins.texts[shown] = FileText(None if isinstance(content, bytes) else path, data)
         if included.tag not in ("mujoco", "mujocoinclude"):

@@ -273,8 +273,7 @@ def paths_of(tag: str) -> frozenset[str]:
     >>> sorted(paths_of("joint")), sorted(paths_of("equality/joint")), sorted(paths_of("weld"))
     (['freejoint', 'joint'], ['equality/joint'], ['equality/weld'])
     """
-    family = GRAMMAR.families.get(tag)
-    if family is not None:
+    if (family := GRAMMAR.families.get(tag)) is not None:
         return frozenset(path for path in family if not path.startswith("default/"))
     if "/" in tag:
         return frozenset({tag}) if tag in GRAMMAR.paths else frozenset()

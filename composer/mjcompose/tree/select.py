@@ -31,8 +31,7 @@ def section_of(node: Node) -> str:
     """Return the top-level section of a node; the frame of an attachment belongs to the world."""
     above = node.getparent()
     while above is not None:
-        over = above.getparent()
-        if over is None:
+        if (over := above.getparent()) is None:
             return str(node.tag) if above.tag == ROOT else WORLD_SECTION
         node, above = above, over
     return WORLD_SECTION
@@ -40,8 +39,7 @@ def section_of(node: Node) -> str:
 
 def kind_of(node: Node) -> ElementType:
     """Return the element type of a node in a valid tree."""
-    parent = node.getparent()
-    if parent is None:
+    if (parent := node.getparent()) is None:
         return GRAMMAR.element(str(node.tag))
     if parent.tag == ROOT:
         return GRAMMAR.section(str(node.tag))
@@ -214,8 +212,7 @@ class Selection:
         """Return every matching element, in the order of the tree. Raises `BadPattern`."""
         self._known.clear()  # the model may have changed
         self._numbers.clear()
-        found = self._called(selector)
-        if found is None:
+        if (found := self._called(selector)) is None:
             found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
         return [node for node in found if self._narrowed(node, selector)]
 
@@ -256,8 +253,7 @@ class Selection:
 
     def number(self, node: Node) -> int:
         """Return the number of an element among the unnamed elements of its tag in its parent; -1 if it has a name."""
-        parent = parent_of(node)
-        if parent is None:
+        if (parent := parent_of(node)) is None:
             return -1
         place = parent, str(node.tag)
         if place not in self._numbers:
@@ -304,8 +300,7 @@ class Selection:
         return parent is not None and parent is not self.root and self._meant(parent, wanted)
 
     def _is_of(self, node: Node, pattern: str) -> bool:
-        part = self.parts.get(node)
-        if part is None:
+        if (part := self.parts.get(node)) is None:
             return pattern == BASE
         levels = part.split("/")
         return any(

@@ -388,8 +388,7 @@ class Unit:
 
     def section(self, tag: str) -> Node:
         """Return the last section of that tag, where new elements go; create it if there is none."""
-        found = next(self.root.iterchildren(tag, reversed=True), None)
-        if found is None:
+        if (found := next(self.root.iterchildren(tag, reversed=True), None)) is None:
             found = self.root.makeelement(tag)
             self.insert(found)
         return found

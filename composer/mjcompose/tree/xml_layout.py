@@ -168,8 +168,7 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
     Attributes are sorted, and sections parted by blank lines. Comments, the text of values, a byte order mark and
     the line breaks (as in the first line) are kept. The result is parsed again and compared. No I/O.
     """
-    tree = parse_xml(source, file, sink)
-    if tree is None:
+    if (tree := parse_xml(source, file, sink)) is None:
         return None
     mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
     text = source.decode("utf-8", "surrogateescape").removeprefix(mark)

@@ -165,16 +165,14 @@ class SourceText:
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
     ) -> Stretch | None:
         """Return an attribute's value without quotes, or with `key` its name; None if it is on no single line."""
-        found = self._attribute(name, self._find(tag, line, attributes))
-        if found is None:
+        if (found := self._attribute(name, self._find(tag, line, attributes))) is None:
             return None
         start, end = (found.at, found.at + len(name)) if key else (found.start, found.end)
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
         """Return the ends of an element, of whole lines if it is alone on them; None if it does not end."""
-        found = self._find(tag, line, attributes)
-        if found is None:
+        if (found := self._find(tag, line, attributes)) is None:
             return None
         start, last, depth = found.start, found.end, 0 if found.closed else 1
         ends = last
@@ -215,8 +213,7 @@ class SourceText:
             self._ending[tag, line] = candidates, exact
         candidates, exact = self._ending[tag, line]
         # No other tag is more similar, and a program may write ten thousand elements on one line.
-        found = exact.get(frozenset(attributes.items()))
-        if found is not None:
+        if (found := exact.get(frozenset(attributes.items()))) is not None:
             return found
         self._compared += len(candidates)
         if self._compared > _MOST_COMPARED:

@@ -41,10 +41,9 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
     made = {each.get("name") for each in unit.root.iter("joint")}
     read: dict[Node, str] = {}
     drives: dict[str, Drive] = {}
+    free = ((name, joint) for name, joint in joints.items() if joint.find("mimic") is None)
     moving = [
-        Drive(name, joint)
-        for name, joint in joints.items()
-        if joint.get("type") in ("revolute", "continuous", "prismatic") and joint.find("mimic") is None
+        Drive(name, joint) for name, joint in free if joint.get("type") in ("revolute", "continuous", "prismatic")
     ]
     given = (*_of_ros2_control(robot.root), *_of_transmissions(robot.root))
     for drive in (*given, *(moving if choice == "all" else ())):
@@ -91,9 +90,8 @@ def _element(drive: Drive, joint: Node) -> Node:
     """
     limit = joint.find("limit")
     effort, velocity = ((None if limit is None else parse(limit.get(name))) or 0.0 for name in ("effort", "velocity"))
-    kp, kd, kv = (
-        next((drive.numbers[name] for name in names if drive.numbers.get(name)), None) for names in (_KP, _KD, _KV)
-    )
+    numbers = (map(drive.numbers.get, names) for names in (_KP, _KD, _KV))
+    kp, kd, kv = (next(filter(None, each), None) for each in numbers)
     gains: dict[str, float] = {}
     if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
         tag, gains, span = "position", {"kp": kp, **({"kv": kd} if kd else {})}, _joint_range(joint)
@@ -324,8 +322,7 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
 
 def note_unread(rows: tuple[ReadRow, ...], unit: Unit, sink: Sink) -> None:
     """Add a note with everything that is not in the model."""
-    missing = [row for row in rows if row.why and not row.is_minor]
-    if missing:
+    if missing := [row for row in rows if row.why and not row.is_minor]:
         are = "kinds of elements are" if len(missing) > 1 else "kind of element is"
         notes = [Note(f"{row.span}: {row.called}: {row.why}") for row in missing]
         sink.note(

@@ -162,8 +162,7 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
     """Return the color and the picture (PNG) of a mesh, if it has them."""
     import numpy
 
-    material = getattr(visual, "material", None)
-    if material is None:
+    if (material := getattr(visual, "material", None)) is None:
         if not getattr(visual, "defined", False):
             return None, None
         return [round(float(each), 4) for each in numpy.asarray(visual.main_color, float) / 255], None

@@ -126,8 +126,7 @@ class Evaluator:
             raise Stopped("unsafe", f"the expression cannot be parsed: {type(error).__name__}") from None
 
     def _of(self, node: ast.expr) -> Any:
-        step = _STEPS.get(type(node))
-        if step is None:
+        if (step := _STEPS.get(type(node))) is None:
             word = _WORDS.get(type(node), type(node).__name__)
             raise Stopped("unsafe", f"`{word}` is not allowed in an expression", word)
         self._depth += 1
@@ -279,8 +278,7 @@ class Evaluator:
         return value
 
     def _worked_out(self, kind: type, one: Any, other: Any) -> Any:
-        work = _BINARY.get(kind)
-        if work is None:
+        if (work := _BINARY.get(kind)) is None:
             raise Stopped("unsafe", "`@` is not allowed in an expression", "@")
         self.spend(1)
         for each in (one, other):

@@ -296,8 +296,7 @@ class _Work:
         return extended
 
     def found(self, name: str) -> str:
-        folder = self.packages.get(name)
-        if folder is None:
+        if (folder := self.packages.get(name)) is None:
             raise Stopped("package", f"the package `{name}` is not known", name)
         return folder
 

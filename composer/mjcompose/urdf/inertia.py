@@ -123,8 +123,7 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
         if link is None or name in seen:
             return True
         seen.add(name)
-        inertial = link.find("inertial")
-        if inertial is None:
+        if (inertial := link.find("inertial")) is None:
             weighs = link.find("collision") is not None and name not in massless
         else:
             weighs = not 0 <= _mass(inertial) < _LEAST_MASS
@@ -145,8 +144,7 @@ def _mass(inertial: Node) -> float:
 
 
 def _tensor(inertial: Node) -> Matrix | None:
-    inertia = inertial.find("inertia")
-    if inertia is None:
+    if (inertia := inertial.find("inertia")) is None:
         return None
     try:
         xx, yy, zz, xy, xz, yz = (float(inertia.get(name) or 0) for name in _NAMES)
@@ -189,9 +187,7 @@ def eigen(tensor: Matrix) -> tuple[list[float], Matrix]:
         for matrix in (a, v):
             for each in matrix:
                 each[row], each[column] = c * each[row] - s * each[column], s * each[row] + c * each[column]
-        a[row], a[column] = (
-            [c * x - s * y for x, y in zip(a[row], a[column], strict=True)],
-            [s * x + c * y for x, y in zip(a[row], a[column], strict=True)],
-        )
+        pairs = list(zip(a[row], a[column], strict=True))
+        a[row], a[column] = [c * x - s * y for x, y in pairs], [s * x + c * y for x, y in pairs]
     order = sorted(range(3), key=lambda k: a[k][k])
     return [a[k][k] for k in order], [[v[row][k] for k in order] for row in range(3)]

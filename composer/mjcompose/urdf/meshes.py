@@ -275,8 +275,7 @@ def _give(
 ) -> None:
     """Give a geom a material with the picture, made once."""
     key = str(picture) if isinstance(picture, Path) else f"{hash(picture)} {len(picture)}"
-    material = kept.get(key)
-    if material is None:
+    if (material := kept.get(key)) is None:
         names = (name if number == 1 else f"{name}-{number}" for number in count(1))
         material = kept[key] = next(each for each in names if each not in kept.values())
         asset, file = unit.section("asset"), str(picture)

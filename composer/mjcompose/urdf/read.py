@@ -103,8 +103,7 @@ class UrdfReader:
         """Return the tree of the URDF, or of the expanded template."""
         source, sink = self.source, self.sink
         shown = self.shown(source.path)
-        data = read_file(source.path, sink, source.door, file=shown, span=self.asked)
-        if data is None:
+        if (data := read_file(source.path, sink, source.door, file=shown, span=self.asked)) is None:
             return None
         given = dict(source.packages)
         if not is_template(source.path, data):
@@ -113,8 +112,7 @@ class UrdfReader:
                 message = f"`with` gives `{name}`, but `{shown}` is not a xacro template"
                 sink.error("unknown-name", message, self.asked, help="remove `with`")
                 return None
-            root = parse_xml(data, shown, sink)
-            if root is None:
+            if (root := parse_xml(data, shown, sink)) is None:
                 return None
             unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
             unit.origins.texts[shown] = FileText(source.path, data)
