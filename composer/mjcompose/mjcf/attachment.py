@@ -36,8 +36,7 @@ class AttachmentFrame(Element):
     @property
     def parent(self) -> Element | None:
         """The body, frame or worldbody that contains the child in the output."""
-        attachment = self._alive()._attachment
-        return cast(Element, view(self._model, attachment.container))
+        return cast(Element, view(self._model, self._alive()._attachment.container))
 
     def __repr__(self) -> str:
         return self._named(super().__repr__())

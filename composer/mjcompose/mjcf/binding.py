@@ -424,8 +424,7 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
 
 
 def _bound(kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, data: Data) -> Binding:
-    regular = as_slice(ids) is not None
-    return binding_of(kind, regular)(kind, ids, labels, one, data.model, data)
+    return binding_of(kind, as_slice(ids) is not None)(kind, ids, labels, one, data.model, data)
 
 
 class _FieldView:

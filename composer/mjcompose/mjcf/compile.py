@@ -169,8 +169,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
         check_meshes(each.unit, 0, sink)
     raise_errors(sink)
     name_files(flat)
-    text = write(flat.unit.root)
-    compiled = compile_text(text, contents(flat), flat)
+    compiled = compile_text(write(flat.unit.root), contents(flat), flat)
     issue_warnings(flat.warnings)
     return compiled, _snapshot(model, copies, flat, roster=NameTable(compiled))
 

@@ -195,8 +195,7 @@ def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
     """Create an element below `parent`, at the end or before the child at `position`, and return it."""
     _prepare(model, edit)
-    attributes = {name: text for name, text in edit.texts.items() if text is not None}
-    node = parent.makeelement(tag, attributes)
+    node = parent.makeelement(tag, {name: text for name, text in edit.texts.items() if text is not None})
     if (later := None if position is None else _child_at(parent, position)) is None:
         parent.append(node)
     else:

@@ -334,8 +334,7 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
     for name in ("euler", "axisangle"):
         if written.pop(name, None):
             settings = unit.settings
-            pose = read_pose(frame, settings.angle == "degree", settings.eulerseq)
-            written["quat"] = number_text(pose.quat)
+            written["quat"] = number_text(read_pose(frame, settings.angle == "degree", settings.eulerseq).quat)
     return written
 
 

@@ -422,7 +422,6 @@ def picture(model: Model) -> bytes | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MjcfWarning)
         try:
-            physics = Physics.from_mjcf_model(view(top, top.unit.root), conflict="base")
-            return png(physics.render())
+            return png(Physics.from_mjcf_model(view(top, top.unit.root), conflict="base").render())
         except MjcfError:
             return None

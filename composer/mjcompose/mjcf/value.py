@@ -211,8 +211,7 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
     awaited = model.awaited.get((node, attribute.name))
     if awaited is not None and awaited[1] == text:
         return [awaited[0]]
-    written = {str(key): str(value) for key, value in node.items()}
-    namespace = namespace_of(attribute, written)
+    namespace = namespace_of(attribute, {str(key): str(value) for key, value in node.items()})
     names = text.split() if attribute.type == "references" else [text]
     return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
 

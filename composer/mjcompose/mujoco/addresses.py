@@ -149,8 +149,7 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
     arrays; since MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs
     (`actuator_gear`).
     """
-    size = "nv" if array.startswith("dof_") else about(array).rows
-    run = RUNS.get(kind, {}).get(size)
+    run = RUNS.get(kind, {}).get("nv" if array.startswith("dof_") else about(array).rows)
     return range(index, index + 1) if run is None else run.rows(model, index)
 
 

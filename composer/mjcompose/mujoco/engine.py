@@ -405,8 +405,7 @@ def measure(
 
     Units and shapes are MuJoCo's own: radians, meters, one row per object.
     """
-    request = Request(folder, model, wants=("names",), arrays=arrays, text=text)
-    return _run(request, limits, session)
+    return _run(Request(folder, model, wants=("names",), arrays=arrays, text=text), limits, session)
 
 
 def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:

@@ -155,6 +155,5 @@ def write_mp4(path: Path, frames: Sequence[NDArray[Any]], rate: int) -> None:
         track = film.add_stream("libx264", rate=Fraction(rate), options={"crf": "20"})
         track.width, track.height, track.pix_fmt = width, height, "yuv420p"
         for frame in frames:
-            picture = av.VideoFrame.from_ndarray(frame[:height, :width].copy(), format="rgb24")
-            film.mux(track.encode(picture))
+            film.mux(track.encode(av.VideoFrame.from_ndarray(frame[:height, :width].copy(), format="rgb24")))
         film.mux(track.encode())

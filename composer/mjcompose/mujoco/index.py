@@ -356,8 +356,7 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
     referred, *attributes = _SORTED[kind]
     places: dict[frozenset[int], list[int]] = {}
     for row in range(roster.count(kind)):
-        two = frozenset(link.index for link in links(roster.model, kind, row))
-        places.setdefault(two, []).append(row)
+        places.setdefault(frozenset(link.index for link in links(roster.model, kind, row)), []).append(row)
     for node in (each for each in expected if each is not None):
         mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
         alike = places.get(mine, [])

@@ -273,8 +273,7 @@ class Correspondence:
             return all(link.index < 0 or link.index in images[link.kind] for link in others)
 
         unnamed = (i for i, name in enumerate(self.composed.names[kind]) if not name and i not in self.taken[kind])
-        owned = [i for i in unnamed if is_owned(i)]
-        self._assign(kind, children, owned, ordered=kind not in UNORDERED)
+        self._assign(kind, children, [i for i in unnamed if is_owned(i)], ordered=kind not in UNORDERED)
 
     def _match_plugins(self) -> None:
         """Match unnamed plugin instances, which belong to the element that uses them."""
@@ -301,8 +300,7 @@ class Correspondence:
             return
         alone, composed = self.alone.model, self.composed.model
         # By all values and references, then by the traits that rarely change and references, by the traits, by nothing.
-        likenesses = ((values, True), (shape, True), (shape, False), (lambda *_: None, False))
-        for likeness, refers in likenesses:
+        for likeness, refers in ((values, True), (shape, True), (shape, False), (lambda *_: None, False)):
             waiting: dict[Hashable, list[int]] = {}
             for j in theirs:
                 waiting.setdefault((likeness(composed, kind, j), refers and raw(composed, kind, j)), []).append(j)

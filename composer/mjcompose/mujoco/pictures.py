@@ -68,8 +68,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
 
 def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
     """Move the parts (bodies with one prefix, or each body) away from those they are on; return lines to there."""
-    called = names(model, "body")
-    prefixes = [name.rpartition("/")[0] for name in called]
+    prefixes = [name.rpartition("/")[0] for name in names(model, "body")]
     is_whole = not any(prefixes)
     first = list(range(model.nbody))  # of each body, the first body of its part
     for body in range(1, model.nbody):
@@ -306,8 +305,7 @@ class Stage:
     def text(self, words: str, width: int, height: int, ink: Any, paper: Any) -> Any:
         """Return a line of text in MuJoCo's own font, `(height, width, 3)`; paper and ink are RGB from 0 to 1."""
         self._window.make_current()
-        strip = self.mujoco.MjrRect(0, 0, width, height)
-        self.mujoco.mjr_rectangle(strip, *paper, 1.0)
+        self.mujoco.mjr_rectangle(self.mujoco.MjrRect(0, 0, width, height), *paper, 1.0)
         font = self.mujoco.mjtFont.mjFONT_NORMAL.value
         room = max(1, (width - 8) // max(1, int(self._drawing.charWidth[ord("n")])))
         shown = words if len(words) <= room else f"{words[: max(1, room - 2)]}.."

@@ -151,8 +151,7 @@ class _Scattering:
         self._put(body, pose)
         found = [_support(model, data, int(geom)) for geom in self.geoms[body]]
         outline = np.stack(found)  # (geoms, directions, 3)
-        reach = (outline * _DIRECTIONS).sum(axis=2).argmax(axis=0)
-        points = [outline[at, n] for n, at in enumerate(reach)]
+        points = [outline[at, n] for n, at in enumerate((outline * _DIRECTIONS).sum(axis=2).argmax(axis=0))]
         heights = [surface.height(float(point[0]), float(point[1])) for point in points]
         known = [height for height in heights if height is not None]
         if len(known) < len(heights):

@@ -317,8 +317,7 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     """Return the damping ratio of a servo by the inverse weight and by the mass matrix, each None if unknown."""
     gains = servo(model, actuator) or {}
     stiffness, damping = gains["kp"], gains["kv"]
-    output = rows_of(model, "actuator", "actuator_gear", index=actuator).start
-    gear = float(model.actuator_gear[output, 0])
+    gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=actuator).start, 0])
     kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
     light = heavy = 0.0
     if kind == ON_TENDON:

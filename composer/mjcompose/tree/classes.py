@@ -298,8 +298,7 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
 
 def position(node: Node) -> list[int]:
     """Return the position of a node in its document as a sort key."""
-    path = [node, *node.iterancestors()][::-1]
-    return [above.index(below) for above, below in pairwise(path)]
+    return [above.index(below) for above, below in pairwise([node, *node.iterancestors()][::-1])]
 
 
 @cache

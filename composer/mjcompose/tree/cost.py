@@ -183,8 +183,7 @@ def check_size(
     elements = written(unit.root)
     if elements > limits.elements:
         message = f"the model has {elements} elements; {limits.elements} are allowed"
-        span = unit.origins.span(unit.root, unit.file)
-        sink.error(CODE, message, span, help=advice("elements", elements))
+        sink.error(CODE, message, unit.origins.span(unit.root, unit.file), help=advice("elements", elements))
         return
     if _is_small(unit.root, elements):
         if check_reserved(unit, elements, sink):
@@ -389,8 +388,7 @@ def _weight(name: str, elements: int) -> int:
 def _steps(lengthrange: Node) -> int:
     """Return how many steps MuJoCo simulates for each actuator whose length range it computes."""
     try:
-        seconds = float(lengthrange.get("inttotal") or 10)
-        return int(seconds / float(lengthrange.get("timestep") or 0.01))
+        return int(float(lengthrange.get("inttotal") or 10) / float(lengthrange.get("timestep") or 0.01))
     except (ValueError, OverflowError, ZeroDivisionError):
         return 0
 

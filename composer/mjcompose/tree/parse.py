@@ -266,8 +266,7 @@ class _Includes:
         def refuse(
             message: str, help: str | None = None, notes: tuple[Note, ...] = (), code: str = "xml-include"
         ) -> None:
-            span = origins.span(element, file, "file")
-            self.sink.error(code, message, span, notes=notes, help=help)
+            self.sink.error(code, message, origins.span(element, file, "file"), notes=notes, help=help)
 
         if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
             refuse("`<include>` is not empty, which MuJoCo refuses", 'write `<include file="…"/>`')

@@ -145,8 +145,7 @@ class _Layout:
         order = {} if kind is None else attribute_order(kind)
         indent = "  " * len(self.kinds)
         text, width, several = f"<{piece.tag}", len(indent) + 1 + len(piece.tag), False
-        attributes = sorted(piece.attributes, key=lambda each: order.get(each.name, len(order)))
-        for at, each in enumerate(attributes):
+        for at, each in enumerate(sorted(piece.attributes, key=lambda each: order.get(each.name, len(order)))):
             shown = f"{each.name}={self.quoted(each)}"
             if at and (several or "\n" in shown or width + 1 + len(shown) > WIDTH):
                 text, width = f"{text}\n{indent}  {shown}", len(indent) + 2 + len(shown)

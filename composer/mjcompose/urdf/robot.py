@@ -63,8 +63,7 @@ def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node
 
 def locate_as(unit: Unit, element: Node, source: Node, written: Origins) -> None:
     """Give an element of `unit` the place of the one in the URDF that it comes from."""
-    values = _VALUES.get(str(element.tag), {})
-    unit.origins.own(element, partial(_place, written, unit.file, source, values))
+    unit.origins.own(element, partial(_place, written, unit.file, source, _VALUES.get(str(element.tag), {})))
 
 
 def _place(
@@ -206,8 +205,7 @@ class Robot:
             written = written.removeprefix(_FILE)
         elif self.setting("strippath") == "true":
             written = written.replace("\\", "/").rpartition("/")[2]
-        folder = join(str(self.path.parent.absolute()), self.setting("meshdir") or "")
-        return Path(join(folder, written))
+        return Path(join(join(str(self.path.parent.absolute()), self.setting("meshdir") or ""), written))
 
     def simplified(self) -> None:
         """Rewrite file names as MuJoCo reads them: it knows only `package://`."""
@@ -306,8 +304,7 @@ def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
             return mesh
     if fault.line is not None:
         tags = (fault.element,) if fault.element else ("*",)
-        after = (each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line)
-        return next(after, robot)
+        return next((each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line), robot)
     for each in robot.iter("link", "joint", "mesh", "visual", "collision") if fault.name else ():
         name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
         if name == fault.name:
@@ -354,9 +351,8 @@ def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     if end_of(last, "parent") == name:
         message = f"the joint {named[-1]} connects the link `{name}` with itself"
     note = Note(f"{named[0]} is written here", place(joints[0], "name"))
-    child = next(last.iterchildren("child"))
     help = f"remove {named[-1]}, or give it another child"
-    return _error(message, place(child, "link"), help, note)
+    return _error(message, place(next(last.iterchildren("child")), "link"), help, note)
 
 
 def _mass(element: Node, robot: Node, place: Place) -> Diagnostic | None:
