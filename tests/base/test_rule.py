@@ -44,8 +44,8 @@ READS_ITSELF = {
         build/cache/cache_key.py:tool_version tools/cluster/client.py:versions base/codes.py:page
         text/key_order.py:<module> tree/grammar.py:read_data tree/history.py:spans
         language/datasheets.py:library
-        language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
-        tools/new.py:_template targets/table.py:<module> targets/table.py:read_back
+        language/reference_page.py:examples tools/new.py:_read tools/new.py:examples
+        tools/new.py:_template tools/new.py:project targets/table.py:<module> targets/table.py:read_back
         tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """

@@ -125,16 +125,13 @@ def write_project(
 
 def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
     """Return whether a file exists already. Raises OutputError for anything that blocks the project."""
-    blocked = None
-    for above in (each for each in place.parents if each.is_relative_to(folder) and each != folder):
-        if os.path.lexists(above) and not os.path.isdir(above):
-            blocked = above, "and is no folder"
-    if os.path.isdir(place):
-        blocked = place, "and is a folder"
-    exists = os.path.lexists(place)
-    if not blocked and exists and needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
-        blocked = place, "with another content than the project needs"
-    if blocked:
-        message = f"`{blocked[0]}` exists already, {blocked[1]}: nothing is written"
+    above = (each for each in place.parents if each.is_relative_to(folder) and each != folder)
+    files = [each for each in above if os.path.lexists(each) and not os.path.isdir(each)]
+    exists, blocked = os.path.lexists(place), (files or [place])[-1]
+    why = "and is a folder" if os.path.isdir(place) else "and is no folder" if files else ""
+    if not why and exists and needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
+        why = "with another content than the project needs"
+    if why:
+        message = f"`{blocked}` exists already, {why}: nothing is written"
         raise OutputError("output-unwritable", message, "choose another folder, or move it away")
     return exists
