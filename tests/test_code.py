@@ -18,7 +18,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 FUNCTIONS_LEFT = Counter(
     """
-    Comparison Correspondence Workshop _give _given between check_fragment compare compile
+    Correspondence Workshop _give _given between check_fragment compare compile
     convert_urdf diff element error load load_cell parse_text render render_sheet unknown unknown_attribute
     unknown_name unresolved warning
     """.split()

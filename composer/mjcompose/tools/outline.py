@@ -116,8 +116,7 @@ def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
     `depth` limits the levels of bodies. Meters and radians; poses are relative to the body (`pos`, `quat`) and to
     the world at the reference configuration.
     """
-    bodies = list(_bodies(outline.world, None, depth))
-    parts = [asdict(part) for part in outline.parts]
+    bodies, parts = list(_bodies(outline.world, None, depth)), list(map(asdict, outline.parts))
     return {"name": outline.name, "model": outline.label, "parts": parts, "bodies": bodies}
 
 
@@ -153,8 +152,7 @@ class _Outliner:
 
     def body(self, name: str | None, part: str | None, holders: list[Node], pose: Pose, copies: int = 1) -> Body:
         """Return a body with the contents of `holders`; `pose` is its pose in the world."""
-        joints: list[Joint] = []
-        children: list[Body] = []
+        joints, children = list[Joint](), list[Body]()
         is_named = name is not None and any(holder.tag == "body" for holder in holders)
         places = [Place("body", str(name), Pose(), world=pose)] if is_named else []
         for node, inside, times in self.members(holders, Pose(), copies):

@@ -44,8 +44,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
         if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
             context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=NEEDS_OPENGL)
             return ()
-        views: list[View] = []
-        used: set[str] = set()
+        views, used = list[View](), set[str]()
         with context.sink:
             for number, each in enumerate(answer.value["views"]):
                 first = re.sub(r"[^\w.-]+", "_", each["name"]).lstrip(".") or "camera"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from itertools import groupby
@@ -28,16 +29,15 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
     `between` puts a value and its new value into words, with their unit; the default is an arrow.
     """
     changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), about(each.field).rank))
-    found: dict[tuple[object, ...], list[Change]] = {}
+    found: dict[tuple[object, ...], list[Change]] = defaultdict(list)
     for change in changes:
+        key: tuple[object, ...] = (change.what, change.kind)
         if change.what == "renamed":
-            key: tuple[object, ...] = (change.what, _prefixes(change) or (change.kind, change.name))
+            key = (change.what, _prefixes(change) or (change.kind, change.name))
         elif change.what == "changed":
             key = (change.kind, change.field, change.before, change.after, change.note, change.form,
                    change.name if change.kind == "key" else "")  # fmt: skip
-        else:
-            key = (change.what, change.kind)
-        found.setdefault(key, []).append(change)
+        found[key].append(change)
     yield from (_sentence(alike, between) for alike in found.values())
 
 
@@ -269,7 +269,7 @@ def _lines(diff: Diff, *, markdown: bool) -> Iterator[str]:
 
 
 def _head(diff: Diff, said: str, *, markdown: bool) -> Iterator[str]:
-    """Yield the names of both models, what is said of them, and remarks."""
+    """Yield the names of both models, the sentence about them, and remarks."""
     if not markdown:
         yield from (f"A {diff.a.named}", f"B {diff.b.named}", said, *_remarks(diff))
         return

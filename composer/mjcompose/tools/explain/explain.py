@@ -72,6 +72,7 @@ class Traced:
             elsewhere = attached_notes(self.model, asked.name) if asked.name else []
             not_found(asked, self.model.root, context.sink, notes=[*self._left_out(asked), *elsewhere])
             return None
+        attribute = None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
             fitting = [node for node in found
@@ -79,12 +80,10 @@ class Traced:
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
-            found, asked = fitting, replace(asked, attribute=attribute)
+            found = fitting
         if len(found) > 1:
-            return tuple(self._listed(node, asked.attribute) for node in found)
-        if asked.attribute is not None:
-            return self.attribute(found[0], asked.attribute)
-        return self.element(found[0])
+            return tuple(self._listed(node, attribute) for node in found)
+        return self.element(found[0]) if attribute is None else self.attribute(found[0], attribute)
 
     def element(self, node: Node) -> ElementExplained:
         life, kind = self.watch.life(node), kind_of(node)

@@ -194,12 +194,9 @@ class Trace:
         items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
         tag = life.node.tag
         if items != life.items or tag != life.last_tag:
-            owner = unit.origins.owner(life.node, unit.file)
-            if tag != life.last_tag:
-                life.changes.append(Change(TAG, life.last_tag, str(tag), cause=cause, owner=owner))
-                life.last_tag = str(tag)
-            life.changes += _differences(dict(life.items), dict(items), cause, owner=owner)
-            life.items = items
+            before, after = {TAG: life.last_tag, **dict(life.items)}, {TAG: str(tag), **dict(items)}
+            life.changes += _differences(before, after, cause, owner=unit.origins.owner(life.node, unit.file))
+            life.items, life.last_tag = items, str(tag)
         parent = life.node.getparent()
         if parent is not life.last_parent:
             life.changes.append(Move(life.last_parent, parent, cause))

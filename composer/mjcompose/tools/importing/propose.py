@@ -96,9 +96,8 @@ class _Proposer(Comparison):
         """Map each name of a part in the merged model to its name in the composition."""
         for each in self.found:
             for namespace, name in elements.named(self.parts[each.part]):
-                there_named = self.theirs(each, namespace, name)
-                if (namespace, there_named) in self.there:
-                    self.names[namespace, there_named] = each.out + name
+                if (there := (namespace, self.theirs(each, namespace, name))) in self.there:
+                    self.names[there] = each.out + name
 
     def match_assets(self) -> None:
         """Map assets of the merged model to assets of parts; the others become entries of the recipe."""
@@ -248,9 +247,9 @@ class _Proposer(Comparison):
                 if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
                     continue  # it comes with its parent
                 name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
-                text = self.fragment(node)
                 note = None if name else "it is in a body without a name"
-                self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
+                text = f"{{to: {word(name or '?')}, xml: {quoted(self.fragment(node))}}}"
+                self.entries.append(Entry("add", text, note))
             elif item.section == "contact":
                 values = elements.flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
                 self.entries.append(Entry("contact", values, group=item.kind.tag))
@@ -277,9 +276,8 @@ class _Proposer(Comparison):
         tag, kind = str(node.tag), GRAMMAR.within(str(section.tag)).get(str(node.tag))
         around = childclass_of(node)
         text = f"<{tag}"
-        for name in kind.attributes if kind is not None else map(str, node.keys()):
-            if name in ("class", "childclass"):
-                continue
+        names = kind.attributes if kind is not None else map(str, node.keys())
+        for name in (each for each in names if each not in ("class", "childclass")):
             value = node.get(name) or self.merged.classes.effective(node, around, name)
             if value is not None:
                 shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)

@@ -258,11 +258,10 @@ class _Recovery:
             outcome = self.outcome(proposal, bundle)
         changes = outcome.changes if outcome is not None else ()
         keys = keyframes(changes, proposal, missing)
-        for each in changes:
-            if each.kind == "key" and each.what == "removed" and not _has_name(each):
-                note = "a key without a name, which a recipe cannot write"
-                proposal.entries.append(elements.Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
-        proposal.entries += keys
+        note = "a key without a name, which a recipe cannot write"
+        numbers = [each.index[0] for each in changes
+                   if each.kind == "key" and each.what == "removed" and not _has_name(each)]  # fmt: skip
+        proposal.entries += [elements.Entry("keyframe", f"key_{number}: {{}}", note) for number in numbers] + keys
         text, _ = recipe_text(proposal)
         if keys:
             progress("trying the recipe with its keyframes")

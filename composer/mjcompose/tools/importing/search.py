@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import field
 from importlib import metadata
 from importlib.util import find_spec
@@ -14,7 +15,7 @@ from typing import Any, TypeVar
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.files import Refused, read_regular
+from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -97,8 +98,7 @@ def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
     """Return the places of the parts, in the order of the merged model's bodies; they do not overlap."""
     bodies = {str(body.get("name")): body for body in _bodies(merged) if body.get("name")}
     candidates = [each for number, part in enumerate(parts) for each in _of_part(number, part, bodies)]
-    found: list[Instance] = []
-    taken: set[str] = set()
+    found, taken = list[Instance](), set[str]()
     for each in sorted(candidates, key=lambda each: (-each.likeness, -len(each.names), each.part)):
         here = {each.prefix + name for name in each.names} & bodies.keys()
         if not here & taken:
@@ -111,10 +111,8 @@ def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
 def separator_of(found: list[Instance]) -> str:
     """Return the separator that all prefixes end with; `/` if they have none in common."""
     prefixes = [each.prefix for each in found if each.prefix]
-    for separator in SEPARATORS:
-        if prefixes and all(each.endswith(separator) and each != separator for each in prefixes):
-            return separator
-    return "/"
+    fitting = (end for end in SEPARATORS if all(each.endswith(end) and each != end for each in prefixes))
+    return next(fitting, "/") if prefixes else "/"
 
 
 def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> None:
@@ -226,10 +224,9 @@ def _named(unit: Unit) -> set[str]:
 
 def _share(path: Path, bodies: set[str]) -> float:
     """Return the share of a file's bodies that the merged model has, with or without a prefix; 0 for other files."""
-    try:
+    text = b""
+    with suppress(OSError):
         text = read_regular(path, _LARGEST)
-    except (OSError, Refused):
-        return 0
     own = list(dict.fromkeys(name.decode("utf-8", "replace") for name in _BODY.findall(text)))
     if len(own) < _LEAST or _MODEL.search(text) is None:
         return 0

@@ -239,12 +239,11 @@ def _settle_marks(one: _Side, two: _Side) -> None:
     for start, end, mark in zip(one.arrays["tex_adr"], ends, marks, strict=True):
         if mark is None or (end - start) % len(mark):
             continue
-        pixels = [each[start:end].reshape(-1, len(mark)) for each in (x, y)]
-        marked = [(each == np.array(mark)).all(axis=1) for each in pixels]
+        ours, theirs = (each[start:end].reshape(-1, len(mark)) for each in (x, y))
+        marked = [(each == np.array(mark)).all(axis=1) for each in (ours, theirs)]
         counts = [int(each.sum()) for each in marked]
         if abs(counts[0] - counts[1]) <= _DRAWN * np.sqrt(sum(counts)):
-            both = marked[0] | marked[1]
-            pixels[1][both] = pixels[0][both]
+            theirs[marked[0] | marked[1]] = ours[marked[0] | marked[1]]
 
 
 def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
@@ -252,13 +251,13 @@ def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
     geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
     if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):
         return False
-    for geom in geoms:
-        placed = [
-            corners.reshape(-1, 3) @ side.arrays["geom_quat"][geom].reshape(3, 3).T + side.arrays["geom_pos"][geom]
-            for corners, side in ((x, one), (y, two))
-        ]
-        if not _same_surface(placed[0], placed[1]):
-            return False
+
+    def placed(corners: Array, side: _Side, geom: Any) -> Array:
+        rotation, place = side.arrays["geom_quat"][geom].reshape(3, 3), side.arrays["geom_pos"][geom]
+        return np.asarray(corners.reshape(-1, 3) @ rotation.T + place)
+
+    if not all(_same_surface(placed(x, one, geom), placed(y, two, geom)) for geom in geoms):
+        return False
     for name in ("geom_pos", "geom_quat"):
         two.arrays[name][geoms] = one.arrays[name][geoms]
     return bool(len(geoms))

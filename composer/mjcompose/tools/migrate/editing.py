@@ -88,7 +88,7 @@ class Source:
         text = self.markup.text
         place = {node: each for node, each in zip(self.nodes, self.markup.elements, strict=True) if node is not None}
         for node, written in place.items():
-            edits += _changes(node, written.head, written.close, renamed.get(node, {}), text=text)
+            edits += _changes(node, written.head, written.close, renamed=renamed.get(node, {}), text=text)
             edits += _additions(node, written, place, text=text)
         result, done = [], 0
         for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
@@ -336,9 +336,8 @@ class Editing:
         section, _, tag = path.partition("/")
         if found := self.at(path):
             return found[-1]
-        if holders := self.at(section):
-            holder = holders[-1]
-        else:
+        holder = next(reversed(self.at(section)), None)
+        if holder is None:
             holder = etree.Element(section)
             first = list(self.root.iterchildren("compiler", "include"))
             self.root.insert(self.root.index(first[-1]) + 1 if first else len(self.unit.header), holder)
@@ -426,13 +425,9 @@ class Pieces:
         if piece is self.every[0] or not isinstance(kv, dict):
             return dict(values)
         prefixes = [prefix for each, prefix in _placed(self.every[0], "") if each is piece]
-        found = {}
-        for node in piece.unit.root.iterfind("actuator/*"):
-            name = str(node.get("name") or "")
-            several = {kv.get(prefix + name) for prefix in prefixes}
-            if name and len(several) == 1 and None not in several:
-                found[name] = several.pop()
-        return {"kv": found}
+        names = (str(node.get("name") or "") for node in piece.unit.root.iterfind("actuator/*"))
+        several = {name: {kv.get(prefix + name) for prefix in prefixes} for name in names if name}
+        return {"kv": {name: each.pop() for name, each in several.items() if len(each) == 1 and None not in each}}
 
 
 def _placed(piece: Piece, prefix: str) -> Iterator[tuple[Piece, str]]:

@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
 from pathlib import Path
 
+import numpy as np
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
@@ -251,11 +252,9 @@ def _cannot_edit(path: Path, context: Context) -> None:
 
 def _assets(unit: Unit) -> Iterator[Path]:
     """Yield the files that the model reads in addition to its XML."""
-    for element, _, name in file_attributes(unit.root):
-        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
-    for element in unit.root.iterfind("asset/model"):
-        if element.get("file"):
-            yield Path(join(str(unit.directory), str(element.get("file"))))
+    names = [written_path(unit.settings, element, name) for element, _, name in file_attributes(unit.root)]
+    models = (element.get("file") for element in unit.root.iterfind("asset/model"))
+    yield from (Path(join(str(unit.directory), str(name))) for name in (*names, *filter(None, models)))
 
 
 @dataclass(slots=True)
@@ -283,19 +282,13 @@ class Prover:
             self.known[migrated_from] = self.others[migrated_from].compile(model, self.folder / "before.npz")
         return self.known.get(migrated_from)
 
-    def result(self, migrated: Migrated, model: Path) -> Compiled | None:
-        """Compile the migrated model with the other MuJoCo. Raises OtherError, and OSError."""
-        other = self.others.get(migrated.after)
-        if other is None:
-            return None
-        self.progress(f"compiling the migrated {model.name} with MuJoCo {migrated.after}")
-        stage = self.folder / "stage"
-        stage.mkdir()
-        return other.compile(lay_out(migrated, stage, link=True)[model], self.folder / "after.npz")
-
     def prove(self, migrated: Migrated, model: Path) -> Proof:
-        """Raises OtherError, and OSError."""
-        proof = Proof(self.original(migrated.before, model), self.result(migrated, model))
+        """Compile the migrated model with the other MuJoCo, and compare. Raises OtherError, and OSError."""
+        proof = Proof(self.original(migrated.before, model))
+        if (other := self.others.get(migrated.after)) is not None:
+            self.progress(f"compiling the migrated {model.name} with MuJoCo {migrated.after}")
+            (stage := self.folder / "stage").mkdir()
+            proof.after = other.compile(lay_out(migrated, stage, link=True)[model], self.folder / "after.npz")
         if proof.before and proof.after and proof.before.error is None and proof.after.error is None:
             proof.outcome = compare(proof.before, proof.after)
         return proof
@@ -305,8 +298,6 @@ def measured(compiled: Compiled | None) -> dict[str, object]:
     """Return the damping of each actuator of the original model, which a change needs."""
     if compiled is None or compiled.arrays is None:
         return {}
-    import numpy as np
-
     with np.load(compiled.arrays, allow_pickle=False) as stored:
         damping = stored["actuator_biasprm"][:, 2]
     names = compiled.names.get("actuator", ())
@@ -373,7 +364,7 @@ class Result:
 def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result | None:
     """Migrate without writing; return None if it fails, which is reported."""
     path = found_model(wish.model, context)
-    unit = None if path is None else parse_file(path, context.sink, file=context.shown(path))
+    unit = None if path is None else read(path, context)
     if path is None or unit is None or not all_admitted(unit, context.sink, context.shown):
         return None
     check_installed(context)

@@ -54,7 +54,7 @@ def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, 
             say("others can reach this address, so the page is read-only")
         # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
         failed: list[Exception] = []
-        watching = Thread(target=lambda: failed.extend(_watch(server, before, stop, said)), daemon=True)
+        watching = Thread(target=lambda: failed.extend(_watch(server, before, stop, said=said)), daemon=True)
         with _opened(server.address) if opens and _no_browser() is None else nullcontext():
             watching.start()
             try:
