@@ -73,13 +73,9 @@ class ChangedError(Exception):
 
 
 def replace_text(
-    file: Path,
-    text: bytes,
-    option: str | None = None,
-    *,
-    before: bytes | None = None,
+    file: Path, text: bytes, option: str | None = None, *, before: bytes | None = None,
     allowed: Callable[[], object] | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Replace a source in one step, or write it to another place, the `option`; keep the permissions of the file.
 
     Raises OutputError, and ChangedError if the file no longer has the text `before`. Once the new text is ready,

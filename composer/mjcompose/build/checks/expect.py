@@ -149,6 +149,7 @@ class Selector(CheckPart):
 _OF_WHAT = "write for instance `select: {joint: NAME}`, or `attr: mass`"
 _COUNT = Expects("a count, or the least and the most", "[6, 8]")
 _RANGE = Expects("a list of 2 numbers", "[18, 22]")
+_Bound = Annotated[float | Angle, Measure()]
 
 
 class Expect(Check):
@@ -177,9 +178,7 @@ class Expect(Check):
     """the expected value: a number, an angle, a boolean, or a list"""
     tol: Annotated[float | Angle, Measure(ge=0)] | None = None
     """the allowed difference of each number; by default only rounding"""
-    range: Annotated[tuple[Annotated[float | Angle, Measure()], ...], Items(2, 2), Checked(in_order), _RANGE] | None = (
-        None
-    )
+    range: Annotated[tuple[_Bound, ...], Items(2, 2), Checked(in_order), _RANGE] | None = None
     """the smallest and largest allowed value of each number"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
@@ -202,14 +201,12 @@ class Expect(Check):
         attr = (None, None) if self.attr is None else _attribute(tag, self.attr)
         assert not isinstance(attr, Fault)
         return {
-            "select": None if self.select is None else self.select.asked(),
+            "select": None if self.select is None else self.select.asked(), "attr": attr[0], "index": attr[1],
             "count": None if self.count is None else (self.count[0], self.count[-1]),
-            "attr": attr[0],
-            "index": attr[1],
             "equals": None if self.equals is None else [*map(_with_unit, self.equals)],
             "tol": None if self.tol is None else _with_unit(self.tol),
             "range": None if self.range is None else [*map(_with_unit, self.range)],
-        }
+        }  # fmt: skip
 
 
 KIND = Expect

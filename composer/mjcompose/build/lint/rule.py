@@ -75,13 +75,9 @@ _RULES: dict[str, Rule] = {}
 
 
 def rule(
-    code: str,
-    *,
-    in_mujoco: bool = False,
-    in_files: bool = False,
-    usual: bool = True,
+    code: str, *, in_mujoco: bool = False, in_files: bool = False, usual: bool = True,
     profiles: Mapping[str, str] | None = None,
-) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
+) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:  # fmt: skip
     """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that ask for it."""
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
@@ -263,9 +259,7 @@ class Subject:
 
 def found(subject: Subject, selected: Iterable[Rule]) -> Iterator[tuple[Rule, Finding]]:
     """Yield the findings of rules, each with its rule."""
-    for each in selected:
-        for finding in each.run(subject):
-            yield each, finding
+    yield from ((each, finding) for each in selected for finding in each.run(subject))
 
 
 def subject_of(text: str, mujoco: Any, model: Any, is_part: bool = False) -> Subject:

@@ -36,13 +36,10 @@ class Datasheet(Verb):
     """the torque, gains and armature of a motor, from its data sheet"""
 
     rules: ClassVar = (
-        For(
-            "actuator/",
-            what="for actuators, and `{tag}` is not an actuator",
-            help="select the actuator of the joint: `select: {actuator: NAME}`",
-        ),
+        For("actuator/", what="for actuators, and `{tag}` is not an actuator",
+            help="select the actuator of the joint: `select: {actuator: NAME}`"),
         Exclusive("bandwidth", "error"),
-    )
+    )  # fmt: skip
     example: ClassVar = "{model: NAME, bandwidth: 5}"
 
     model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
