@@ -27,12 +27,11 @@ FUNCTIONS_LEFT = Counter(
 CALLS_LEFT = Counter(
     ActuatorModel=1, Converter=1, Diagnostic=1, Document=1, Item=1, Key=1, Known=1, Lens=2, Model=1, Names=1,
     Selection=1, Selector=1, Settable=2, Traced=1, Use=2, _Download=1, _Frame=1, _about=1, _analysed=1,
-    _angles=1, _apart=1, _composed=1, _count=1, _error=4, _in_recipe=2, _insert=4,
-    _is_sound=2, _line=1, _pattern=1, _rename_parameter=1, _rename_part=1, _span=1, _text=1,
-    _up_to_the_next=1, _where=1, add=2, added_key=2, carried=1, check=1, drop=4, element=11, failed=11,
-    fetch=2, finish=1, in_brackets=2, items=1, listed=1, names_of=1, open=1, pack=5, pair_of=2,
-    quantities_of=1, read_selector=2, rename=1, row=1, run=2, step=1, syscall=3, unknown=2,
-    unknown_attribute=1, unmet=4, unread_in=1, values_of=1, with_item=1, with_key=1, word=3, write_whole=1,
+    _angles=1, _apart=1, _composed=1, _count=1, _error=4, _in_recipe=2, _insert=4, _line=1,
+    _rename_parameter=1, _rename_part=1, _span=1, _up_to_the_next=1, _where=1, add=2, added_key=2, carried=1,
+    check=1, drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, listed=1, names_of=1,
+    open=1, pack=5, read_selector=2, rename=1, row=1, run=2, step=1, syscall=3, unknown=1, unknown_attribute=1,
+    unread_in=1, with_item=1, with_key=1, word=3, write_whole=1,
 )
 # fmt: on
 

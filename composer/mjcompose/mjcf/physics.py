@@ -309,8 +309,8 @@ class Physics:
         kind = next(iter(kinds))
         ids = [self._found(each, kind) for each in elements]
         labels = [each._described() for each in elements]
-        made = binding_of(kind, as_slice(ids) is not None)
-        self._bindings[key] = binding = made(kind, ids, labels, one, self._model, self._data)
+        binding_class = binding_of(kind, as_slice(ids) is not None)
+        self._bindings[key] = binding = binding_class(kind, ids, labels, one, self._model, self._data)
         return binding
 
     def _kind(self, element: NodeView) -> str:

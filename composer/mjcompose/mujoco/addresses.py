@@ -80,9 +80,9 @@ def _of_elements(numbers: Mapping[int, int]) -> Callable[[Model, int], int]:
     return lambda model, index: int(model.flex_elemnum[index]) * numbers[int(model.flex_dim[index])]
 
 
-def _each(kind: str, *names: str) -> dict[str, Run]:
+def _each(kind: str, names: str) -> dict[str, Run]:
     """Return runs by size whose first rows and numbers have such names: `mesh_vertadr` and `mesh_vertnum`."""
-    return {f"n{kind}{each}": Run(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names}
+    return {f"n{kind}{each}": Run(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names.split()}
 
 
 _HFIELD = ("hfield_nrow", "hfield_ncol")
@@ -107,17 +107,17 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
         "nplastic": _plastic("tendon_plasticadr"),
     },
     "mesh": {
-        **_each("mesh", "vert", "normal", "texcoord", "face", "poly"),
+        **_each("mesh", "vert normal texcoord face poly"),
         "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
     },
     "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
     "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
     "skin": {
         **_each("skin", "vert"), "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
-        **_each("skin", "face", "bone"),
+        **_each("skin", "face bone"),
     },
     "flex": {
-        **_each("flex", "vert", "node", "edge", "elem"),
+        **_each("flex", "vert node edge elem"),
         "nflexelemdata": Run("flex_elemdataadr", _of_elements(_CORNERS)),
         "nflexelemedge": Run("flex_elemedgeadr", _of_elements(_EDGES)),
         "nplastic": _plastic("flex_plasticadr"),
