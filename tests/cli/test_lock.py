@@ -485,7 +485,7 @@ def test_another_version_of_a_package_with_the_same_bytes(work: Path, monkeypatc
     result = run("build", "cell.yaml", "--no-compile", "--locked")
     assert result.exit_code == 0
     assert "cell.yaml:2:7: warning[lock-stale]: `package:arms` has the bytes" in result.stderr
-    assert "  = note: version 0.9 was locked, 1.0 is there" in result.stderr
+    assert "  = note: version 0.9 was locked, and now it is 1.0" in result.stderr
 
 
 @pytest.mark.parametrize("locked", [False, True])

@@ -22,7 +22,7 @@ def test_the_same_version(folder: Path) -> None:
     result = run("upgrade", "m.xml", "--from", installed(), "--seconds", "0.1")
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout.startswith(
-        f"m.xml moves alike from MuJoCo {installed()} to {installed()}, within 0.001 m or rad"
+        f"m.xml moves the same from MuJoCo {installed()} to {installed()}, within 0.001 m or rad"
     )
 
 

@@ -93,7 +93,7 @@ def test_the_stretch_that_it_is_about(editor: Editor) -> None:
 
 
 def test_nothing_about_comments(editor: Editor) -> None:
-    assert shown(editor, mark(DEMO, "# language version")) == ""
+    assert shown(editor, mark(DEMO, "# the version of the recipe language")) == ""
 
 
 @needs_robots

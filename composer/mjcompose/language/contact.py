@@ -124,8 +124,8 @@ class Contact(Model):
     pair: Annotated[tuple[Annotated[Element, _ElementOf("contact/pair")], ...], Items(), Expects("a list")] = ()
     """Pairs of geoms that may touch."""
     exclude: Annotated[tuple[_Exclude, ...], Items(single=_Lone), Checked(_lone_fault, first=True)] = ()
-    """Pairs of bodies that do not touch, the bodies `between` parts, those that are `touching` in the beginning, or all
-    that need not collide: `auto`."""
+    """Pairs of bodies that must not collide: two bodies, all bodies `between` two sides, bodies that are `touching`, or
+    `auto` for all pairs that need not collide."""
     collide: Annotated[tuple[Between, ...], Items(single=True)] = ()
     """Adds a `pair` for every two geoms of these parts that could not touch otherwise."""
 

@@ -81,6 +81,7 @@ _TYPES = {
     "string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "array": "list",
     "object": "mapping",
 }  # fmt: skip
+_PLURALS = ("text", "number", "whole number", "mapping")
 _OWN = {"exclude"}
 """Elements of MJCF that can have other forms in a recipe."""
 _SETTINGS = ("option", "size", "statistic", "compiler")
@@ -310,7 +311,10 @@ class _Keys:
         if words == ["list"] and "items" in schema:
             item, least = self._type(schema["items"]), schema.get("minItems")
             is_fixed = least == schema.get("maxItems", 0) and item in ("number", "whole number")
-            return f"{least} {item}s" if is_fixed else f"list of {item}"
+            if is_fixed:
+                return f"{least} {item}s"
+            item = f"lists{item[4:]}" if item.startswith("list of") else item
+            return f"list of {item}s" if item in _PLURALS else f"list of {item}"
         return " or ".join(words) or "value"
 
     def _named(self, pointer: str) -> str:

@@ -104,7 +104,7 @@ class Model:
     awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
     lock: Lock = field(default_factory=Lock)
     written: tuple[list[object], str, list[Diagnostic]] | None = None
-    """The text of the composition, the state of which it is the text, and the warnings about it."""
+    """The text of the composition, the state that it describes, and the warnings about it."""
 
     @cached_property
     def names(self) -> NameIndex:

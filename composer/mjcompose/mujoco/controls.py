@@ -117,7 +117,7 @@ _WARNINGS = (("QPOS", "qpos", "position"), ("QVEL", "qvel", "velocity"), ("QACC"
 
 
 def steps_in(model: Model, seconds: float) -> int:
-    """Return how many steps a time takes: at least one, and a limited number however short they are."""
+    """Return how many steps a time takes: at least one, and at most `_MOST`."""
     timestep = float(model.opt.timestep)
     return max(1, round(seconds / timestep)) if timestep * _MOST > seconds else _MOST
 

@@ -419,8 +419,8 @@ class Coupling:
 
     ``hosts`` carry geoms of other parts, which contribute to their mass and inertia. ``carriers`` have elements of
     other parts on them or below them. ``trees`` are the root bodies of kinematic trees with fixed elements of other
-    parts, or on a moving body: the inertia at their joints is not only their own. If the part is ``cut`` out of the
-    other model, this holds for all trees, because a removed tendon may have had an armature.
+    parts, or on a moving body: their own bodies are not all of the inertia at their joints. If the part is ``cut`` out
+    of the other model, this holds for all trees, because a removed tendon may have had an armature.
     """
 
     def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:

@@ -203,7 +203,7 @@ def of_other_version(
 ) -> Diagnostic | None:
     """Return the error for an attribute, or for the element, that another MuJoCo has in this place, else None.
 
-    `file` is the model in which it is written, and `version` a MuJoCo that reads all of that. `mjcompose migrate`
+    `file` is the model in which it is written, and `version` a MuJoCo that reads the whole file. `mjcompose migrate`
     writes it for this MuJoCo.
 
     >>> from lxml import etree

@@ -48,7 +48,7 @@ def kind_of(node: Node) -> ElementType:
 
 @cache
 def _only_kind(parent: str, tag: str) -> ElementType | None:
-    """Return the element type of a tag below another one, if it is the same in every section."""
+    """Return the element type of a tag below another tag, if it is the same in every section."""
     outer = [GRAMMAR.section(parent)] if parent in _sections() else []
     outer += [GRAMMAR.within(section)[parent] for section in _sections() if parent in GRAMMAR.within(section)]
     found = {kind.children[tag].path for kind in outer if tag in kind.children}
@@ -57,7 +57,7 @@ def _only_kind(parent: str, tag: str) -> ElementType | None:
 
 @cache
 def child_kind(section: str, parent: str, tag: str) -> ElementType:
-    """Return the element type of a tag below another one in a section."""
+    """Return the element type of a tag below another tag in a section."""
     outer = GRAMMAR.section(section) if parent == section else GRAMMAR.within(section)[parent]
     return outer.children[tag]
 

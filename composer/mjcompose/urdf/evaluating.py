@@ -107,7 +107,7 @@ class Evaluator:
         self._parsed = functools.lru_cache(2048)(self._tree)
 
     def value(self, text: str, names: Names) -> Any:
-        """Evaluate an expression. Raises Stopped for forbidden steps, else the same as Python."""
+        """Evaluate an expression. Raises Stopped for forbidden steps, and otherwise the same errors as Python."""
         before = self._names, self._inner, self._depth  # a property is evaluated at its first use
         self._names, self._inner, self._depth = names, [], 0
         try:

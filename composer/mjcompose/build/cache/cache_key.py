@@ -333,7 +333,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
         for each in sorted({*before, *after}):
             old, new = before.get(each), after.get(each)
             if new is None:
-                yield f"`{each}` in {file} was {old}, is no longer there"
+                yield f"`{each}` in {file} was {old} and does not exist now"
             elif old != new:
                 yield f"`{each}` in {file} " + (f"is {new}, is new" if old is None else f"was {old}, is {new}")
 

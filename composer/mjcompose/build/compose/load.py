@@ -203,7 +203,7 @@ class PartRequest:
         keys = chain(unit.root.iterfind("keyframe/key"), sizes, unit.root.iter("attach"))
         if not needless or next(keys, None) is not None:
             return True
-        message = f"`{unit.label}` has no keyframes that could be left out"
+        message = f"`{unit.label}` has no keyframes to drop"
         help = f"remove `{needless[0]}` from `drop`"
         sink.error("selector", message, locate(document, (*self.at, "drop", needless[0].index)), help=help)
         return False

@@ -139,7 +139,7 @@ def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
     for what in ("version", "commit"):
         was, there = getattr(before, what), getattr(now, what)
         if was and there and was != there:
-            yield f"{what} {was} was locked, {there} is there"
+            yield f"{what} {was} was locked, and now it is {there}"
 
 
 def plan_with_intact_store(make: Callable[[], Plan | None], context: Context) -> Plan | None:

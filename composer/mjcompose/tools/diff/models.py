@@ -107,7 +107,7 @@ FLOOR = 1e-6
 
 _SHOWN = 12
 _COUNTED = ("mesh_vert", "mesh_face")
-"""The sizes of these are reported by arrays of their own."""
+"""Other arrays report these sizes."""
 
 _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
 """The data of these is never listed number by number."""
