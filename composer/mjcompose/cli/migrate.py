@@ -211,7 +211,7 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
     Four trials run in both versions: the model settles from its reference configuration, holds a keyframe, gets a step
     of all controls, and drops without actuators. Missing versions are installed into environments of their own.
 
-    Exit codes: 0 the model moves alike, 1 something moves differently or fails, 2 wrong usage.
+    Exit codes: 0 the model moves the same, 1 something moves differently or fails, 2 wrong usage.
     """
     from mjcompose.tools.migrate.upgrade import Request
     from mjcompose.tools.migrate.upgrade import upgrade as upgraded
@@ -238,7 +238,7 @@ def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:
     way = f"from MuJoCo {found.before} to {found.after}"
     trials = ", ".join(found.trials)
     if not found.moved:
-        yield f"{options.model} moves alike {way}, within {options.tolerance:g} m or rad, in {trials}"
+        yield f"{options.model} moves the same {way}, within {options.tolerance:g} m or rad, in {trials}"
     else:
         yield f"{options.model} {way}: {counted(len(found.moved), 'difference')} in {trials}"
     for each in found.moved:
