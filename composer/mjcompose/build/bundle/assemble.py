@@ -286,8 +286,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
     }
     found: dict[str, str] = {}
     for path in files:
-        name = portable.name(path)
-        if name not in found:
+        if (name := portable.name(path)) not in found:
             found[name] = known.get(real_path(path)) or remembered_sha256(path)
     return sorted(found.items())
 

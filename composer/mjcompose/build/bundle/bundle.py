@@ -277,8 +277,7 @@ def check_paths(paths: Iterable[str]) -> None:
         files[key] = path
         parts = key.split("/")
         for depth in range(1, len(parts)):
-            folder = "/".join(parts[:depth])
-            if folder in files:
+            if (folder := "/".join(parts[:depth])) in files:
                 raise BundleError(f"`{files[folder]}` is a file, but `{path}` needs a folder of this name")
             folders.setdefault(folder, path)
 

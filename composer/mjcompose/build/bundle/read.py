@@ -151,8 +151,7 @@ def _read_archive(file: Path | BytesIO, shown: str) -> dict[str, bytes]:
 def _check_entries(entries: list[zipfile.ZipInfo], shown: str) -> None:
     sizes: dict[str, int] = {}
     for entry in entries:
-        path = entry.filename
-        if path in sizes:
+        if (path := entry.filename) in sizes:
             raise ReadError("file-unreadable", f"`{shown}` has `{path}` twice")
         if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG):
             raise ReadError("file-unreadable", f"`{path}` in `{shown}` is a link or no ordinary file")

@@ -257,8 +257,7 @@ def _check_replaceable(target: Path, out: Path) -> None:
     if known is None:
         message = f"the folder `{out}` is not empty and was not made by mjcompose"
         raise OutputError("output-unwritable", message, "choose a new or empty folder")
-    foreign = sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER)
-    if foreign:
+    if foreign := sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER):
         listed = ", ".join(f"`{path}`" for path in foreign[:3])
         more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
         message = f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}"

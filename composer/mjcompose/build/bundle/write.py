@@ -88,8 +88,7 @@ def level_of(path: str) -> int:
     >>> level_of("model.xml"), level_of("assets/arm/link.stl"), level_of("assets/wood.PNG")
     (6, 1, 0)
     """
-    suffix = PurePosixPath(path).suffix.lower()
-    if suffix in _PACKED:
+    if (suffix := PurePosixPath(path).suffix.lower()) in _PACKED:
         return 0
     return _TEXT_LEVEL if suffix in _TEXT else _MESH_LEVEL
 

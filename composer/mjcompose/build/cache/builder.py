@@ -366,8 +366,7 @@ class Maker:
         assert self.cache is not None
         found = []
         for path, content in bundle.files.items():
-            digest = bundle.digest(path)
-            if digest not in known:
+            if (digest := bundle.digest(path)) not in known:
                 self.cache.keep_raw(digest, content)
             found.append(KeptFile(path, digest, len(content), source=known.get(digest)))
         return tuple(found)

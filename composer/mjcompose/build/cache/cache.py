@@ -354,9 +354,7 @@ def _change(before: FileState, now: FileState) -> str:
         return f"the licenses in `{name}` are others"
     if not before.state:
         return f"`{name}` is new"
-    if not now.state:
-        return f"`{name}` is gone"
-    return f"`{name}` changed"
+    return f"`{name}` changed" if now.state else f"`{name}` is gone"
 
 
 def _dump(data: object) -> bytes:

@@ -74,8 +74,7 @@ class Inputs:
         used = [*(context.folder / name for name in built.composed.model.origins.texts)]
         used += [Path(use.source) for use in built.composed.files if use.content is None]
         if context.fetching is not None and context.fetching.lock_file is not None:
-            folder = shapes_folder(context.fetching.lock_file)
-            used += [folder / f"{each.key}.json" for each in built.composed.shapes]
+            used += [shapes_folder(context.fetching.lock_file) / f"{each.key}.json" for each in built.composed.shapes]
         found.update(dict.fromkeys(map(os.path.abspath, used)))
         recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)

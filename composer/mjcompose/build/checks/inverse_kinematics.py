@@ -56,8 +56,7 @@ class Solver:
             self.data.qpos[:] = self.start
             if number:
                 self._scatter(random, number)
-            distance = self._descend()
-            if distance < best:
+            if (distance := self._descend()) < best:
                 best, best_qpos = distance, self.data.qpos.copy()
             if best <= self.tolerance:
                 break
@@ -144,8 +143,7 @@ class Solver:
             square[np.diag_indices_from(square)] += damping
             step = np.zeros(len(self.moving))
             step[able] = part.T @ np.linalg.solve(square, error)
-            longest = np.abs(step).max(initial=0.0)
-            if longest > _LONGEST_STEP:
+            if (longest := np.abs(step).max(initial=0.0)) > _LONGEST_STEP:
                 step *= _LONGEST_STEP / longest
             stuck = able & (((here >= self.upper - _NEAR) & (step > 0)) | ((here <= self.lower + _NEAR) & (step < 0)))
             if not stuck.any():
@@ -165,8 +163,7 @@ class Solver:
             elif model.jnt_type[joint] == BALL:
                 turn = np.zeros(3)
                 self.mujoco.mju_quat2Vel(turn, qpos[at : at + 4], 1.0)
-                angle = float(np.linalg.norm(turn))
-                if angle > high:
+                if (angle := float(np.linalg.norm(turn))) > high:
                     turned = np.zeros(4)
                     self.mujoco.mju_axisAngle2Quat(turned, turn / angle, high)
                     qpos[at : at + 4] = turned

@@ -243,8 +243,7 @@ class ShapeOffMesh(Rule):
             if (most := settings["shortfall" if measure == "short" else measure]) is not None:
                 wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
                 findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
-        covered = [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]
-        if covered:
+        if covered := [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]:
             scope.found("uncovered", max(covered)[0])
         if (most := settings["uncovered"]) is not None:
             wrong = [each for each in covered if each[0] > most]

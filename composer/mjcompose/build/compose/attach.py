@@ -283,8 +283,7 @@ def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementB
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *settings) @ read_pose(own, *settings)
-    moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    return _at_key(place, moved, "mate", step=step, making=making)
+    return _at_key(place, read_pose(place.offset, False, "xyz") @ mate.inverse(), "mate", step=step, making=making)
 
 
 def _at_key(
@@ -337,8 +336,7 @@ def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -
 
 def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
-    in_world = step.to_kind == "world"
-    holder = linking.base.section("worldbody") if in_world else linking.names.find(step.to_kind, step.to)
+    holder = linking.base.section("worldbody") if step.to_kind == "world" else linking.names.find(step.to_kind, step.to)
     if holder is None:
         _report_no_target(step, linking, making)
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)

@@ -426,8 +426,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
             write(step, linking, making)
             linking.watch(linking.units, step)
     if making.pending:
-        classes = linking.base.classes
-        settle_joints(making, lambda joint: joint_type(joint, classes))
+        settle_joints(making, lambda joint: joint_type(joint, linking.base.classes))
         check_class_angles(linking, making)
         linking.watch(linking.units, settle_joints)
     check_names(linking, making)

@@ -227,8 +227,7 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
     if settings.eulerseq == making.model_eulerseq:
         node.set(name, numbers.text(angles))
     elif node.tag != "replicate":
-        radians = [turned(angle, settings) for angle in value]
-        node.set("quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
+        node.set("quat", numbers.text(quat_from_euler([turned(angle, settings) for angle in value], settings.eulerseq)))
     elif (moved := in_sequence(angles, settings.eulerseq, making.model_eulerseq)) is not None:
         node.set(name, numbers.text(moved))
     else:

@@ -41,8 +41,7 @@ def order_elements(plan: Plan, linking: Linking, *, keys: bool = False) -> None:
         put_in_order(unit, order.kind, order.names)
         linking.watch(linking.units, step)
         if next(unit.root.iter(*BLOCKS), None) is None:  # otherwise only MuJoCo knows all names: `check_index`
-            found = [name for _, name in elements_in_order(unit, order.kind)]
-            _check(order, found, plan, sink=linking.sink, unit=unit)
+            _check(order, [name for _, name in elements_in_order(unit, order.kind)], plan, sink=linking.sink, unit=unit)
 
 
 def check_index(plan: Plan, index: Index, sink: Sink) -> None:

@@ -294,8 +294,7 @@ class _KeyWriter:
         others = [each for each in linking.names.kinds_of(name) if each != kind]
         if others and not near:
             notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
-            drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
-            if drives:
+            if drives := [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]:
                 named = " and ".join(f"`{each}`" for each in drives)
                 verb = "is the" if len(drives) == 1 else "are"
                 help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
@@ -316,8 +315,7 @@ class _KeyWriter:
 
 def _naming(actuators: Sequence[Node], name: str) -> str:
     """Return advice on naming the actuators, or only the actuators that act on the element with the name."""
-    ends = [(each, end) for each in actuators for end in _TRANSMISSIONS if each.get(end) == name]
-    if not ends:
+    if not (ends := [(each, end) for each in actuators for end in _TRANSMISSIONS if each.get(end) == name]):
         common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
         new = f"${{{common[0]}}}" if common else "a${index}"
         return f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""

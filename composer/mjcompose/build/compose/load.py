@@ -90,8 +90,7 @@ class Loader:
 
     def unit(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
-        key = source_key(model, is_fixed)
-        if key not in self.parsed:
+        if (key := source_key(model, is_fixed)) not in self.parsed:
             refused = self.parsed.get((*key[:3], not key[3]), ...) is None  # a fault of a file is reported once
             self.parsed[key] = None if refused else self._known_or_read(key, model, span, is_fixed=is_fixed)
         unit = self.parsed[key]
@@ -122,9 +121,7 @@ class Loader:
         unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
-        if self.checks and not check_source(unit, sink):
-            return None
-        return unit
+        return None if self.checks and not check_source(unit, sink) else unit
 
 
 def _urdf_unit(

@@ -41,8 +41,7 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
             # Errors of composing are not reported here.
             aside = replace(context, sink=Sink())
             with engine.Session() as session:
-                again = Composer(aside, measure_with(aside, session=session), session, library=library)
-                composed = again.compose(plan)
+                composed = Composer(aside, measure_with(aside, session=session), session, library=library).compose(plan)
     excluded = () if composed is None else composed.excluded
     if composed is None:
         adopted = adopted_settings(plan, context, library)

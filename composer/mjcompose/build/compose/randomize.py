@@ -129,8 +129,7 @@ class _FieldDraws:
 
     def drawn_by(self, node: Node) -> str:
         """Return the identity on which the draws of an element depend: of the element, its body or its part."""
-        per = self.step.field.per
-        if per == "part":
+        if (per := self.step.field.per) == "part":
             return self.editing.parts.get(node, BASE)
         if per == "body" and node.tag != "body":
             body = next(node.iterancestors("body"), None)
@@ -281,9 +280,7 @@ class _FieldDraws:
         if isinstance(drawn, str):
             angle = Angle.read(drawn)
             return drawn if angle is None else angle.in_unit(own)
-        if unit is None or isinstance(drawn, tuple):
-            return drawn
-        return Angle(drawn, unit).in_unit(own)
+        return drawn if unit is None or isinstance(drawn, tuple) else Angle(drawn, unit).in_unit(own)
 
     def _all_in_radians(self, node: Node, drawn: Sequence[Any], is_angle: bool) -> Sequence[Value]:
         unit, own = self._units(node, is_angle)

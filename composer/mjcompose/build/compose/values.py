@@ -125,8 +125,7 @@ class Values:
             return text
         values = numbers.read(text)
         making = self.editing.making
-        wanted = making.angle_context.at(self.at).angle or "radian"
-        if wanted != making.model_angle:
+        if (wanted := making.angle_context.at(self.at).angle or "radian") != making.model_angle:
             angles = self.angles(attribute, len(values))
             factor = numbers.RADIANS_PER_DEGREE if wanted == "radian" else 1 / numbers.RADIANS_PER_DEGREE
             values = [each * factor if n in angles else each for n, each in enumerate(values)]

@@ -57,8 +57,7 @@ def absolute_path(subject: Subject) -> Found:
 
 
 def _real(element: Node, value: str, unit: Unit) -> str | None:
-    path = written_path(unit.settings, element, value)
-    if path in unit.contents:
+    if (path := written_path(unit.settings, element, value)) in unit.contents:
         return None
     try:
         return unit.door.admit(join(str(unit.directory), path))
@@ -86,8 +85,7 @@ def same_file_twice(subject: Subject) -> Found:
     for alike in sizes.values():
         first: dict[str, str] = {}
         for element, attribute, real in alike if len(alike) > 1 else ():
-            other = first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)
-            if other != real:
+            if (other := first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)) != real:
                 message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
                 yield Finding(element, message, attribute)
 

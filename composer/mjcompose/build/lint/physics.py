@@ -134,8 +134,7 @@ def free_joint_damped(subject: Subject) -> Found:
         else:
             others |= {(name, writer) for name, (_, writer) in values.items()}
     for joint, values in free:
-        shared = [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]
-        if shared:
+        if shared := [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]:
             resists = " and ".join(shared)
             message = f"the free {subject.called(joint)} has {resists} of its default class, as hinges have"
             yield Finding(joint, message, help="write `<freejoint/>`, which ignores the classes")

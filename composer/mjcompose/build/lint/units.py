@@ -50,8 +50,7 @@ def range_in_degrees(subject: Subject) -> Found:
 def gravity_unit(subject: Subject) -> Found:
     """Gravity that is not in m/s²."""
     for option in subject.root.iterfind("option"):
-        size = math.hypot(*(subject.numbers(option, "gravity") or []))
-        if size > _GRAVITY:
+        if (size := math.hypot(*(subject.numbers(option, "gravity") or []))) > _GRAVITY:
             message = f"gravity is {size:g} m/s², {size / 9.81:.3g} times the gravity of the earth"
             yield Finding(option, message, "gravity", help="write lengths in meters, and gravity in m/s²")
 

@@ -35,8 +35,7 @@ def draw_parameters(
     drawn: list[Drawn] = []
     taken: dict[str, DrawField] = {}
     for field in randomize.of_parameters:
-        name = str(field.param)
-        if name in taken:
+        if (name := str(field.param)) in taken:
             span = locate(document, (*field.at, "param"))
             note = Note("drawn here too", locate(document, (*taken[name].at, "param")))
             sink.error("name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,), subjects=(name,))
@@ -215,8 +214,7 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
     """Report draws in cells that their parameters do not accept; other errors are reported elsewhere."""
     known: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
-        concrete = expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))
-        if concrete is None:
+        if (concrete := expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))) is None:
             continue
         kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
         document = Mapping(kept, matrix.document.span)

@@ -204,8 +204,7 @@ def _recipes(path: Path, door: Door, context: Context, seen: set[Path]) -> Itera
     unit = parse_file(path, Sink(), file=context.shown(path), door=door)
     for element in () if unit is None else unit.root.iterfind("asset/model"):
         assert unit is not None
-        inner = Path(join(str(unit.directory), str(element.get("file") or "")))
-        if inner in seen:
+        if (inner := Path(join(str(unit.directory), str(element.get("file") or "")))) in seen:
             continue
         if not is_recipe(inner.name):
             yield from _recipes(inner, door, context, seen=seen)

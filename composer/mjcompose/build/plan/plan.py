@@ -460,5 +460,4 @@ def part_name(part: AttachPart, separator: str) -> str:
 
 def is_fixed_in_world(part: Attachment) -> bool:
     """Return whether a part is fixed in the world of its recipe."""
-    in_world = part.site is None and part.frame is None and part.body in (None, "world")
-    return in_world and part.joint in (None, "none")
+    return part.site is None and part.frame is None and part.body in (None, "world") and part.joint in (None, "none")

@@ -269,8 +269,7 @@ class _Planner:
             name = key if attachment.prefix is None else attachment.prefix
             numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
             prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
-            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
-            if clash is not None:
+            if (clash := next((prefix for prefix in prefixes if prefix and prefix in taken), None)) is not None:
                 place = span if attachment.prefix is None else locate(document, (*at, "prefix"))
                 notes = (Note("the other part", taken[clash]),)
                 help, message = "give one of them another key, or `prefix`", f"two parts have the prefix `{clash}`"
@@ -352,8 +351,7 @@ class _Planner:
     def _may_read(self, plan: Plan, door: Door, span: Span) -> bool:
         """Return whether all local files of a recipe may be read by the MJCF that attaches it."""
         files = [file for each in plan.plans() for file in (each.path, *files_of_recipe(each, self.context))]
-        extended = (source for each in plan.plans() for source, _ in each.extended)
-        for source in (*plan.sources(), *extended):
+        for source in (*plan.sources(), *(source for each in plan.plans() for source, _ in each.extended)):
             if source.origin is None:
                 files += (source.path, *(folder for _, folder in source.packages))
         fetching = self.context.fetching
@@ -370,8 +368,7 @@ class _Planner:
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", document=around.document, at=at)
-        read = validate_what_remains(with_inherited(model, around.document), self.sink)
-        if read is None:
+        if (read := validate_what_remains(with_inherited(model, around.document), self.sink)) is None:
             return None
         recipe = read.recipe
         if recipe.separator != around.recipe.separator:

@@ -338,8 +338,7 @@ def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> Non
         notes = [exists_note("recipe", recipes)] if recipes else []
         context.sink.error("file-not-found", f"the recipe `{shown}` does not exist", notes=notes, help=help)
     else:
-        reason = (error.strerror or str(error)).lower()
-        context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+        context.sink.error("file-unreadable", f"`{shown}` cannot be read: {(error.strerror or str(error)).lower()}")
 
 
 TRUST = "trust"
@@ -373,8 +372,7 @@ _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
 def files_of_source(source: Source) -> Iterator[Path]:
     """Yield the files of a model that exist and that it may read; others are reported where they are read."""
     files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
-    seen = (path for path in files if source.door.sees(path))
-    yield from filter(os.path.isfile, (*seen, *source.licenses))
+    yield from filter(os.path.isfile, [*filter(source.door.sees, files), *source.licenses])
 
 
 def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:

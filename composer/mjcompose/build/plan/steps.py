@@ -193,8 +193,7 @@ def steps_adding(
 
 def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str, str, Span]]:
     if element.xml is not None:
-        span = locate(document, (*element.at, "xml"))
-        yield from ((tag, name, span) for tag, name in names_in(element.xml, KINDS))
+        yield from ((tag, name, locate(document, (*element.at, "xml"))) for tag, name in names_in(element.xml, KINDS))
         return
     if (name := element.attributes.get("name")) is not None and element.tag in KINDS:
         yield element.tag, str(name), locate(document, (*element.at, "name"))

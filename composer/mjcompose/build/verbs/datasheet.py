@@ -103,8 +103,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     if joint is None or joint_type(joint, editing.classes) != "hinge":
         message = f"{editing.called(node)} does not turn a hinge, and a motor does"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True), it="it")
-    gear = numbers.read(editing.effective(node, "gear") or "1")[0]
-    if gear == 0:
+    if (gear := numbers.read(editing.effective(node, "gear") or "1")[0]) == 0:
         message = f"the `gear` of {editing.called(node)} is 0"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
     return joint, gear

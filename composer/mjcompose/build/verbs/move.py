@@ -132,8 +132,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
     if is_mocap:
         code, what, help = "mocap-on-body", "is a mocap body", "set `mocap: false` first"
     message = f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}"
-    fault = Fault(code, message, (*at, "to"), help=help, names=editing.subjects(outer))
-    report_unusable(editing, node, fault, it="it")
+    report_unusable(editing, node, Fault(code, message, (*at, "to"), help=help, names=editing.subjects(outer)), it="it")
 
 
 def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
@@ -153,8 +152,7 @@ def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
 
 def _keep_class(editing: Editing, node: Node, target: Node) -> None:
     """Write the class in force at the old place onto the node if the new place has another class."""
-    before = childclass_of(node)
-    if before == (str(target.get("childclass") or "") or childclass_of(target)):
+    if (before := childclass_of(node)) == (str(target.get("childclass") or "") or childclass_of(target)):
         return
     if node.tag in NESTED:
         if not node.get("childclass"):

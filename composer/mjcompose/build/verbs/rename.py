@@ -55,9 +55,8 @@ class Rename(Verb):
         # All names are decided before the first is written, so two can change places.
         entry.check()  # messages name the elements as they are written
         editing = entry.editing
-        new: dict[Node, str] = {}
-        for index, node in enumerate(entry.found):
-            new[node] = _new_name(editing, node, index, written=self.name, at=at)
+        named = enumerate(entry.found)
+        new = {node: _new_name(editing, node, index, written=self.name, at=at) for index, node in named}
         _take_twists_along(editing, new)
         _check_twists(editing, new, at)
         _check(editing, new, at)

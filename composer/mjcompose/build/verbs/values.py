@@ -92,8 +92,7 @@ def compute(
         int(each) if attribute.type == "int" and each == int(each) else each
         for each in _without_defaults(values, attribute, now)
     ]
-    answer = check_python(attribute, result if attribute.max_length != 1 else result[0])
-    if answer is not None:
+    if (answer := check_python(attribute, result if attribute.max_length != 1 else result[0])) is not None:
         message = f"`{attribute.name}` of {editing.called(node)} {answer}"
         report_unusable(editing, node, Fault("out-of-range", message, at))
     check_without_ends(values, attribute, at)
@@ -162,8 +161,7 @@ def _check_sequence(values: Values, at: Path) -> None:
     """Report Euler angles that the model and the recipe turn in different sequences."""
     editing, node = values.editing, values.node
     making = editing.making
-    sequence = making.angle_context.at(at).eulerseq
-    if sequence != making.model_eulerseq:
+    if (sequence := making.angle_context.at(at).eulerseq) != making.model_eulerseq:
         sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
         message = f"`euler` of {editing.called(node)} turns in {sequences}"
         report_unusable(editing, node, Fault("not-supported", message, at, help="set the whole orientation"))

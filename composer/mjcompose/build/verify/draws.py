@@ -204,8 +204,7 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
 def are_close(a: Any, b: Any) -> bool:
     """Return whether numbers are equal up to the rounding of two ways to compute them."""
     a, b = np.asarray(a), np.asarray(b)
-    tolerance = _CLOSE if a.dtype.itemsize == 8 else 1e-5
-    return a.shape == b.shape and not unequal(b, a, tolerance).any()
+    return a.shape == b.shape and not unequal(b, a, _CLOSE if a.dtype.itemsize == 8 else 1e-5).any()
 
 
 Build = Callable[[int], bool]
@@ -224,8 +223,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
         for sample in sorted({1, (wanted.samples + 1) // 2, wanted.samples}):
             if not build(sample):
                 return bundle
-            different = table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})
-            if different is None:
+            if (different := table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})) is None:
                 return bundle
             if different:
                 listed = ", ".join(f"`{name}`" for name in different)
@@ -391,8 +389,7 @@ def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> I
 
 
 def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
-    mocap = int(model.body_mocapid[body])
-    if mocap < 0:
+    if (mocap := int(model.body_mocapid[body])) < 0:
         return
     name, pose = _OF_KEYS[array], getattr(model, array)[body]
     for key in range(model.nkey):

@@ -292,8 +292,7 @@ def _name(index: Index, each: Ranged) -> str:
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
     """Warn of servos that are stiffer at their joints than any drive: mostly a `kp` that a gear multiplies twice."""
-    stiff = [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]
-    if not stiff:
+    if not (stiff := [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]):
         return
     named = {str(each.get("name")): each for each in model.root.iterfind("actuator/*") if each.get("name")}
     # MuJoCo puts copies in a `<replicate>` behind the others; these and nameless ones have no place of their own.

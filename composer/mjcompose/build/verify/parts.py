@@ -46,8 +46,7 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     sink = Sink()
-    unit = UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()
-    if unit is None:
+    if (unit := UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()) is None:
         raise _unreadable(sink)
     with folder_of(unit) as folder:
         _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)

@@ -58,8 +58,7 @@ class InputFinder:
         wanted = self.manifest.inputs[number]
         changed: Path | None = None
         for source in self._candidates(number, wanted):
-            digest = _sha256(source.path)
-            if digest == wanted.sha256:
+            if (digest := _sha256(source.path)) == wanted.sha256:
                 # MuJoCo may open the source and its files. URDF is checked when it is converted.
                 unit = parse_file(source.path, Sink(), door=source.door) if source.format == "mjcf" else None
                 if source.format != "mjcf" or (unit is not None and all_admitted(unit, Sink())):
