@@ -6,6 +6,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
 
@@ -237,7 +238,6 @@ def _persisting(
 
 def _decoded(text: bytes) -> str:
     """Return the text of a recipe; text that is not UTF-8 has no fixes."""
-    try:
+    with suppress(UnicodeDecodeError):
         return text.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return ""
+    return ""

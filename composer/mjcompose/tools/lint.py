@@ -67,8 +67,7 @@ def _is_bundle(folder: Path) -> bool:
 
 
 def _models_below(top: Path) -> list[Target]:
-    models: list[Path] = []
-    included: set[str] = set()
+    models, included = list[Path](), set[str]()
     for folder, folders, names in os.walk(top):
         here = Path(folder)
         bundles = [here / name for name in folders if _is_bundle(here / name)]

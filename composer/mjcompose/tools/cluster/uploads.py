@@ -51,10 +51,8 @@ def layout_of(paths: Iterable[str]) -> Layout:
 
     It includes the marker files of the top of a project, which limits the files that a model may read.
     """
-    files: dict[str, str] = {}
-    links: dict[str, str] = {}
-    folders: set[str] = set()
-    marked: set[str] = set()
+    files, links = dict[str, str](), dict[str, str]()
+    folders, marked = set[str](), set[str]()
 
     def add(path: str) -> str:
         real = _followed(path, links)
@@ -171,8 +169,7 @@ class Freight:
 def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
     """Plan enough cells to see every value of a parameter or variant; other files are found when a worker fails."""
     maker, inputs = making.maker, Inputs()
-    paths: dict[str, None] = {}
-    packages: dict[Package, None] = {}
+    paths, packages = dict[str, None](), dict[Package, None]()
     context = replace(maker.context, sink=Sink())
     for cell in _typical(cells):
         request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)

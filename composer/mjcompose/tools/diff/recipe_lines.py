@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from difflib import SequenceMatcher
 from functools import cached_property
-from itertools import chain
+from itertools import chain, takewhile
 from pathlib import Path
 from textwrap import dedent
 
@@ -47,11 +47,9 @@ def extent(span: Span, side: Side) -> range:
     ahead = first[: span.column - 1]
     if is_yaml(span) and not ahead.replace("-", " ").strip():
         depth = len(first) - len(first.lstrip())
-        for number, line in enumerate(lines[span.line :], span.line + 1):
-            if line.strip() and len(line) - len(line.lstrip()) <= depth:
-                break
-            if line.strip():
-                end = number
+        below = ((number, line) for number, line in enumerate(lines[span.line :], span.line + 1) if line.strip())
+        deeper = takewhile(lambda each: len(each[1]) - len(each[1].lstrip()) > depth, below)
+        end = max((number for number, _ in deeper), default=end)
     elif not is_yaml(span) and first[span.column - 1 : span.column] == "<":
         while ">" not in lines[end - 1] and end < len(lines):
             end += 1
@@ -204,7 +202,9 @@ class Written:
             return span
         pair = (span.file, there) if side == 0 else (there, span.file)
         first = next((number for number in lines if number in self._lines(*pair)[side]), None)
-        return span if first == span.line else None if first is None else _line(self.sides[side], span.file, first)
+        if first is None:
+            return None
+        return span if first == span.line else _line(self.sides[side], span.file, first)
 
     def twin(self, side: int, span: Span) -> Span | None:
         """Return the line of the other side that replaces a differing line."""

@@ -308,10 +308,9 @@ class Traced:
     def history(self, node: Node, attribute: str) -> list[Span]:
         """Return every place that influenced an attribute: where it was read or created, then what changed it."""
         life = self.watch.life(node)
-        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
-            found = [self.causes.made(life).span]
-        else:
-            found = [self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)]
+        read = life.sources[0] if len(life.sources) == 1 else life
+        is_made = read is life and life.made_by is not None and life.made_by.is_pass
+        found = [self.causes.made(life).span if is_made else self._span(read, attribute)]
         changes = (each for each in life.of(attribute) if not trace_words.rewrites(each.cause))
         found += [self.causes.change(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]

@@ -136,8 +136,7 @@ class Trace:
         linking = self._linkings.get(units[0].root)
         causes = {each.root: Cause(done, each, self._parts.get(each.root), linking=linking) for each in units}
         before = {node for unit in changed for node in self._members.get(unit.root, ())}
-        now: set[Node] = set()
-        born: list[Life] = []
+        now, born = set[Node](), list[Life]()
         for unit in changed:
             cause = causes[unit.root]
             members = self._members[unit.root] = list(unit.root.iter("*"))

@@ -208,11 +208,11 @@ class Causes:
         linking = change.cause.linking
         if linking is None or change.after is None:
             return Reason("only one of these settings may be written")
-        path = "/".join([*(str(each.tag) for each in reversed([*life.node.iterancestors()][:-1])), life.tag])
-        for adopted in linking.base.adopted:
-            if adopted.path == f"{path}/{change.attribute}" and adopted.value == change.after:
-                words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
-                return Reason(words, adopted.span)
+        above = [str(each.tag) for each in life.node.iterancestors()][-2::-1]
+        wanted = "/".join([*above, life.tag, change.attribute]), change.after
+        for adopted in (each for each in linking.base.adopted if (each.path, each.value) == wanted):
+            words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
+            return Reason(words, adopted.span)
         for part in linking.parts:
             for other in filter(None, map(self.trace.lives.get, part.unit.root.iter(life.tag))):
                 if other.attributes.get(change.attribute) == change.after:

@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import partial
+from itertools import count
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -327,17 +328,11 @@ def numbers_likeness(value: Value) -> list[float] | None:
     """Return the numbers of a value as a flat list, or None if it contains anything else."""
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool)):
         return [value]
-    if not isinstance(value, tuple):
-        return None
-    inner = [numbers_likeness(each) for each in value]
+    inner = [numbers_likeness(each) for each in value] if isinstance(value, tuple) else [None]
     return None if None in inner else [number for each in inner for number in each or ()]
 
 
 def places(unit: Unit) -> dict[Node, tuple[str, int]]:
     """Return kind and number of every element in MuJoCo's order, unless one element of the file makes several."""
-    found: dict[Node, tuple[str, int]] = {}
-    count: dict[str, int] = defaultdict(int)
-    for kind, node in in_order(unit.root):
-        found[node] = (kind, count[kind])
-        count[kind] += 1
-    return found
+    numbers = defaultdict[str, Iterator[int]](count)
+    return {node: (kind, next(numbers[kind])) for kind, node in in_order(unit.root)}

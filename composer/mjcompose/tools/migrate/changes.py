@@ -12,7 +12,7 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.tools.migrate import rules
-from mjcompose.tools.migrate.editing import Act, Change, Editing, called
+from mjcompose.tools.migrate.editing import Act, Change, Editing, called, later
 from mjcompose.tree.grammar import version_key
 from mjcompose.tree.values import parse_real
 
@@ -280,9 +280,8 @@ ORDERED = tuple(sorted(TABLE, key=lambda change: version_key(change.version)))
 
 def between(before: str, after: str) -> Iterator[tuple[Change, Act | None]]:
     """Yield the changes between two versions with their acts, in the order in which they are carried out."""
-    first, last = version_key(before), version_key(after)
-    is_back = first > last
-    low, high = sorted((first, last))
+    is_back = later(before, after)
+    low, high = sorted(map(version_key, (before, after)))
     for change in reversed(ORDERED) if is_back else ORDERED:
         if low < version_key(change.version) <= high and version_key(change.since) <= low:
             yield change, change.acts[is_back]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from itertools import takewhile
 
 from lxml.etree import _Element as Node
 
@@ -84,8 +85,7 @@ _TURNED = ("euler", "axisangle", "xyaxes", "zaxis")
 def split_passive(editing: Editing) -> None:
     """Write the two flags that `passive` became in 3.3.6."""
     for node in editing.at("option/flag"):
-        value = node.get("passive")
-        if value is not None:
+        if (value := node.get("passive")) is not None:
             editing.rename(node, "passive", "spring")
             if node.get("damper") is None:
                 editing.set(node, "damper", value)
@@ -365,9 +365,6 @@ def keys_of_replicates(editing: Editing) -> None:
 
 
 def is_in_a_moving_frame(editing: Editing, node: Node) -> bool:
-    for above in node.iterancestors():
-        if above.tag not in ("frame", "replicate"):
-            return False
-        if above.tag == "frame" and any(above.get(name) is not None for name in ("pos", "quat", *_TURNED)):
-            return True
-    return False
+    around = takewhile(lambda above: above.tag in ("frame", "replicate"), node.iterancestors())
+    frames = (above for above in around if above.tag == "frame")
+    return any(above.get(name) is not None for above in frames for name in ("pos", "quat", *_TURNED))

@@ -259,8 +259,7 @@ def _write(place: int, size: int, reason: str) -> None:
 
 def _provider(scheme: str) -> _Provider:
     """Return a provider of the files of one source kind, found by the resolver that recipes use."""
-    folders: dict[str, Path] = {}
-    contents: dict[int, bytes] = {}
+    folders, contents = dict[str, Path](), dict[int, bytes]()
 
     def path_of(name: str) -> Path:
         owner, _, inner = name.partition(":")[2].partition("/")

@@ -236,8 +236,7 @@ def render_sheet(
     called with the name of each finished cell. `jobs` is the number of processes, by default as many as pay off.
     """
     context = operand.context
-    tiles: list[str] = []
-    read: set[Path] = set()
+    tiles, read = list[str](), set[Path]()
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
     with scratch("pictures") as folder, Pool[tuple[int, Cell], Drawn](workers, _MODULES) as pool:
         handed = replace(operand, context=context_for_worker(context))

@@ -163,7 +163,5 @@ class _Movable:
             pose, start = read_pose(start, *self.units) @ pose, start.getparent()
         mount = None if start is None else self.numbers.get(start)
         frame = None if mount is None or not pose.is_finite else [*pose.pos, *pose.quat]
-        return {
-            "at": list(at), "label": target.label, "kind": kind, "mount": mount[1] if mount else 0, "frame": frame,
-            "moved": moved,
-        }  # fmt: skip
+        number = mount[1] if mount else 0
+        return {"at": [*at], "label": target.label, "kind": kind, "mount": number, "frame": frame, "moved": moved}

@@ -79,7 +79,7 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     import mujoco
 
     is_binary = path.suffix.lower() == ".mjb" and not os.path.isdir(path)
-    checked = _read_binary(path, shown) if is_binary else _checked(path, shown)
+    checked = (_read_binary if is_binary else _checked)(path, shown)
     manifest = checked.manifest
     with _on_disk(checked, shown, allow_changes) as file:
         _check_version(manifest, mujoco.__version__, shown, is_binary=is_binary)

@@ -77,8 +77,7 @@ class _Named:
             raise TypeError(f"give one or several names, not {names!r}")
         found: list[int] = []
         for name in [names] if isinstance(names, str) else names:
-            row = self._row(name)
-            if row is not None:
+            if (row := self._row(name)) is not None:
                 found.append(row)
                 continue
             try:

@@ -54,8 +54,7 @@ class Plan:
 def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
     """Plan a union: parts of all models but the first get prefixes from their labels. Raises LoadError."""
     shared = common(trees)
-    placed: list[Placed] = []
-    active: list[list[Placed]] = []
+    placed, active = list[Placed](), list[list[Placed]]()
     for number, tree in enumerate(trees):
         own = []
         for each in joined_parts(tree, shared):
@@ -110,10 +109,8 @@ _LICENSES = "LICENSES/"
 def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     """Return a union with the inputs, licenses and recipe from the manifests of its models."""
     manifests = [from_json(each.files[MANIFEST]) for each in models]
-    texts: dict[str, bytes] = {}
-    inputs: dict[tuple[str, str], Input] = {}
-    licenses: dict[str, dict[str, None]] = {}
-    read: dict[tuple[str, str], Read] = {}
+    texts, inputs = dict[str, bytes](), dict[tuple[str, str], Input]()
+    licenses, read = dict[str, dict[str, None]](), dict[tuple[str, str], Read]()
     for model, manifest in zip(models, manifests, strict=True):
         moved = {path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)}
         texts |= {moved[path]: model.files[path] for path in moved}

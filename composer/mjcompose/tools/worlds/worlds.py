@@ -146,8 +146,7 @@ def read_parquet(content: bytes) -> Table:
         raise ValueError("a Parquet table needs the package `pyarrow`: `pip install pyarrow`") from None
     found = pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     about = json.loads((found.schema.metadata or {})[_PARQUET_ABOUT])
-    numbers: dict[str, tuple[list[int], list[Any]]] = {}
-    given: dict[str, Any] = {}
+    numbers, given = dict[str, tuple[list[int], list[Any]]](), dict[str, Any]()
     for each, column in zip(found.schema, found.columns, strict=True):
         place = each.metadata or {}
         if _ARRAY not in place:
