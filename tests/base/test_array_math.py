@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.base import array_math, draw_stream
 from mjcompose.base.distribution import Distribution, Integers, LogNormal, LogUniform, Normal, TruncNormal, Uniform
 from mjcompose.base.draw_stream import log

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from statistics import NormalDist
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.base.distribution import Distribution, Integers, LogNormal, LogUniform, Normal, TruncNormal, Uniform
 from mjcompose.base.draw_stream import bits
 

@@ -5,8 +5,7 @@ import math
 from statistics import NormalDist
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.base.draw_stream import BITS, FARTHEST, below, bits, fraction, probability, quantile
 
 

@@ -325,8 +325,7 @@ HOSTILE = "\x07\x1b]0;a\x1b[2J\x7f\x85\x9b31m\u061c\u200e\u202a\u202e\u2066\u206
 
 @pytest.mark.parametrize("form", ["text", "github", "junit", "markdown", "line"])
 def test_no_character_acts_on_who_shows_it(form: str) -> None:
-    from mjcompose.base import report as github
-    from mjcompose.base import report as junit
+    from mjcompose.base import report as github, report as junit
 
     places = tuple(Note(f"note {HOSTILE}", Span(f"a{HOSTILE}.xml", 1, 1)) for _ in range(2))
     found = Diagnostic(

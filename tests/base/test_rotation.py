@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from mjcompose.base import rotation
 from mjcompose.base.rotation import Pose, Quat, Vec3
 

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mjcompose.base.suggest import _distance, closest, exists_note
 
 NAMES = st.text("abc_/", max_size=7)

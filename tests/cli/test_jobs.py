@@ -17,8 +17,7 @@ from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
 from mjcompose.base import runtime
 from mjcompose.build.cache.builder import BuildResult
-from mjcompose.cli import build_cells
-from mjcompose.cli import entry as process
+from mjcompose.cli import build_cells, entry as process
 from mjcompose.cli.entry import end_in_order
 from mjcompose.cli.main import main
 from mjcompose.cli.output import put

@@ -10,8 +10,7 @@ import pytest
 from cli.shell import environment, process, run
 from click.testing import CliRunner
 from mjcompose.base import __version__
-from mjcompose.cli import main as main_module
-from mjcompose.cli import reporting
+from mjcompose.cli import main as main_module, reporting
 from mjcompose.cli.main import main
 
 VERBS = ("build", "check", "plan", "new", "schema")

@@ -51,8 +51,7 @@ def _session(process: int) -> Session:
 def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from mjcompose.base.report import render
-    from mjcompose.build.stages import Request
-    from mjcompose.build.stages import build as run
+    from mjcompose.build.stages import Request, build as run
     from mjcompose.sources.context import Context
 
     context = Context(folder=recipe.parent)

@@ -20,8 +20,13 @@ from typing import TypeVar
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
 
-from fidelity import corpus as corpora  # noqa: E402
-from fidelity import isolated, made, summary, table  # noqa: E402
+from fidelity import (  # noqa: E402
+    corpus as corpora,  # noqa: E402
+    isolated,
+    made,
+    summary,
+    table,
+)
 from fidelity.corpus import Composition  # noqa: E402
 from fidelity.judging import Verdict  # noqa: E402
 from fidelity.made import Made, judge  # noqa: E402

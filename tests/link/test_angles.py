@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink

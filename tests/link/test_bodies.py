@@ -8,8 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import AttachmentPlace, Joint

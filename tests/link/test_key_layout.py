@@ -10,8 +10,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from link.workshop import OLDER, told
 from lxml import etree
 from mjcompose.base.sink import Sink

@@ -4,8 +4,7 @@ from xml.sax.saxutils import quoteattr
 
 import mujoco
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from link.workshop import BASE, Piece, Workshop, obj, placed
 from mjcompose.link.names import rename
 from mjcompose.tree.classes import MAIN

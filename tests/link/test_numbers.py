@@ -5,8 +5,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from lxml import etree
 from mjcompose.link import numbers as numbers_module
 from mjcompose.link.numbers import pose_in_world, read_pose

@@ -9,8 +9,17 @@ import mujoco
 import pytest
 from mjcompose.build.checks.unchanged import attributes as attributes_unchanged
 from mjcompose.mujoco.arrays import BALL, ENUMS, FREE, HINGE, JOINT_TYPES, SLIDE, about
-from mjcompose.mujoco.attributes import _BECOMES, _KINDS, ENUMERATED, HOLDERS, KINDS, array_of, arrays_of, attributes
-from mjcompose.mujoco.attributes import TAGS as ATTRIBUTES_TAGS
+from mjcompose.mujoco.attributes import (
+    _BECOMES,
+    _KINDS,
+    ENUMERATED,
+    HOLDERS,
+    KINDS,
+    TAGS as ATTRIBUTES_TAGS,
+    array_of,
+    arrays_of,
+    attributes,
+)
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.tree.grammar import GRAMMAR
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 from mjcompose.base import files
-from mjcompose.sources import fetched, web_archive
-from mjcompose.sources import reference as references
+from mjcompose.sources import fetched, reference as references, web_archive
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called, parse
 from mjcompose.sources.reference import Origin, SourceError, Trust, check_reach, is_private

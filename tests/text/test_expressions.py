@@ -4,8 +4,7 @@ import math
 import time
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, Value, shown
 

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mjcompose.base.sink import Sink
 from mjcompose.text.faults import in_flow, quoted, unquoted_end, unquoted_start
 from mjcompose.text.load import load

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 from cases import cases
-from hypothesis import assume, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, example, given, settings, strategies as st
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.text.layout import format_recipe

@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import Limits, allow
 from mjcompose.base.sink import Sink

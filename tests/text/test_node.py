@@ -4,8 +4,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.text.load import load

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from lxml import etree
 from lxml.etree import fromstring
 from mjcompose.base.limits import allow, in_force

@@ -4,8 +4,7 @@ import re
 import time
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.tree.pattern import BadPattern, fitter, fitting, is_glob, is_pattern, matcher
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.tree import mesh_cost
 from mjcompose.tree.mesh_cost import points_in
 

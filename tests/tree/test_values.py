@@ -10,8 +10,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.values import check_python, check_value, items, parse_int, parse_real
 

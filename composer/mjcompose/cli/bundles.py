@@ -129,8 +129,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     the stamp records, from the folder of the stamp.
     """
     from mjcompose.build.bundle.write import write
-    from mjcompose.tools.open.stamp import read_stamp
-    from mjcompose.tools.open.stamp import rebuild as build_again
+    from mjcompose.tools.open.stamp import read_stamp, rebuild as build_again
 
     context = run.context
     try:

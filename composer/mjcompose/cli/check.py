@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mjcompose.base import files as sources
-from mjcompose.base import report as github
+from mjcompose.base import files as sources, report as github
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.files import STDIN

@@ -59,8 +59,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
 
     Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
     """
-    from mjcompose.tools.migrate.migrate import Wish
-    from mjcompose.tools.migrate.migrate import run as migrated
+    from mjcompose.tools.migrate.migrate import Wish, run as migrated
 
     _check_usage(options)
     model, out, context = options.model, options.out, run.context
@@ -213,8 +212,7 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
 
     Exit codes: 0 the model moves the same, 1 something moves differently or fails, 2 wrong usage.
     """
-    from mjcompose.tools.migrate.upgrade import Request
-    from mjcompose.tools.migrate.upgrade import upgrade as upgraded
+    from mjcompose.tools.migrate.upgrade import Request, upgrade as upgraded
 
     if Path(options.model).suffix.lower() in RECIPES:
         help = f"in the recipe, write `check: {{moves: {{moves_alike: mujoco=={options.before}}}}}`"

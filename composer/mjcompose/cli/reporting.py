@@ -15,8 +15,7 @@ import click
 from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import STDIN, read_regular
-from mjcompose.base.report import Case, Suite, printable
-from mjcompose.base.report import report as junit_text
+from mjcompose.base.report import Case, Suite, printable, report as junit_text
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 

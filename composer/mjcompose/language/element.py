@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from collections.abc import Mapping as AbcMapping
+from collections.abc import Collection, Iterable, Mapping as AbcMapping
 from dataclasses import field
 from itertools import takewhile
 from typing import Any

@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Iterator
-from collections.abc import Mapping as Map
+from collections.abc import Iterator, Mapping as Map
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Note, Span

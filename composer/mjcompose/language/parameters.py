@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Collection
-from collections.abc import Mapping as Map
+from collections.abc import Collection, Mapping as Map
 from dataclasses import replace
 
 from mjcompose.base.dataclass import dataclass

@@ -21,9 +21,7 @@ from mjcompose.language.fragment import missing_key
 from mjcompose.language.value import Element, Single, is_unprintable, kind_of, shown, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.key_order import WHOLE
-from mjcompose.text.node import Key, Scalar, find
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import Sequence as List
+from mjcompose.text.node import Key, Mapping as Located, Scalar, Sequence as List, find
 from mjcompose.tree.grammar import GRAMMAR
 
 INHERITED = ("recipe", "angle", "eulerseq", "separator", "conflict")

@@ -14,8 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mjcompose.language.forms.context import Schema
-from mjcompose.language.forms.translate import first_keys
-from mjcompose.language.forms.translate import key_order as key_order_of
+from mjcompose.language.forms.translate import first_keys, key_order as key_order_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.schema import recipe_schema
 from mjcompose.sources.kinds import KINDS

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.base.suggest import advised, exists_note
-from mjcompose.base.suggest import unknown_attribute as no_attribute
+from mjcompose.base.suggest import advised, exists_note, unknown_attribute as no_attribute
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Schema
 from mjcompose.language.value import EXCLUSIVE, attribute_and_index, fault_at, kind_of, shown

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from collections.abc import Mapping as AbcMapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping as AbcMapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import Any, cast
@@ -25,8 +24,7 @@ from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Typed
 from mjcompose.language.value import kind_of, shown
-from mjcompose.text.node import Key, Mapping, Node, Scalar, find, texts, to_python
-from mjcompose.text.node import Sequence as List
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence as List, find, texts, to_python
 from mjcompose.tree.grammar import GRAMMAR
 
 # Without these, nothing else in the recipe can be checked.

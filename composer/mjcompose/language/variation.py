@@ -16,8 +16,7 @@ from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects
 from mjcompose.language.forms.translate import faults, report
 from mjcompose.language.parameters import Parameter, is_usable
 from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import Node, is_template, locate, to_python
+from mjcompose.text.node import Mapping as Located, Node, is_template, locate, to_python
 
 NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as worlds` or `--as union`"
 """What to write instead of `emit`, which `matrix` and `randomize` had."""

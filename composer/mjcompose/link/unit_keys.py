@@ -16,8 +16,7 @@ from contextlib import contextmanager
 from dataclasses import field, replace
 from itertools import accumulate, product
 
-from lxml.etree import _Element as Node
-from lxml.etree import tostring
+from lxml.etree import _Element as Node, tostring
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.rotation import Pose

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from collections.abc import Mapping as Entries
+from collections.abc import Callable, Iterable, Iterator, Mapping as Entries, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path as PathlibPath

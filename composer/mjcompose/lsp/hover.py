@@ -23,8 +23,7 @@ from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nes
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, shown
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import is_template
+from mjcompose.text.node import Mapping as Located, is_template
 from mjcompose.tools.explain.explanation import render
 from mjcompose.tools.outline import world_of
 from mjcompose.tree.grammar import GRAMMAR

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator
-from collections.abc import Sequence as AbcSequence
+from collections.abc import Iterable, Iterator, Sequence as AbcSequence
 from dataclasses import replace
 from pathlib import Path as File
 from typing import Any

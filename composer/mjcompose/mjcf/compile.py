@@ -18,15 +18,13 @@ from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.mujoco.attributes import Model as MjModel
-from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.attributes import Model as MjModel, NameTable
 from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.mesh_cost import check_meshes
 from mjcompose.tree.unit import Unit, element_at
-from mjcompose.tree.xml_text import to_text as xml_text
-from mjcompose.tree.xml_text import write
+from mjcompose.tree.xml_text import to_text as xml_text, write
 
 _Number = TypeVar("_Number", bound=np.generic)
 

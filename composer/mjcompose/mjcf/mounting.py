@@ -13,8 +13,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
-from mjcompose.link.numbers import joint_radians, read, read_pose
-from mjcompose.link.numbers import text as number_text
+from mjcompose.link.numbers import joint_radians, read, read_pose, text as number_text
 from mjcompose.link.settings import INSTEAD_OF_MEMORY
 from mjcompose.mjcf.errors import failure
 from mjcompose.mjcf.model import Attachment, Model

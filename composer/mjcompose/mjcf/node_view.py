@@ -17,8 +17,7 @@ from mjcompose.mjcf.asset import add_files, renamed_skins, skins_after_renaming
 from mjcompose.mjcf.attributed import Attributed
 from mjcompose.mjcf.edit import release
 from mjcompose.mjcf.errors import failure, raise_errors
-from mjcompose.mjcf.flat import assets
-from mjcompose.mjcf.flat import text as flat_text
+from mjcompose.mjcf.flat import assets, text as flat_text
 from mjcompose.mjcf.include import copied, pickled_element
 from mjcompose.mjcf.model import Attachment, Model, Target, page
 from mjcompose.mjcf.value import describe, update_references

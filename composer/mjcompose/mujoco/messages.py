@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Note, Span
-from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.base.suggest import unknown_attribute as no_attribute
+from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute as no_attribute
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import FORMATS
 from mjcompose.tree.classes import Level, levels, own
 from mjcompose.tree.grammar import GRAMMAR, ElementType, version_key
-from mjcompose.tree.history import Span as HistorySpan
-from mjcompose.tree.history import place, spans
+from mjcompose.tree.history import Span as HistorySpan, place, spans
 from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:

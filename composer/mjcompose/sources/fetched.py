@@ -19,8 +19,7 @@ from urllib.parse import urlencode
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.limits import advice, in_force, written
-from mjcompose.sources import license
-from mjcompose.sources import reference as forms
+from mjcompose.sources import license, reference as forms
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.reference import Form, Library, Origin, Reference, Source, SourceError, SourceKind, malformed

@@ -11,9 +11,7 @@ from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.extensions import Table, is_registered, refuse
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import fetched, license, packages
-from mjcompose.sources import fetching as nearby
-from mjcompose.sources import reference as forms
+from mjcompose.sources import fetched, fetching as nearby, license, packages, reference as forms
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import CONTROL, Form, Reference, Source, SourceError, SourceKind, has_format, never
 

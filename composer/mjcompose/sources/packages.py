@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.files import read_regular
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import fetching as nearby
-from mjcompose.sources import license
-from mjcompose.sources import reference as forms
+from mjcompose.sources import fetching as nearby, license, reference as forms
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand
 from mjcompose.sources.reference import Form, Library, Origin, Reference, Source, SourceError, SourceKind, malformed
 

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mjcompose.base.extensions import Table, check_rows
-from mjcompose.targets import restrictions as limits
-from mjcompose.targets import simulators
+from mjcompose.targets import restrictions as limits, simulators
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.target import Draft, Limit, Outcome, Target, write_mjcf
 from mjcompose.targets.urdf import write_urdf

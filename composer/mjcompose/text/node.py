@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
-from collections.abc import Sequence as Lines
+from collections.abc import Iterable, Iterator, Sequence as Lines
 from typing import Any, NamedTuple
 
 from mjcompose.base.dataclass import dataclass

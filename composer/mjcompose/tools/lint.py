@@ -20,8 +20,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.messages import CRASHES, parse, translate
-from mjcompose.mujoco.messages import report as report_message
+from mjcompose.mujoco.messages import CRASHES, parse, report as report_message, translate
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Kind, load, read_operand
 from mjcompose.tree.parse import all_admitted, parse_file

@@ -9,8 +9,7 @@ import struct
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, cast
 
-from lxml.etree import XPath
-from lxml.etree import _Element as Node
+from lxml.etree import XPath, _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.files import Memory, Refused, read_regular

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any
 
-from lxml.etree import XPath
-from lxml.etree import _Element as Node
+from lxml.etree import XPath, _Element as Node
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.files import Memory, Refused, read_regular

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from lxml import etree
-from lxml.etree import _Comment as Comment
-from lxml.etree import _Element as Node
+from lxml.etree import _Comment as Comment, _Element as Node
 
 from mjcompose.base.access import Door, own_door
 from mjcompose.base.diagnostic import Note, Span

@@ -10,8 +10,7 @@ from io import BytesIO
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from mjcompose.base.codes import CODES
 from mjcompose.build.bundle.bundle import (
     Bundle,

@@ -11,8 +11,7 @@ from language.validating import validate
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
-from mjcompose.build.checks.check import ask as ask_in_child
-from mjcompose.build.checks.check import from_json
+from mjcompose.build.checks.check import ask as ask_in_child, from_json
 from mjcompose.language.check import checks_of
 from mjcompose.text.load import load
 

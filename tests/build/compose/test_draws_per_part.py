@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from mjcompose.build.stages import Built, Request, build
 from mjcompose.sources.context import Context
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.stages import Built, Request, build
 from mjcompose.sources.context import Context

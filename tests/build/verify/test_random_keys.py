@@ -7,8 +7,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from link.test_key_layout import World
 from lxml import etree
 from mjcompose.build.stages import Request, build

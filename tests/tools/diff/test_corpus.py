@@ -8,8 +8,7 @@ from pathlib import Path
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import as_data, render
-from mjcompose.tools.diff.text import render_markdown as in_markdown
+from mjcompose.tools.diff.text import as_data, render, render_markdown as in_markdown
 
 
 def test_each_is_itself_and_no_other(menagerie_root: Path) -> None:

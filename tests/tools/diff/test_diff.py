@@ -16,8 +16,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.changes import Diff
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import as_data, render
-from mjcompose.tools.diff.text import render_markdown as in_markdown
+from mjcompose.tools.diff.text import as_data, render, render_markdown as in_markdown
 
 CASES = Path(__file__).parent / "cases"
 

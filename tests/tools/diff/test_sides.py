@@ -11,8 +11,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
 from mjcompose.tools.diff.sides import RevisionError, check_out, load, read_operand, split
-from mjcompose.tools.diff.text import as_data, render
-from mjcompose.tools.diff.text import render_markdown as markdown
+from mjcompose.tools.diff.text import as_data, render, render_markdown as markdown
 from mjcompose.tools.explain.explain import trace
 from mjcompose.tools.lock import write_lock
 

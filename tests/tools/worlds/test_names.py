@@ -6,8 +6,7 @@ import pytest
 from mjcompose.build.bundle.manifest import index_of
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
-from mjcompose.tools.worlds.names import UNLIMITED, Entry, Numbers, UnknownNameError, Vector
-from mjcompose.tools.worlds.names import Index as LoadingIndex
+from mjcompose.tools.worlds.names import UNLIMITED, Entry, Index as LoadingIndex, Numbers, UnknownNameError, Vector
 
 MODEL = """<mujoco>
   <compiler angle="radian"/>

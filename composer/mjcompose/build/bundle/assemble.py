@@ -23,8 +23,7 @@ from mjcompose.link.linking import FileUse
 from mjcompose.sources.blobs import remembered_sha256
 from mjcompose.sources.context import Context, as_text
 from mjcompose.sources.license import UNKNOWN, license_of
-from mjcompose.sources.reference import Origin as Fetched
-from mjcompose.sources.reference import Source
+from mjcompose.sources.reference import Origin as Fetched, Source
 from mjcompose.text.node import spans
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.grammar import GRAMMAR

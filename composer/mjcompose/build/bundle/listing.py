@@ -21,8 +21,7 @@ from mjcompose.base.files import TooLarge, open_regular
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.bundle.bundle import Location
 from mjcompose.text.evaluate import evaluate, names
-from mjcompose.text.expression import CONSTANTS, FUNCTIONS, ExpressionError, Value, parse
-from mjcompose.text.expression import kind as value_kind
+from mjcompose.text.expression import CONSTANTS, FUNCTIONS, ExpressionError, Value, kind as value_kind, parse
 
 _FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
 

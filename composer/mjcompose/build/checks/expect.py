@@ -40,8 +40,7 @@ from mjcompose.language.forms.model import IT, OWNER, Belongs, Exclusive, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text, in_order
 from mjcompose.language.select import pattern_fault
 from mjcompose.language.value import kind_of, shown
-from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, attributes, holder
-from mjcompose.mujoco.attributes import TAGS as WITH_NUMBERS
+from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, TAGS as WITH_NUMBERS, attributes, holder
 from mjcompose.text.expression import Angle
 
 TAGS = (

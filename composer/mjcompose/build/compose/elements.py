@@ -26,8 +26,7 @@ from mjcompose.link.files import NamedFile
 from mjcompose.link.linking import Linking
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Angle
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import Scalar, find, locate
+from mjcompose.text.node import Mapping as Located, Scalar, find, locate
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.edit import unresolved
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text

@@ -33,8 +33,7 @@ from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import locate
+from mjcompose.text.node import Mapping as Located, locate
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import all_admitted, parse_file

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Set
-from collections.abc import Mapping as Map
-from collections.abc import Sequence as AbcSequence
+from collections.abc import Iterator, Mapping as Map, Sequence as AbcSequence, Set
 from itertools import product
 from pathlib import Path
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Iterator
-from collections.abc import Mapping as Map
+from collections.abc import Iterator, Mapping as Map
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Note, Span
-from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.diagnostic import Note, Path as KeyPath, Span
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.files import own_name
 from mjcompose.base.limits import advice, in_force

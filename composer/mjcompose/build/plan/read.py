@@ -10,16 +10,14 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterator
-from collections.abc import Mapping as AbcMapping
+from collections.abc import Callable, Iterator, Mapping as AbcMapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from mjcompose.base import extensions
 from mjcompose.base.access import Door
-from mjcompose.base.diagnostic import DiagnosticError, Span
-from mjcompose.base.diagnostic import Path as Place
+from mjcompose.base.diagnostic import DiagnosticError, Path as Place, Span
 from mjcompose.base.extensions import Table
 from mjcompose.base.files import (
     MJCF_FILES,
@@ -67,8 +65,7 @@ from mjcompose.tree.files import CUBE, file_attributes, join, written_path
 from mjcompose.tree.grammar import number_text
 from mjcompose.tree.parse import parse_file
 from mjcompose.urdf.robot import SCHEMES
-from mjcompose.urdf.xacro import files_named
-from mjcompose.urdf.xacro import is_template as is_template_urdf
+from mjcompose.urdf.xacro import files_named, is_template as is_template_urdf
 
 Given = AbcMapping[str, Node]
 """Values of parameters and variants by name, each with the place that sets it."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Container, Iterator, Sequence
-from collections.abc import Mapping as Map
+from collections.abc import Container, Iterator, Mapping as Map, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from mjcompose.base.dataclass import dataclass

@@ -38,8 +38,7 @@ from mjcompose.language.select import GLOB, check_template, pattern_fault, read_
 from mjcompose.language.value import bare_angle, is_unprintable, kind_of, read_value, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
-from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.grammar import Attribute as Declared
+from mjcompose.tree.grammar import GRAMMAR, Attribute as Declared
 from mjcompose.tree.pattern import Selector
 
 

@@ -12,9 +12,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.linking import Part
 from mjcompose.mujoco.arrays import about
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import Node as LocatedNode
-from mjcompose.text.node import Sequence, locate, to_python
+from mjcompose.text.node import Mapping as Located, Node as LocatedNode, Sequence, locate, to_python
 from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Contrast
 from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Elements, Pair, Pairs
 from mjcompose.tools.diff.recipe_lines import Written, is_yaml, name, real

@@ -22,8 +22,7 @@ from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Life
 from mjcompose.tree.classes import class_in_force, levels, value
-from mjcompose.tree.select import kind_of
-from mjcompose.tree.select import query as paths_of
+from mjcompose.tree.select import kind_of, query as paths_of
 
 _HOLDERS = ("body", "worldbody")
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}

@@ -30,8 +30,16 @@ from mjcompose.tools.explain import explanation, query, trace_words
 from mjcompose.tools.explain.explanation import AttributeExplained, Changed, ElementExplained, Explained, Reason
 from mjcompose.tools.explain.query import MIRRORED, RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
-from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
-from mjcompose.tree.classes import chain as class_chain
+from mjcompose.tree.classes import (
+    MAIN,
+    ORIENTATIONS,
+    Classes,
+    chain as class_chain,
+    class_in_force,
+    given,
+    levels,
+    value,
+)
 from mjcompose.tree.edit import attached_notes
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.pattern import BadPattern

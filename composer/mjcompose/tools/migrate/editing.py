@@ -24,8 +24,7 @@ from mjcompose.tree.grammar import exists_in, version_key
 from mjcompose.tree.history import RELEASED, place, spans
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit, line_of
-from mjcompose.tree.xml_text import Piece as Tag
-from mjcompose.tree.xml_text import pieces
+from mjcompose.tree.xml_text import Piece as Tag, pieces
 
 
 def later(version: str, than: str) -> bool:

@@ -8,8 +8,7 @@ import json
 import lzma
 import os
 import zlib
-from collections.abc import Callable, Collection, Sequence
-from collections.abc import Mapping as AbcMapping
+from collections.abc import Callable, Collection, Mapping as AbcMapping, Sequence
 from dataclasses import field, replace
 from itertools import islice
 from pathlib import Path, PurePath

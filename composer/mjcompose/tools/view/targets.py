@@ -11,8 +11,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Path as Steps
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import Path as Steps, Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.rotation import Pose
 from mjcompose.build.plan.plan import Plan
@@ -20,8 +19,7 @@ from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import Part
 from mjcompose.link.numbers import pose_in_world, read_pose
-from mjcompose.text.node import Mapping as Located
-from mjcompose.text.node import find, walk
+from mjcompose.text.node import Mapping as Located, find, walk
 from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.view.page import nodes_of
 from mjcompose.tree.classes import through_frames

@@ -12,8 +12,7 @@ from threading import Lock
 from typing import Any
 
 from mjcompose.base.access import Door, door_of_user, folder_of_recipe
-from mjcompose.base.diagnostic import Path as Steps
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import Path as Steps, Span
 from mjcompose.base.files import RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.rotation import Pose, normalize
@@ -28,8 +27,18 @@ from mjcompose.sources.fetching import model_files
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Scalar, common_ends, find, is_template, lines_of, to_python, walk
-from mjcompose.text.node import Sequence as List
+from mjcompose.text.node import (
+    Change,
+    Mapping,
+    Scalar,
+    Sequence as List,
+    common_ends,
+    find,
+    is_template,
+    lines_of,
+    to_python,
+    walk,
+)
 from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.draft import Draft, Offset, Refused, Written, name_text, short
 from mjcompose.tools.view.targets import Target

@@ -26,8 +26,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
 from mjcompose.sources.context import Context
-from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common
-from mjcompose.tools.worlds.join import parts as joined_parts
+from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common, parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers

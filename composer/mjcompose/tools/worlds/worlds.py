@@ -22,14 +22,12 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
 from mjcompose.build.bundle.manifest import Manifest
-from mjcompose.build.bundle.read import ReadError
-from mjcompose.build.bundle.read import read as read_bundle
+from mjcompose.build.bundle.read import ReadError, read as read_bundle
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
 from mjcompose.text.expression import Value
-from mjcompose.tools.worlds.load import Model as LoadModel
-from mjcompose.tools.worlds.load import load as load_bundle
+from mjcompose.tools.worlds.load import Model as LoadModel, load as load_bundle
 from mjcompose.tools.worlds.names import Index, failure
 
 _TABLES = frozenset({DRAWS, WORLDS, "samples.csv"})
