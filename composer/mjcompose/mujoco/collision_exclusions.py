@@ -64,9 +64,8 @@ def _keys(mujoco: Any, model: Any) -> Iterator[tuple[str, Any]]:
 
 def _in_words(model: Any, pair: Pair) -> dict[str, Any]:
     names = [model.body(body).name for body in pair]
-    called = [
-        f"`{name}`" if name else f"a body in `{_named(model, body)}`" for name, body in zip(names, pair, strict=True)
-    ]
+    rows = zip(names, pair, strict=True)
+    called = [f"`{name}`" if name else f"a body in `{_named(model, body)}`" for name, body in rows]
     return {"bodies": names, "called": called}
 
 
@@ -87,10 +86,8 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
     """
     _let_collide(mujoco, model)
     rest = set(_checked(mujoco, model))
-    found: dict[Pair, tuple[str, str]] = {}
-    for pair in sorted(rest):
-        if int(model.body_parentid[pair[1]]) == pair[0] and not _is_free(mujoco, model, pair[1]):
-            found[pair] = ADJACENT, ""
+    hung = (pair for pair in sorted(rest) if int(model.body_parentid[pair[1]]) == pair[0])
+    found: dict[Pair, tuple[str, str]] = {pair: (ADJACENT, "") for pair in hung if not _is_free(mujoco, model, pair[1])}
     for where, data in _keys(mujoco, model):
         for pair in sorted(_touched(mujoco, model, data).keys() & rest):
             if _is_tied(mujoco, model, pair, sliding=True):
@@ -153,8 +150,7 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     """Return the joints that actuators move, themselves or through equalities."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
-    dofs = data.moment_colind[: int(data.moment_rownnz.sum())]
-    moved = {int(model.dof_jntid[dof]) for dof in dofs}
+    moved = {int(model.dof_jntid[dof]) for dof in data.moment_colind[: int(data.moment_rownnz.sum())]}
     coupled, kinds = [], mujoco.mjtEq
     for each in range(model.neq):
         one, other, kind = int(model.eq_obj1id[each]), int(model.eq_obj2id[each]), int(model.eq_type[each])

@@ -265,8 +265,7 @@ class Doubt:
         return SIZE if self.kind in _FACTORS else SHAPE
 
     def advice(self, scale: Sequence[float], write: str, between: str = " ") -> str:
-        """Return the help for a wrong size; `write` is the text that sets the scale of the mesh, with `{}` for the
-        numbers.
+        """Return the help for a wrong size; `write` sets the scale of the mesh, with `{}` for the numbers.
 
         >>> Doubt("large", "").advice((1, 1, 2), 'scale="{}"')
         'if its file is in millimeters, write `scale="0.001 0.001 0.002"`'

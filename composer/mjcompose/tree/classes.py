@@ -168,10 +168,8 @@ def own(body: Node, *tags: str) -> list[Node]:
     """Return the elements with those tags that belong to the body itself, including those in frames and replicates."""
     found: list[Node] = []
     for child in body:
-        if child.tag in tags:
-            found.append(child)
-        elif child.tag in ("frame", "replicate"):
-            found.extend(own(child, *tags))
+        inside = own(child, *tags) if child.tag in ("frame", "replicate") else []
+        found += [child] if child.tag in tags else inside
     return found
 
 

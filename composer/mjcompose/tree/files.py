@@ -51,11 +51,8 @@ _KNOWN = frozenset(Settings._fields)
 
 def read_settings(root: Node) -> Settings:
     """Return the settings of a whole `<mujoco>` tree."""
-    written: dict[str, str] = {}
-    for compiler in root.iterchildren("compiler"):
-        for name, value in compiler.items():
-            if name in _KNOWN and value.strip():
-                written[str(name)] = str(value).strip()
+    pairs = (pair for compiler in root.iterchildren("compiler") for pair in compiler.items())
+    written = {str(name): str(value).strip() for name, value in pairs if name in _KNOWN and value.strip()}
     return Settings(**written)
 
 

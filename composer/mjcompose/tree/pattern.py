@@ -73,10 +73,9 @@ def _tokens(glob: str, separator: str) -> list[_Token]:
     wild = {levels: _Wild.LEVELS, **{each.value: each for each in (_Wild.ONE, _Wild.LEVEL, _Wild.ALL)}}
     found: list[_Token] = []
     for token in re.findall(rf"{re.escape(levels)}|{_TOKENS}" if levels else _TOKENS, glob, re.DOTALL):
-        if token[0] == "{" and len(token) > 1:
-            found.append([_tokens(each, separator) for each in token[1:-1].split(",")])
-        else:
-            found.append(wild.get(token, token))
+        is_choice = token[0] == "{" and len(token) > 1
+        choice = [_tokens(each, separator) for each in token[1:-1].split(",")] if is_choice else []
+        found.append(choice or wild.get(token, token))
     return found
 
 
@@ -207,11 +206,9 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
     except regex.error as error:
         raise BadPattern(f"{called} is not valid: {error.msg}") from None
     except (TimeoutError, MemoryError, RecursionError):
-        message, help = (
-            f"{called} takes longer than {seconds:g} seconds",
-            "repetitions inside repetitions, or use a glob",
-        )
-        raise BadPattern(message, f"write it without {help}", is_slow=True) from None
+        message = f"{called} takes longer than {seconds:g} seconds"
+        help = "write it without repetitions inside repetitions, or use a glob"
+        raise BadPattern(message, help, is_slow=True) from None
 
 
 EVERYTHING = "**"

@@ -303,11 +303,8 @@ class Selection:
         if (part := self.parts.get(node)) is None:
             return pattern == BASE
         levels = part.split("/")
-        return any(
-            matcher(pattern, between)(between.join(levels[:depth]))
-            for between in {"/", self.separator}
-            for depth in range(1, len(levels) + 1)
-        )
+        paths = [levels[:depth] for depth in range(1, len(levels) + 1)]
+        return any(matcher(pattern, each)(each.join(path)) for each in {"/", self.separator} for path in paths)
 
     def _has_class(self, node: Node, pattern: str) -> bool:
         kind = kind_of(node)

@@ -291,10 +291,8 @@ def refused_number(attribute: Attribute, part: str) -> Refusal:
 
 def keyword_text(value: object) -> str | None:
     """Return a keyword in XML spelling: YAML's `true` and `2` are keywords of some attributes."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
     if isinstance(value, int):
-        return str(value)
+        return str(value).lower()
     return value if isinstance(value, str) else None
 
 
@@ -310,15 +308,12 @@ def either(words: Iterable[str]) -> str:
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
 
 
+_NOUNS = ((bool, "a boolean"), (int | float, "a number"), (str, "text"), (Sequence, "a list"))
+
+
 def article(value: object) -> str:
     """Return the noun for a value's type, with its article."""
-    if isinstance(value, bool):
-        return "a boolean"
-    if isinstance(value, int | float):
-        return "a number"
-    if isinstance(value, str):
-        return "text"
-    return "a list" if isinstance(value, Sequence) else "a mapping"
+    return next((noun for kind, noun in _NOUNS if isinstance(value, kind)), "a mapping")
 
 
 def show(value: object) -> str:

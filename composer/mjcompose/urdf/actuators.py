@@ -159,11 +159,8 @@ class Extras:
     def add(self) -> dict[Node, str]:
         """Add everything. Return the URDF elements that were read, and their results."""
         links, joints = by_name(self.robot.root, "link"), by_name(self.robot.root, "joint")
-        read: dict[Node, str] = {}
-        for link in links.values():
-            contact = link.find("contact")
-            if contact is not None and self._contact(link, contact):
-                read[contact] = "friction"
+        contacts = ((link, contact) for link in links.values() if (contact := link.find("contact")) is not None)
+        read = {contact: "friction" for link, contact in contacts if self._contact(link, contact)}
         for setting in self.robot.root.iterfind("gazebo/*"):
             value, gazebo = (setting.text or setting.get("value") or "").strip(), setting.getparent()
             name = None if gazebo is None else gazebo.get("reference")
