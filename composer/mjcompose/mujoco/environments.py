@@ -64,6 +64,10 @@ class Other:
             return Compiled(self.version, error=str(answer["error"]))
         return Compiled(self.version, out, answer["names"], words=answer["words"])
 
+    def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Simulate a model as `dump.py` says; its arrays go to the file `out`. Raises OtherError."""
+        return _run(self.python, [str(model), str(out), json.dumps(asked)])
+
 
 def this_python() -> Path:
     return Path(sys.executable)
@@ -208,8 +212,8 @@ class Motion:
 
     @classmethod
     def of(cls, other: Other, model: Path, out: Path, asked: Mapping[str, Any]) -> Motion:
-        """Simulate a model as `dump.py` says; its arrays go to the file `out`. Raises OtherError."""
-        answer = _run(other.python, [str(model), str(out), json.dumps(asked)])
+        """Simulate a model. Raises OtherError."""
+        answer = other.move(model, out, asked)
         if "error" in answer:
             raise RejectedError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
         if asked["key"] is not None and asked["key"] not in answer["keys"]:
