@@ -30,16 +30,8 @@ from mjcompose.tools.explain import explanation, query, trace_words
 from mjcompose.tools.explain.explanation import AttributeExplained, Changed, ElementExplained, Explained, Reason
 from mjcompose.tools.explain.query import MIRRORED, RecipeLines, no_attribute, not_found, same_words
 from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
-from mjcompose.tree.classes import (
-    MAIN,
-    ORIENTATIONS,
-    Classes,
-    chain as class_chain,
-    class_in_force,
-    given,
-    levels,
-    value,
-)
+from mjcompose.tree import classes as default_classes
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
 from mjcompose.tree.edit import attached_notes
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.pattern import BadPattern
@@ -98,7 +90,7 @@ class Traced:
         in_force, steps, values = None, [], []
         if kind.takes_class:
             in_force = self._in_force(node)
-            for name in (each.name for each in class_chain(node, self.classes)):
+            for name in (each.name for each in default_classes.chain(node, self.classes)):
                 declared, unset = self.declared.get(name), Reason("the top class, which sets nothing")
                 steps.append(explanation.ClassStep(name, unset if declared is None else self._first_written(declared)))
             for attribute, level in given(node, kind, self.classes):

@@ -6,7 +6,7 @@ import contextlib
 import json
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -24,21 +24,11 @@ from mjcompose.language.attach import PLACES, prefix_fault
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.sources.fetching import model_files
+from mjcompose.text import node as yaml_tree
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.load import load
-from mjcompose.text.node import (
-    Change,
-    Mapping,
-    Scalar,
-    Sequence as List,
-    common_ends,
-    find,
-    is_template,
-    lines_of,
-    to_python,
-    walk,
-)
+from mjcompose.text.node import Change, Mapping, Scalar, Sequence, find, is_template, to_python
 from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.draft import Draft, Offset, Refused, Written, name_text, short
 from mjcompose.tools.view.targets import Target
@@ -181,7 +171,7 @@ class Writer:
     def _raw_path(self, span: Span, key: bool) -> Steps:
         """Return the path of a key or value in its own file, as it was built."""
         built = self._now.targets.texts.get(span.file)
-        visits = [] if built is None else list(walk(load(built, span.file, Sink()) or Mapping({}, span)))
+        visits = [] if built is None else list(yaml_tree.walk(load(built, span.file, Sink()) or Mapping({}, span)))
         at = span.line, span.column
         keys = [each.path for each in visits if each.key and (each.key.span.line, each.key.span.column) == at]
         values = [each.path for each in visits if (each.node.span.line, each.node.span.column) == at]
@@ -269,7 +259,7 @@ class Writer:
         if is_pattern(name):
             raise Refused(f"`{name}` would be a pattern in `select`")
         items = find(draft.tree, ("edit",))
-        for at, item in enumerate(items.items if isinstance(items, List) else ()):
+        for at, item in enumerate(items.items if isinstance(items, Sequence) else ()):
             entry = find(item, ("set",))
             if isinstance(entry, Mapping) and to_python(find(item, ("select",)) or item) == {kind: name}:
                 offset = Offset(draft, ("edit", at, "set"), AngleSettings("radian"))
@@ -297,7 +287,7 @@ class Writer:
         draft.write(("keyframe", name), entry)
         return self._finish(draft, f"keyframe {name}", said)
 
-    def _values(self, key: str, number: int, values: Sequence[float]) -> str:
+    def _values(self, key: str, number: int, values: list[float]) -> str:
         """Return the values of a joint or a mocap body as a keyframe has them."""
         if key == "qpos" and self.scene["joint"]["type"][number] == _HINGE:
             return f"{short(math.degrees(values[0]), 4)}deg"
@@ -329,7 +319,7 @@ class Writer:
         return self._finish(draft, f"attach {prefix}", said)
 
     def _models(self, said: Any) -> Answer:
-        """List the models that can be attached: all of the folder, and all that the recipe uses."""
+        """Sequence the models that can be attached: all of the folder, and all that the recipe uses."""
         targets = self._now.targets
         if targets.plan is None:
             raise Refused("only a recipe can be changed here")
@@ -424,8 +414,8 @@ def _pose(said: Any) -> Pose:
 
 def _difference(before: str, after: str) -> Answer:
     """Return what to replace: lines and columns from 0, in units of UTF-16, as editors count."""
-    (head, tail), ends = common_ends(before, after), []
+    (head, tail), ends = yaml_tree.common_ends(before, after), []
     for at in (head, len(before) - tail):
-        *above, last = lines_of(before[:at])
+        *above, last = yaml_tree.lines_of(before[:at])
         ends += [len(above), len(last.encode("utf-16-le")) // 2]
     return {"range": ends, "text": after[head : len(after) - tail]}
