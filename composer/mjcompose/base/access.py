@@ -12,7 +12,7 @@ from functools import cache
 from typing import NewType
 
 from mjcompose.base import files
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import OUTSIDE, Refused, is_irregular, memory_of, parted, read_regular, real_folder
 
 _NO_NAMES = ("", os.curdir, os.pardir)
@@ -22,8 +22,7 @@ Passed = NewType("Passed", str)
 """A path that passed a door."""
 
 
-@dataclass(frozen=True, slots=True)
-class Door:
+class Door(Struct):
     """The folders that a reader may see, and their wording in messages.
 
     `roots` are real paths. `sees_all` is for text from the user, who may name any file. `whose` describes the

@@ -10,11 +10,10 @@ from dataclasses import field, replace
 from enum import StrEnum
 from types import FrameType
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(Struct):
     """A stretch of characters in a file.
 
     Lines and columns count from 1, columns in characters (not bytes or screen cells). The end is exclusive; without
@@ -31,8 +30,7 @@ class Span:
         return f"{self.file}:{self.line}:{self.column}"
 
 
-@dataclass(frozen=True, slots=True)
-class Fix:
+class Fix(Struct):
     """A replacement for a stretch of text.
 
     If `replaces` is set, it is the name to replace, without quotes. The new name gets quotes if it needs them.
@@ -90,8 +88,7 @@ def call_site() -> Span:
     return Span(frame.f_code.co_filename, frame.f_lineno, 1)
 
 
-@dataclass(frozen=True, slots=True)
-class CellName:
+class CellName(Struct):
     """A model of a recipe; `name` is its argument for `--pick`.
 
     `cell` is the cell of the matrix, None without a matrix. `sample` is its number, None if nothing is drawn.
@@ -129,24 +126,21 @@ class Severity(StrEnum):
     NOTE = "note"
 
 
-@dataclass(frozen=True, slots=True)
-class Note:
+class Note(Struct):
     """A remark that helps to understand a diagnostic, with the place that it is about, if any."""
 
     message: str
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(Struct):
     """Merges findings with the same code, severity and `key`; `subject` names a later finding in the list."""
 
     key: str
     subject: str
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
+class Diagnostic(Struct):
     """A message with its code, its place, remarks such as the existing names (`notes`), and instructions (`help`).
 
     `code` is one of `CODES`. The first line of `help` is a sentence, and further lines are text to paste into the file.
@@ -205,8 +199,7 @@ class DiagnosticError(Exception):
 Path = tuple[str | int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(Struct):
     """A diagnostic whose place in the file is not looked up yet.
 
     `at` is the path from the validated value; with `key` the fault lies in the key at the end of `at`. `related`

@@ -21,7 +21,7 @@ from itertools import islice
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force, written
 from mjcompose.base.scratch import is_scratch
 
@@ -479,8 +479,7 @@ def untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str
     return "every user may remove what others have in it" if is_temporary else "every user may write to it"
 
 
-@dataclass(frozen=True, slots=True)
-class Foreign:
+class Foreign(Struct):
     """A format by its name; `advice` has `{file}` and `{stem}` for the path of a file with and without its suffix."""
 
     name: str

@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from dataclasses import field, fields, replace
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 KIB, MIB, GIB = 1 << 10, 1 << 20, 1 << 30
 _UNITS = {"": 1, "K": KIB, "M": MIB, "G": GIB, "T": 1 << 40}
@@ -22,8 +22,7 @@ def _limit(default: float, bounds: str, unit: str = "") -> Any:
     return field(default=default, metadata={"unit": unit, "bounds": bounds})
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(Struct):
     """Every limit of a run. A field is called as in `--limit`, with `_` for `-`."""
 
     time: float = _limit(300.0, "the work of MuJoCo on one model", "seconds")

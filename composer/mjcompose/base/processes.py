@@ -20,7 +20,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.runtime import hear_signals, patience
 
 _GUARD = str(Path(__file__).with_name("guard.py"))
@@ -136,15 +136,13 @@ _TRIES = 2
 _SECONDS_TO_END = 5.0
 
 
-@dataclass(frozen=True, slots=True)
-class Died:
+class Died(Struct):
     """There is no result; `how` describes the end of the two processes that had the task, one after the other."""
 
     how: str
 
 
-@dataclass(frozen=True, slots=True)
-class Undone:
+class Undone(Struct):
     """A task that no process could do: none could be started for it, or the task raised an exception."""
 
     task: Any

@@ -11,7 +11,7 @@ from functools import lru_cache, wraps
 from typing import Any, ParamSpec, TypeVar
 from xml.etree import ElementTree as Xml
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked
 from mjcompose.base.limits import Advice
 
@@ -120,8 +120,7 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
     return ", ".join(counted(found.count(each), each.value) for each in Severity if each in found) or "no errors"
 
 
-@dataclass(frozen=True, slots=True)
-class _Excerpt:
+class _Excerpt(Struct):
     number: int
     text: str
     offset: int
@@ -281,8 +280,7 @@ def _data(text: str) -> str:
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
+class Case(Struct):
     """One test: `kind` is the kind of test, `errors` are its failures. Without errors it passes."""
 
     name: str
@@ -292,8 +290,7 @@ class Case:
     line: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Suite:
+class Suite(Struct):
     """The tests of one file, or of one of its cells."""
 
     name: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
@@ -19,8 +19,7 @@ _TINY = 1e-14
 _PARALLEL = 1e-7
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(Struct):
     """A rigid transform: rotate by ``quat``, then translate by ``pos``."""
 
     pos: Vec3 = ORIGIN

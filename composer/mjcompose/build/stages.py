@@ -23,7 +23,7 @@ from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import log
 from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
 from mjcompose.build.bundle.bundle import Bundle, Outcome
@@ -43,8 +43,7 @@ from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 
 
-@dataclass(frozen=True, slots=True)
-class Built:
+class Built(Struct):
     """The result of a build; `compiled` is None if it was not verified, `merged` is empty if no assets were merged."""
 
     plan: Plan
@@ -54,8 +53,7 @@ class Built:
     merged: Merged
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(Struct):
     """A request for one model.
 
     `given` are values of parameters and variants; `name` is the name of a cell or of a `sample`, whose draws it has.
@@ -93,8 +91,7 @@ def planned(request: Request, context: Context) -> Plan | None:
         return plan_with_intact_store(lambda: plan(request.recipe, context, request.given), context)
 
 
-@dataclass(frozen=True, slots=True)
-class _Draft:
+class _Draft(Struct):
     """A composed model and its bundle, which MuJoCo has not seen."""
 
     composed: Composed
@@ -102,8 +99,7 @@ class _Draft:
     merged: Merged
 
 
-@dataclass(slots=True)
-class Build:
+class Build(Struct, frozen=False):
     """One build of a planned model; `on_bundle` gets the bundle before MuJoCo does, to work in parallel."""
 
     plan: Plan

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
@@ -22,8 +22,7 @@ from mjcompose.tree.pattern import paths_of
 MASS = "mass"
 
 
-@dataclass(slots=True)
-class Checker:
+class Checker(Struct, frozen=False):
     """Checks the values of `set` and `scale`, and drawn values; with `bare_angles`, angles need no unit."""
 
     bare_angles: bool

@@ -17,7 +17,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
@@ -321,8 +321,7 @@ _OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
 _NOT_OF_A_BASE = (*PLACES, "prefix", "replicate", "mirror")
 
 
-@dataclass(frozen=True, slots=True)
-class Start:
+class Start(Struct):
     """Form of the field `base`: a part without a prefix, at the world, or only its `model`."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

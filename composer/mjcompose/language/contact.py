@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, ModelWrapValidatorHandler, PrivateAttr, Tag, model_validator
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
 from mjcompose.language.element import Reader, label
@@ -20,8 +20,7 @@ BETWEEN = "between"
 SAMPLES = 1000
 
 
-@dataclass(frozen=True, slots=True)
-class Collisions:
+class Collisions(Struct):
     """Bodies that must not collide (`exclude`), or geoms that may (`collide`).
 
     The two `sides` are names of parts or globs over bodies. They are empty for bodies that already touch, and for

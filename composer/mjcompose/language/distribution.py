@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, WithJsonSchema, create_model
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE, MAKERS, Distribution, Integers, LogUniform, TruncNormal, Uniform
 from mjcompose.base.draw_stream import below, bits
@@ -27,8 +27,7 @@ _LARGEST = 2**53
 _MANY = 64  # from this number of draws on it pays to import numpy
 
 
-@dataclass(frozen=True, slots=True)
-class FieldDistribution:
+class FieldDistribution(Struct):
     """A distribution for each component of a value.
 
     `parameters` have one number for all components, or one for each. Angles are in `unit`, if the recipe writes

@@ -7,7 +7,7 @@ from dataclasses import field
 from itertools import takewhile
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
 from mjcompose.language.forms.context import Settings
@@ -115,8 +115,7 @@ _OBJECT = {"objtype", "objname"}
 _OWNERS = 3  # elements that a help line names
 
 
-@dataclass(slots=True)
-class Reader:
+class Reader(Struct, frozen=False):
     """Reads elements by the grammar and collects their faults. The paths of faults start where the reading starts."""
 
     settings: Settings = field(default_factory=Settings)

@@ -7,7 +7,7 @@ import math
 import operator
 from collections.abc import Iterator, Mapping as Map
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
@@ -128,8 +128,7 @@ def _is_item(path: Path) -> bool:
     return is_edits(own[:-1]) or (len(own) > 0 and len(own) == DEPTHS.get(str(own[0])))
 
 
-@dataclass(frozen=True, slots=True)
-class Concrete:
+class Concrete(Struct):
     """A recipe without parameters and variants, and the values it was made with.
 
     `scope` has the values by name, with variants as text; `lost` the names that are left out or in doubt
@@ -217,8 +216,7 @@ def _declared(document: Mapping, *path: str) -> frozenset[str]:
     return frozenset(found.entries) if isinstance(found, Mapping) else frozenset()
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(Struct):
     """One combination: its name, and the value of every axis of the matrix that it sets, by name.
 
     `cell` is the name of the combination, None without a matrix. `sample` is the number of its sample; 0 has no

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, renaming
 from mjcompose.language.element import Reader
@@ -27,8 +27,7 @@ WAYS: tuple[Way, ...] = ("positions", "forces")
 _ALL = "write `ctrl: hold` for all actuators, `ctrl: {ACTUATOR: hold}` for one"
 
 
-@dataclass(frozen=True, slots=True)
-class Controls:
+class Controls(Struct):
     """The entries of `ctrl`.
 
     `hold` is how all actuators hold the pose, or None. `held` has the paths below `ctrl` of those that do so

@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Mapping as Map
 from dataclasses import replace
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
@@ -62,8 +62,7 @@ def same(a: Value, b: Value) -> bool:
     return isinstance(a, bool) == isinstance(b, bool) and a == b
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(Struct):
     """A parameter of a recipe.
 
     `low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be given.

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, ValidationInfo, WithJsonSchema
 from pydantic.fields import FieldInfo
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.language.attach import Attachment, Prefixes, Start
@@ -69,8 +69,7 @@ _Key = Annotated[Annotated[str, Name("key"), Tag("<word>")] | _Entry, Discrimina
 _EXPECTS = Expects("a list of names", "[lift, grip]")
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
+class Order(Struct):
     """The names of one kind in their order; `more` if others may follow. `at` is the path of the list."""
 
     kind: str

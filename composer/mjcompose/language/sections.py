@@ -10,7 +10,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
@@ -148,8 +148,7 @@ class Extension(ByTag):
 PARENT = "parent"
 
 
-@dataclass(frozen=True, slots=True)
-class DefaultClass:
+class DefaultClass(Struct):
     """A default class: `element` is its `<default>`, at `locate(node, element.at, key=True)`; `parent` as written."""
 
     name: str

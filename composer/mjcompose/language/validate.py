@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from pydantic import ValidationError
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
 from mjcompose.base.files import MODEL_FILES
 from mjcompose.base.limits import in_force
@@ -38,8 +38,7 @@ _ROUNDS = 8
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
 
-@dataclass(frozen=True, slots=True)
-class Recovered:
+class Recovered(Struct):
     """A recipe without faults, its located tree, and every omitted name and value."""
 
     recipe: Recipe

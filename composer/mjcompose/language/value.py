@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import field
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Note, Path
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.text.expression import Angle
@@ -86,8 +86,7 @@ Single = bool | int | float | str | Angle
 Value = Single | tuple[Single, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Element:
+class Element(Struct):
     """An element with its children, and its attributes in the order of the file.
 
     `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))` is an
@@ -191,8 +190,7 @@ _FORMS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Advice:
+class Advice(Struct):
     """A help line, and the exact text that it recommends, if there is one."""
 
     help: str

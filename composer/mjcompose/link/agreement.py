@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Part, shown_name
@@ -156,8 +156,7 @@ def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[
 _NAMED = 4  # settings that a message names; the notes have all of them
 
 
-@dataclass(frozen=True, slots=True)
-class _Wish:
+class _Wish(Struct):
     """A setting of a part that differs from the model's; `settled` is the value that a merge gives it."""
 
     path: str

@@ -11,7 +11,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door, Passed, held
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.link.linking import FileUse, Linking, detach
@@ -65,8 +65,7 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
     return names, tuple(use for use in uses if use.element not in gone)
 
 
-@dataclass(slots=True)
-class _KeptElement:
+class _KeptElement(Struct, frozen=False):
     """An element that is kept: its name, its name within its part, and the parts that contain it."""
 
     name: str
@@ -262,8 +261,7 @@ def path_in_assets(settings: Settings, written: str) -> str:
     return written
 
 
-@dataclass(frozen=True, slots=True)
-class NamedFile:
+class NamedFile(Struct):
     """A file that a recipe names at `span` by an attribute of an element, relative to `folder`, with its `door`."""
 
     element: Node

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.tree.classes import Classes, childclass_of, through_frames
 from mjcompose.tree.names import DECLARES, REFERS, naming_table
@@ -44,8 +44,7 @@ def element_of(holder: Node | Copy) -> Node:
     return holder.element if isinstance(holder, Copy) else holder
 
 
-@dataclass(frozen=True, slots=True)
-class _Multiplied:
+class _Multiplied(Struct):
     """A tendon or an actuator after the replicates carried out so far."""
 
     element: Node
@@ -244,8 +243,7 @@ _ACTUATORS = {tag: actuator_slot(activations) for tag, activations in _ACTIVATIO
 _STATELESS = actuator_slot(0)
 
 
-@dataclass(slots=True)
-class Layout:
+class Layout(Struct, frozen=False):
     """The elements of a model in the order of their numbers in a key.
 
     The widths of `joints` are (nq, nv), those of `actuators` (nctrl, nact). `mocaps` has the number of mocap bodies

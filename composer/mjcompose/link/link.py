@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from enum import Enum
 from types import FunctionType
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.link.agreement import agreement, autolimits, passthrough
 from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
@@ -48,8 +48,7 @@ class Fact(Enum):
 AT_THE_START = frozenset({Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS})
 
 
-@dataclass(frozen=True, slots=True)
-class Pass:
+class Pass(Struct):
     """A row in the linker's table of passes.
 
     `words` explain in `mjcompose explain` why an element or a value is as this pass leaves it. The facts in `needs`

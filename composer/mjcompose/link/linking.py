@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple, Protocol
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Passed
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
@@ -24,8 +24,7 @@ from mjcompose.tree.unit import Key, PartKeys, Unit, Watch, nobody
 Policy = Literal["error", "base", "mujoco"]
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(Struct):
     """How to join the parts, and the recipe's later changes of the model.
 
     `conflict` is the policy for options on which two units disagree; `overridden_options` are those (`option/cone`)
@@ -44,8 +43,7 @@ class Request:
     adds_mass: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class AttachmentPlace:
+class AttachmentPlace(Struct):
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
     `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these in the
@@ -61,8 +59,7 @@ class AttachmentPlace:
     computed: Literal["", "mate", "replicate", "mirror"] = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(Struct):
     """A joint between a place and a part: its tag, its attributes, and the places of those that the recipe writes."""
 
     tag: Literal["joint", "freejoint"]
@@ -70,8 +67,7 @@ class Joint:
     written: Mapping[str, Span] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class Sense:
+class Sense(Struct):
     """A body between a place and a part, with a site and sensors of the load that the body carries.
 
     `name` is the name of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
@@ -166,8 +162,7 @@ class MemoryRequest(NamedTuple):
     span: Span
 
 
-@dataclass(eq=False, slots=True)
-class Notes:
+class Notes(Struct, frozen=False, eq=False):
     """The findings of the passes so far.
 
     `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes` are
@@ -193,8 +188,7 @@ class Notes:
     nameless: set[Node] = field(default_factory=set)
 
 
-@dataclass(eq=False, slots=True)
-class WrittenKey:
+class WrittenKey(Struct, frozen=False, eq=False):
     """A key that a recipe writes: the keys that it takes over, its entries by vector, and its holding controls.
 
     With `forces`, the controls that hold also balance the forces on the model there. `void` has the elements whose
@@ -208,8 +202,7 @@ class WrittenKey:
     held: dict[Node, Span] = field(default_factory=dict)
 
 
-@dataclass(eq=False, slots=True)
-class KeyTable:
+class KeyTable(Struct, frozen=False, eq=False):
     """The keys of the units and their layouts.
 
     `own` holds the keys of the base (under None) and of each part, `by_part` those of every part by path, including the

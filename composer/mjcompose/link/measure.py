@@ -14,7 +14,7 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
@@ -276,8 +276,7 @@ _SURVEYED = ("body", "geom")
 _MARKS = ("body_user", "geom_user", "body_mass", "geom_type")
 
 
-@dataclass(frozen=True, slots=True)
-class Survey:
+class Survey(Struct):
     """The result of compiling a unit alone: arrays, and for each body and geom the rows of its copies, if any."""
 
     arrays: Mapping[str, list[float]]
@@ -297,16 +296,14 @@ class Survey:
         return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
 
 
-@dataclass(frozen=True, slots=True)
-class Unmeasurable:
+class Unmeasurable(Struct):
     """The reason why a unit cannot be measured, and the element that causes it, if there is one."""
 
     why: str
     element: Node | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class KeptSettings:
+class KeptSettings(Struct):
     """Settings of a unit whose effect a composition must keep, by writing out the values that MuJoCo measures."""
 
     linking: Linking

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Linking, Part
@@ -31,8 +31,7 @@ from mjcompose.tree.names import (
 from mjcompose.tree.unit import Unit, line_of
 
 
-@dataclass(frozen=True, slots=True)
-class _Clash:
+class _Clash(Struct):
     """A name that two elements declare; `earlier` is the first of them."""
 
     namespace: str

@@ -21,7 +21,7 @@ from itertools import chain
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import detach
@@ -42,8 +42,7 @@ _FREE = frozenset({"string", "file", "name", "reference", "references"})
 _PLAIN = re.compile(r"-?[0-9.]+(?: -?[0-9.]+)*", re.ASCII)
 
 
-@dataclass(frozen=True, slots=True)
-class _Fault:
+class _Fault(Struct):
     """A fault of an element, or of its attribute `name`, which is marked itself (`key`) or by its value.
 
     A fault without a `code` is an element or an attribute that MJCF does not have. `first` is the element that it

@@ -21,7 +21,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door, held
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
@@ -162,8 +162,7 @@ class _TooManyError(Exception):
     """There are too many sub-models, or their nesting is too deep, which has been reported. The rest is skipped."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Bundler:
+class _Bundler(Struct):
     """Bundles models that other models refer to, with their keys if they are `keyed`."""
 
     linking: Linking

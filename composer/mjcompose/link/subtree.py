@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
@@ -224,8 +224,7 @@ class _Names:
 _OF_THE_WHOLE = ("statistic", "visual")
 
 
-@dataclass(frozen=True, slots=True)
-class DroppedElement:
+class DroppedElement(Struct):
     """A dropped element: its kind, its name and, if it refers into the subtree, the element that it lacks."""
 
     what: str
@@ -238,8 +237,7 @@ class DroppedElement:
         return f"{self.what} `{self.name}`" if self.name else f"{self.what} without a name"
 
 
-@dataclass(frozen=True, slots=True)
-class Subtree:
+class Subtree(Struct):
     """One body of a model by its name, or None for the whole unit, and the elements that were dropped."""
 
     body: str | None

@@ -18,7 +18,7 @@ from itertools import accumulate, product
 
 from lxml.etree import _Element as Node, tostring
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
@@ -47,8 +47,7 @@ _LEFT_OUT = ("user", "group", "inheritrange", "ctrllimited", "dampratio", "mater
 _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 
 
-@dataclass(eq=False, slots=True)
-class BareModel:
+class BareModel(Struct, frozen=False, eq=False):
     """A model as text, with the element of each name in it. `rows` has the length of each row of each key.
 
     `moves` are the poses of the parts that it has become part of, innermost first; `file` is its name in messages.
@@ -77,8 +76,7 @@ class BareModel:
         return None
 
 
-@dataclass(eq=False, slots=True)
-class KeyNotes:
+class KeyNotes(Struct, frozen=False, eq=False):
     """Notes about the keys of a composition.
 
     `sources` has the bare models by the root of the tree that they are in. `written` has the keys of recipes, `edited`

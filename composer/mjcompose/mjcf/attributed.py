@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.report import short_traceback
 from mjcompose.mjcf import edit
@@ -24,8 +24,7 @@ from mjcompose.tree.select import HOLDS_ONE_OF_EACH, ROOT, attribute_of, kind_of
 from mjcompose.tree.values import SHOWN_KEYWORDS, expected
 
 
-@dataclass(frozen=True, slots=True)
-class ViewClasses:
+class ViewClasses(Struct):
     """The classes for views of elements, of roots, of attachment frames, and of lists of elements."""
 
     element: type[Any]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
@@ -32,8 +32,7 @@ _ALIASES = {"sensor": {"data": "sensordata"}}
 _NO_ROWS = frozenset({"body_awake_ind", "parent_awake_ind", "dof_awake_ind", "wrap_obj", "wrap_xpos"})
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(Struct):
     """An array by MuJoCo's name, whether it belongs to `mjData`, and the size that determines its rows (`nv`)."""
 
     array: str

@@ -12,7 +12,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
@@ -69,8 +69,7 @@ def flat_indices(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ScatteredRows(Generic[_Number]):
+class ScatteredRows(Struct, Generic[_Number], eq=False):
     """The origin of scattered rows: the rows `index`, an array of integers, of `source`.
 
     `before` is called with the rows that are about to be written; rows with several numbers may be repeated.
@@ -130,8 +129,7 @@ _IN_PYTHON = {
 """Advice that is not about a recipe."""
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+class Snapshot(Struct):
     """The elements of a composition when it was compiled, by node, with their rows in the compiled model.
 
     `known` has every node that existed; `rows` has those that are in MuJoCo's model, each with the number in its
@@ -143,8 +141,7 @@ class Snapshot:
     rows: Mapping[Node, int]
 
 
-@dataclass(slots=True)
-class _Copies:
+class _Copies(Struct, frozen=False):
     """Copies units for the linker and notes the original of each copied node."""
 
     originals: dict[Node, Target] = field(default_factory=dict)

@@ -12,7 +12,7 @@ from typing import cast
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.link.linking import detach
@@ -74,8 +74,7 @@ def release(model: Model, prefix: str) -> None:
     attachment.child.hung = None
 
 
-@dataclass(slots=True)
-class Edit:
+class Edit(Struct, frozen=False):
     """The attributes to write, with None for those to remove, and the bytes of the files they name."""
 
     texts: dict[str, str | None] = field(default_factory=dict)

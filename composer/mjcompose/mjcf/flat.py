@@ -13,7 +13,7 @@ from typing import cast, get_args
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Note, warn
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
@@ -226,8 +226,7 @@ _HELP = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Flat:
+class Flat(Struct):
     """One model without attachments, the files it names, and the warnings from linking.
 
     `is_measured` is set if MuJoCo computed values, which depend on the bytes of files.

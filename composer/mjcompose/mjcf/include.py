@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span, call_site, warn
 from mjcompose.base.sink import Sink
 from mjcompose.mjcf.asset import Asset, add_files, asset_of, place_asset
@@ -59,8 +59,7 @@ def copied(element: Attributed, memo: dict[int, Any]) -> Any:
 Reduced = tuple[Callable[..., Attributed], tuple[Any, ...]]
 
 
-@dataclass(frozen=True, slots=True)
-class _Tree:
+class _Tree(Struct):
     """A node with its subtree: its text and, for each node, its line and its origin."""
 
     text: bytes
@@ -87,8 +86,7 @@ class _Tree:
         return node
 
 
-@dataclass(frozen=True, slots=True)
-class _Attached:
+class _Attached(Struct):
     """An attachment: the attached model, its frame, and the index of its host among all nodes of the parent."""
 
     child: _Composition
@@ -96,8 +94,7 @@ class _Attached:
     host: int
 
 
-@dataclass(frozen=True, slots=True)
-class _Composition:
+class _Composition(Struct):
     """A model and all its attachments; comments of the model's header are stored by their places below the root.
 
     `kept` has the fields of its unit that pickle as they are.

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.edit import names_in
@@ -31,8 +31,7 @@ class Target(NamedTuple):
     node: Node
 
 
-@dataclass(eq=False, slots=True)
-class Attachment:
+class Attachment(Struct, frozen=False, eq=False):
     """A model attached to another: to `host`, a site, body, frame or the worldbody of `parent`.
 
     `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are those between

@@ -8,7 +8,7 @@ from functools import cache
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
@@ -219,8 +219,7 @@ _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("ran
 _OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
 
 
-@dataclass(slots=True)
-class _Mounted:
+class _Mounted(Struct, frozen=False):
     """An attachment with its copies: the part, the prefix of the parent, and the element it is attached to."""
 
     attachment: Attachment
@@ -230,8 +229,7 @@ class _Mounted:
     host: Node
 
 
-@dataclass(slots=True)
-class Mounting:
+class Mounting(Struct, frozen=False):
     """Copies of a model and all models attached below it, ready to be linked.
 
     The linker finds places by name. Places without a name get one in the copies until `clear_up`.

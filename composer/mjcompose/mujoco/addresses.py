@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import ARRAYS, FREE, JOINT_TYPES, about
 from mjcompose.mujoco.attributes import KIND_OF, Model
 from mjcompose.mujoco.references import WRAPS_A_GEOM, Array, twists
@@ -24,8 +24,7 @@ _CORNERS, _EDGES = {1: 2, 2: 3, 3: 4}, {1: 1, 2: 3, 3: 6}
 Shape = tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(Struct):
     """Consecutive rows of an array for each element: its first row, and how many.
 
     `first` is an array of `mjModel` with the first rows, negative if the element has none. With `as_row`, a single

@@ -11,7 +11,7 @@ from enum import StrEnum
 from functools import cache
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 ANGLE, LENGTH, QUATERNION = "rad", "m", "quaternion"
 
@@ -19,8 +19,7 @@ FREE, BALL, SLIDE, HINGE = range(4)
 """The values of `jnt_type`."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointType:
+class JointType(Struct):
     """A type of joint.
 
     `position_units` has the unit of each number in `qpos`, and `velocity_units` in `qvel`. `range_unit` is the unit of
@@ -487,8 +486,7 @@ body_user jnt_user geom_user site_user cam_user tendon_user actuator_user sensor
 _UNRANKED = 1 << 16
 
 
-@dataclass(frozen=True, slots=True)
-class ArrayInfo:
+class ArrayInfo(Struct):
     """An array: its row of the table.
 
     ``treatment`` says how the numbers of a part alone and in a composition are compared, ``single`` how in MuJoCo 3 if

@@ -11,15 +11,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import ENUMS, with_trait
 
 Model: TypeAlias = Any
 """A compiled ``mujoco.MjModel``; untyped, because only ``mjcompose.mujoco`` may import MuJoCo."""
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
+class Kind(Struct):
     """One kind of element: its word in messages, the prefix of its arrays, and its value of `mjtObj`."""
 
     word: str

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose, rotate
 from mjcompose.mujoco.addresses import RUNS, runs, span
 from mjcompose.mujoco.arrays import FREE, ROUNDING, Treatment, with_trait
@@ -30,8 +30,7 @@ Run = tuple[Array, Array]
 _NOT_ROWS = (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Unequal:
+class Unequal(Struct, eq=False):
     """The numbers of an array that differ for one element: in its own row, or in several rows.
 
     ``expected`` are the numbers in the first model as they should be in the second, ``actual`` those in the second.

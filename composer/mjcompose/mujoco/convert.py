@@ -13,7 +13,7 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from mjcompose.base.access import Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.attributes import save_digits
 from mjcompose.mujoco.engine import Session, call, without_folder
@@ -21,8 +21,7 @@ from mjcompose.mujoco.engine import Session, call, without_folder
 PACKAGE = "package://"
 
 
-@dataclass(frozen=True, slots=True)
-class Converted:
+class Converted(Struct):
     """The MJCF text of a URDF file, or why there is none.
 
     `meshes` are the files that MuJoCo opens, under its paths: below the URDF's folder and `folder` (its `meshdir`)
@@ -166,8 +165,7 @@ _WARNING = re.compile(r"^Warning: in \S+ at line \d+ of .*? -- (.*)$", re.MULTIL
 _OWN_AFFAIRS = re.compile(r"deprecated")
 
 
-@dataclass(frozen=True, slots=True)
-class Exported:
+class Exported(Struct):
     """The result of an export: `missing` is set if the converter cannot be imported, `error` if it failed.
 
     `textures` are images next to a layer, which a package would contain; `warnings` are the converter's messages.

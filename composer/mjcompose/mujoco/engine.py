@@ -19,7 +19,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import untrusted
 from mjcompose.base.limits import GIB, in_force
 from mjcompose.base.processes import Process, module_path
@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.index import Index
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(Struct):
     """Limits of one request; the defaults are those in force.
 
     `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo. `memory` is in
@@ -56,8 +55,7 @@ class Limits:
 WANTS = frozenset({"forward", "index", "names"})
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(Struct):
     """Compile `folder/model` and report on it.
 
     `wants` lists contents of the answer besides sizes and warnings: `index` (joints, actuators, sensors with their
@@ -91,8 +89,7 @@ class Request:
         return json.dumps({**asdict(self), **paths, "step": step}, ensure_ascii=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Compiled:
+class Compiled(Struct):
     """A model that compiled, or why it did not.
 
     `error` is MuJoCo's own text, or one sentence if MuJoCo gave none. Paths in it are relative to the folder.
@@ -113,8 +110,7 @@ class Compiled:
     names: Mapping[str, tuple[str, ...]] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Measured:
+class Measured(Struct):
     """A compiled model with some of its arrays.
 
     `arrays` has the requested attributes that this version of MuJoCo has, sizes as arrays of one; it is empty if
@@ -130,8 +126,7 @@ class Measured:
         return self.compiled.names or {}
 
 
-@dataclass(frozen=True, slots=True)
-class Called:
+class Called(Struct):
     """The result of a function in the child, an exception of which is an `error`; `value` is JSON data, if `ok`."""
 
     ok: bool

@@ -13,7 +13,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Process
 from mjcompose.mujoco.arrays import BALL, FREE, SLIDE
@@ -41,8 +41,7 @@ class RejectedError(OtherError):
     """A version of MuJoCo rejects the model."""
 
 
-@dataclass(frozen=True, slots=True)
-class Compiled:
+class Compiled(Struct):
     """A compiled model: the file with its arrays, and its names; or the error of MuJoCo."""
 
     version: str
@@ -52,8 +51,7 @@ class Compiled:
     error: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Other:
+class Other(Struct):
     python: Path
     version: str
 
@@ -184,8 +182,7 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
 TRIALS = ("settle", "hold", "step", "drop")
 
 
-@dataclass(frozen=True, slots=True)
-class Moved:
+class Moved(Struct):
     """A joint or body that moves differently: the greatest `amount` in its `unit`, in a `trial`, first after `time`."""
 
     kind: str
@@ -202,8 +199,7 @@ class Moved:
         return f"{self.kind} {self.name}: {apart}, from {self.time:.3g} s on"
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(Struct):
     """The motion of a model in all trials; `answer` is that of `dump.py`."""
 
     answer: Mapping[str, Any]

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco import controls as units
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BY_WORD, HINGE, JOINT_TYPES, LENGTH, words
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 Range: TypeAlias = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(Struct):
     """A joint. `range` is in MuJoCo's units (radians, meters) and only valid if `limited`."""
 
     name: str
@@ -41,8 +40,7 @@ class Joint:
     body: str
 
 
-@dataclass(frozen=True, slots=True)
-class Actuator:
+class Actuator(Struct):
     """An actuator without activation has `act_address` -1 and `act_size` 0.
 
     `unit` is the unit of its only control. `ctrl_ranges` has a range or None for each control, in that unit.
@@ -61,8 +59,7 @@ class Actuator:
     """The stiffness of a servo at its hinge, in N·m/rad; 0 for any other actuator."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sensor:
+class Sensor(Struct):
     """A sensor. `type` is its MJCF tag; `cutoff`, in its unit, is None if there is no cutoff."""
 
     name: str
@@ -73,8 +70,7 @@ class Sensor:
     cutoff: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Camera:
+class Camera(Struct):
     """The field of view and the resolution of a camera.
 
     `fovy` is in degrees, or in meters for an orthographic camera, as `unit` says; `resolution` is width and height.
@@ -87,16 +83,14 @@ class Camera:
     resolution: tuple[int, int]
 
 
-@dataclass(frozen=True, slots=True)
-class Keyframe:
+class Keyframe(Struct):
     """A keyframe. `time` is in seconds."""
 
     name: str
     time: float
 
 
-@dataclass(frozen=True, slots=True)
-class Index:
+class Index(Struct):
     """Everything in the order of the compiled model; unnamed elements have the name ''."""
 
     joints: tuple[Joint, ...]

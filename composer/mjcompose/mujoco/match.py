@@ -14,7 +14,7 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.mujoco.addresses import Run, counted, runs
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
@@ -26,8 +26,7 @@ MISSING = "missing"
 EXTRA = "extra"
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Difference(Struct):
     """A field of an element that differs.
 
     ``kind`` is MJCF's word for the element, ``name`` its name in the composition. An unnamed element is reported by its
@@ -97,8 +96,7 @@ def shape(model: Model, kind: str, index: int) -> Hashable:
 AT_ORIGIN = Pose()
 
 
-@dataclass(frozen=True, slots=True)
-class Mount:
+class Mount(Struct):
     """The body that replaces the part's world in a composition, and the pose of the part in it.
 
     ``body`` is a name in the composition, the id of an unnamed body, or None for the world. ``pose=None`` means

@@ -9,7 +9,7 @@ from enum import Enum
 from pathlib import PurePath
 from typing import TYPE_CHECKING, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Note, Span
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute as no_attribute
 from mjcompose.sources.context import Context
@@ -65,8 +65,7 @@ class Topic(Enum):
     URDF_JOINT_TYPE = r"^invalid joint type"
 
 
-@dataclass(frozen=True, slots=True)
-class Sentence:
+class Sentence(Struct):
     """A parsed message of MuJoCo; no other code in this package parses messages.
 
     `attribute` is the attribute that it names, `unknown_attribute` an attribute that MJCF does not have there,
@@ -138,8 +137,7 @@ _XML = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(Struct):
     """One message of MuJoCo, split into its parts.
 
     `message` is its text without the other fields, which are None if MuJoCo does not name them. `line` (and
@@ -248,8 +246,7 @@ _ADVICE = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Translation:
+class Translation(Struct):
     """A diagnostic without its place, and facts about the place.
 
     `attribute` is the element's faulty attribute, if it is known; with `key` the fault is in its name. `topic` is

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.attributes import holder, names, place
 from mjcompose.mujoco.controls import advance
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
@@ -227,8 +227,7 @@ class NoOpenGL(Exception):
     """OpenGL is not available; the text is the system's message."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(Struct):
     """The settings of a picture.
 
     `background` is RGB of 255 and an opacity of 1 or 0; None is the model's sky, or light grey if it has none.

@@ -10,7 +10,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model
 
@@ -90,8 +90,7 @@ class World(StrEnum):
     """Both: vertices and bones pinned to the part's world."""
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
+class Link(Struct):
     """A reference. ``index`` is -1 for an empty field."""
 
     field: str

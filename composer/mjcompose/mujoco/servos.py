@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin, moment_arms
 from mjcompose.mujoco.references import ON_JOINTS
@@ -21,8 +21,7 @@ _GROWS = 1e-3
 _LEAST = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Mode:
+class Mode(Struct):
     """A motion that should not grow, and grows from step to step: its largest degree of freedom, the factor of each
     step, and the longest time step (s) with which it would not grow, or None.
     """

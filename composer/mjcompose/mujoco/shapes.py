@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 
 
 class UnusableError(Exception):
@@ -239,8 +239,7 @@ _FACTORS = {"large": (0.001, "its file is in millimeters"), "small": (1000, "it 
 """The factor for the scale of a mesh, and the reason."""
 
 
-@dataclass(frozen=True, slots=True)
-class Measured:
+class Measured(Struct):
     """The measurements of a mesh: `size` is the diagonal of the box around it, in meters, in the model.
 
     It is closed if every edge has two faces. `open_edges` of `edges` have not; None if they are not known.
@@ -253,8 +252,7 @@ class Measured:
     edges: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Doubt:
+class Doubt(Struct):
     """Why a mesh is hardly intended: `large`, `small`, `flat` or `open`; `what` is the end of a sentence."""
 
     kind: str

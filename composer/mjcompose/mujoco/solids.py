@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import Model
 
@@ -18,8 +18,7 @@ SIGNS = [[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0
 """The corners of a box, as shares of half its size."""
 
 
-@dataclass(frozen=True, slots=True)
-class Volume:
+class Volume(Struct):
     """Between `least` and `most`, in m³; both are the same for a closed shape."""
 
     least: float

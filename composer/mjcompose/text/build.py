@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
@@ -26,8 +26,7 @@ _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
 _DROPPED = Key("", Span("", 0, 0))
 
 
-@dataclass(slots=True)
-class _Frame:
+class _Frame(Struct, frozen=False):
     """A collection that is being read. Lines and columns count from 1."""
 
     entries: dict[str, tuple[Key, Node]] | None
@@ -47,8 +46,7 @@ class _Frame:
     height: int = 1  # the nesting depth of collections, including this one
 
 
-@dataclass(frozen=True, slots=True)
-class _Anchored:
+class _Anchored(Struct):
     node: Node
     size: int
     height: int

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import lru_cache
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import advice, in_force
 from mjcompose.text import expression as syntax
 from mjcompose.text.expression import Expression, ExpressionError, Name, Value, kind, parse, shown
@@ -164,8 +164,7 @@ def _checked(
     return value
 
 
-@dataclass(frozen=True, slots=True)
-class Template:
+class Template(Struct):
     """Pieces of text, and expressions with their start positions."""
 
     pieces: tuple[str | tuple[int, Expression], ...]

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 Value = bool | int | float | str | tuple["Value", ...]
 
@@ -83,8 +83,7 @@ ANGLE_PATTERN = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?(?:de
 _ANGLE = re.compile(ANGLE_PATTERN)
 
 
-@dataclass(frozen=True, slots=True)
-class Angle:
+class Angle(Struct):
     """A number with its unit: `90deg`, `1.57rad`."""
 
     value: float
@@ -138,20 +137,17 @@ class UnknownName(ExpressionError):
         self.name = name
 
 
-@dataclass(frozen=True, slots=True)
-class Constant:
+class Constant(Struct):
     value: Value
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Name:
+class Name(Struct):
     name: str
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
+class Item(Struct):
     """An item of a vector: `vector[index]`."""
 
     vector: Expression
@@ -159,21 +155,18 @@ class Item:
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Vector:
+class Vector(Struct):
     items: tuple[Expression, ...]
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Unary:
+class Unary(Struct):
     operator: str
     operand: Expression
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Binary:
+class Binary(Struct):
     """Arithmetic, `and` and `or`."""
 
     operator: str
@@ -182,8 +175,7 @@ class Binary:
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(Struct):
     """A comparison such as `a < b <= c`: it has one operand more than operators."""
 
     operators: tuple[str, ...]
@@ -191,8 +183,7 @@ class Comparison:
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(Struct):
     """A conditional expression: `yes if condition else no`."""
 
     condition: Expression
@@ -201,8 +192,7 @@ class Choice:
     at: Range
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(Struct):
     function: str
     arguments: tuple[Expression, ...]
     at: Range

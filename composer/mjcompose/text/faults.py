@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
 from mjcompose.text.node import position
 
@@ -95,16 +95,14 @@ def in_flow(text: str, index: int, outer: bool) -> bool:
 _WORD = re.compile(r"[\w${*/.-]+|\S")
 
 
-@dataclass(frozen=True, slots=True)
-class SyntaxFault:
+class SyntaxFault(Struct):
     """A fault, and the stretch of plain text to `hide` so that reading can find further faults; None ends reading."""
 
     diagnostic: Diagnostic
     hide: tuple[int, int] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class ParserStop:
+class ParserStop(Struct):
     """Where the parser stopped, and its message (`context`, `problem`).
 
     `at` and `since` are indices into `text`: where it stopped, and where the construct that it was reading starts.

@@ -6,13 +6,12 @@ import json
 from dataclasses import field
 from pathlib import Path as File
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.text.load import Comment
 from mjcompose.text.merge import in_own_model
 
 
-@dataclass(slots=True)
-class Leaf:
+class Leaf(Struct, frozen=False):
     """A scalar or an alias as written; `properties` are its anchor and tag."""
 
     text: str
@@ -21,8 +20,7 @@ class Leaf:
     ended: bool = True  # for a block scalar, whether a line break follows
 
 
-@dataclass(slots=True)
-class Entry:
+class Entry(Struct, frozen=False):
     """A key and its value, or an item of a list (`key` is None). `column`, from 0, is its place in the text."""
 
     column: int
@@ -49,8 +47,7 @@ class Entry:
             self.blank = value
 
 
-@dataclass(slots=True)
-class Collection:
+class Collection(Struct, frozen=False):
     """A mapping or a list, in lines or (`flow`) in brackets; `broken` brackets span several lines."""
 
     mapping: bool
@@ -62,8 +59,7 @@ class Collection:
     broken: bool = False
 
 
-@dataclass(slots=True)
-class Document:
+class Document(Struct, frozen=False):
     """A whole text. `preface` are the lines up to `---`, if there is one."""
 
     preface: list[str]

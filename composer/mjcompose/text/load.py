@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.sink import Sink
@@ -180,8 +180,7 @@ def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
 _BLOCK = re.compile(r"[|>](?:([0-9])|[-+])*")
 
 
-@dataclass(slots=True)
-class Comment:
+class Comment(Struct, frozen=False):
     """A comment. `column` counts from 0; `own_line` says that only white space precedes it."""
 
     text: str
@@ -190,8 +189,7 @@ class Comment:
     blank_before: bool
 
 
-@dataclass(slots=True)
-class Token:
+class Token(Struct, frozen=False):
     """A token of YAML's grammar, such as `BlockEntry` or `Scalar`, with the comments before it.
 
     `line` and `column` count from 0; `blank` says that an empty line precedes it. Tokens such as `BlockEnd` have no

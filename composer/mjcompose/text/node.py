@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence as Lines
 from typing import Any, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.tree.values import NOT_XML, code_point
@@ -113,8 +113,7 @@ class Marks:
         return Span(self.file, line, column, end_line=line, end_column=column + len(found.group(1)))
 
 
-@dataclass(frozen=True, slots=True)
-class Scalar:
+class Scalar(Struct):
     """A single value.
 
     `text` is the written text, without quotes and with escapes resolved; `plain` says that it has neither quotes
@@ -129,24 +128,21 @@ class Scalar:
     block: tuple[int, int] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
+class Key(Struct):
     """A key of a mapping: always text, as written (`1`, `no` and `12:30` are names too)."""
 
     name: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Mapping:
+class Mapping(Struct):
     """Keys and values in the order of the file, never changed. Its span covers the first of several lines."""
 
     entries: dict[str, tuple[Key, Node]]
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Sequence:
+class Sequence(Struct):
     """A list of values. The span of a list over several lines covers its first line."""
 
     items: tuple[Node, ...]
@@ -251,8 +247,7 @@ def is_template(text: str) -> bool:
     return OPENING in text
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Struct):
     """A replacement of a stretch of text. With an empty span, the text is inserted there."""
 
     span: Span

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import RECIPES, read_regular, unsaved
 from mjcompose.base.limits import in_force
@@ -23,8 +23,7 @@ from mjcompose.text.faults import quoted, word
 _CLOSING = {"[": "]", "{": "}"}
 
 
-@dataclass(frozen=True, slots=True)
-class Edit:
+class Edit(Struct):
     """Replaces the characters from `start` up to `end` by `text`."""
 
     start: int
@@ -114,8 +113,7 @@ def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
 _ROUNDS = 50
 
 
-@dataclass(slots=True)
-class Fixed:
+class Fixed(Struct, frozen=False):
     """The result of fixing a recipe.
 
     `files` are the texts before and after by path; `fixed` are the fixed diagnostics, `left` the others.
@@ -139,8 +137,7 @@ def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
     return Fixing(look, context).fixed()
 
 
-@dataclass(slots=True)
-class Fixing:
+class Fixing(Struct, frozen=False):
     """Applies the fixes of the diagnostics that `look` finds, in files with these suffixes."""
 
     look: Callable[[Context], list[Diagnostic]]

@@ -13,7 +13,7 @@ from xml.sax.saxutils import escape
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
 from mjcompose.base.sink import Sink
@@ -38,8 +38,7 @@ _GLOB = re.compile(r"[*?\[]")
 _HEAD, _MOST_NEAR = 1 << 20, 200
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(Struct):
     """A file to lint; the errors of one that `may_be_part` of another file do not count."""
 
     path: Path
@@ -119,8 +118,7 @@ def _head(path: Path) -> bytes:
     return b" "
 
 
-@dataclass(frozen=True, slots=True)
-class Linted:
+class Linted(Struct):
     """The result for one file: its findings, without those that a comment ignores, and the number of ignored ones."""
 
     path: Path
@@ -155,8 +153,7 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
         return Linted(path, kept, len(every) - len(kept))
 
 
-@dataclass(frozen=True, slots=True)
-class _Model:
+class _Model(Struct):
     """The model of a file, and its text as MJCF.
 
     `is_part` says whether other files may complete it, `is_compiled` whether the session keeps it, and `is_written`

@@ -11,7 +11,7 @@ from dataclasses import asdict
 from itertools import chain, count
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.build.bundle.bundle import MODEL
 from mjcompose.build.plan.read import Given
 from mjcompose.mujoco import engine
@@ -26,8 +26,7 @@ Address = tuple[str, int, str]
 """An identifier, the address and the name."""
 
 
-@dataclass(frozen=True, slots=True)
-class Names:
+class Names(Struct):
     """The names of a model. `sha256` is the hash of its MJCF text, `keys` has the vectors of each keyframe."""
 
     model: str

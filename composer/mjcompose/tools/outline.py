@@ -12,7 +12,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import STDIN
 from mjcompose.base.report import Paint, counted
 from mjcompose.base.rotation import Pose
@@ -41,8 +41,7 @@ from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(Struct):
     """A joint; `range` is None without limits, in radians for a hinge or ball joint and in meters for a slide."""
 
     name: str | None
@@ -50,8 +49,7 @@ class Joint:
     range: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(Struct):
     """A place for attaching a part: `kind` is `site`, `body` or `frame`.
 
     `pose` is relative to its body, `world` to the world with all joints at their reference; meters.
@@ -63,8 +61,7 @@ class Place:
     world: Pose
 
 
-@dataclass(frozen=True, slots=True)
-class Body:
+class Body(Struct):
     """A body or the world. `part` is its part's name in the recipe; None if the recipe adds it.
 
     `copies` is the number of copies that MuJoCo's `<replicate>` makes. `places` has the body itself first.
@@ -83,8 +80,7 @@ class Body:
             yield from child.walk()
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Struct):
     """A part: its name in the recipe, the origin of its model, and the body that it is fixed to."""
 
     name: str
@@ -92,8 +88,7 @@ class Part:
     body: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Outline:
+class Outline(Struct):
     """A model: `name` is its own, `label` the user's name for it."""
 
     name: str

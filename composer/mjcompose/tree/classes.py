@@ -10,7 +10,7 @@ from typing import Literal
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 
 MAIN = "main"
@@ -18,8 +18,7 @@ ORIENTATIONS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")
 NESTED = ("body", "frame", "replicate")
 
 
-@dataclass(slots=True)
-class DefaultClass:
+class DefaultClass(Struct, frozen=False):
     """One class: its own settings by element tag; everything else comes from `parent`.
 
     There is one top class for each top-level `<default>`: a class inherits only attributes that are written before it.
@@ -173,8 +172,7 @@ def own(body: Node, *tags: str) -> list[Node]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class Level:
+class Level(Struct):
     """One place that may set an attribute, the nearest first.
 
     `writer` is the element that writes it there, `text` the written text; None if that level does not set it.
@@ -188,8 +186,7 @@ class Level:
     taken: range = range(0)
 
 
-@dataclass(frozen=True, slots=True)
-class InForce:
+class InForce(Struct):
     """The class in force for an element, and the element that selects it by `class` or `childclass`."""
 
     name: str

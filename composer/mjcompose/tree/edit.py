@@ -12,7 +12,7 @@ from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.suggest import renaming, unknown_name
@@ -313,8 +313,7 @@ class NewName(NamedTuple, Generic[M]):
     new: str
 
 
-@dataclass(frozen=True, slots=True)
-class Renaming(Generic[M]):
+class Renaming(Struct, Generic[M]):
     """Old and new texts of references to renamed elements, by model and namespace.
 
     It is created before the first name changes, and applied after all have changed: two names can be
@@ -367,8 +366,7 @@ def unlistable_message(reference: Reference[M], new: str, called: str) -> str:
     return f"{cannot}: {called} has it in a list of names, which cannot hold one with a space"
 
 
-@dataclass(frozen=True, slots=True)
-class Removal(Generic[M]):
+class Removal(Struct, Generic[M]):
     """The outermost removed elements, each with its model, and the remaining references to them."""
 
     going: tuple[tuple[M, Node], ...]

@@ -11,7 +11,7 @@ from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any, Literal
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 
 
 def exists_in(version: str, since: str | None, until: str | None) -> bool:
@@ -154,8 +154,7 @@ def number_text(value: int | float) -> str:
     return text[:-2] if text.endswith(".0") else text
 
 
-@dataclass(frozen=True, slots=True)
-class Constraint:
+class Constraint(Struct):
     """A rule about the presence of attributes. A bundle is complete if all its attributes are written.
 
     `exclusive`: attributes of at most one bundle. `together`: all of them or none. `requires`: the first bundle
@@ -188,8 +187,7 @@ class Children(Mapping[str, "ElementType"]):
         return len(self._paths)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ElementType:
+class ElementType(Struct, eq=False):
     """MuJoCo's rules for one place of the tree. There is one object for each path: compare with `is`."""
 
     path: str

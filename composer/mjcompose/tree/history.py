@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tree.grammar import GRAMMAR, exists_in, to_text, version_key
 
 if TYPE_CHECKING:
@@ -67,8 +67,7 @@ def release(text: str) -> str | None:
     return next((each for each in RELEASED[::-1] if wanted and version_key(each)[: len(wanted)] == wanted), None)
 
 
-@dataclass(frozen=True, slots=True)
-class Unread:
+class Unread(Struct):
     """Something that a version does not read: an element (`attribute` None), an attribute, or its `value`."""
 
     node: Node

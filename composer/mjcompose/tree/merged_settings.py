@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Literal, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 
 _NAMED = 4
@@ -56,8 +56,7 @@ def in_words(adopted: Iterable[Adopted]) -> Iterator[str]:
         yield f"{', '.join(settings)}, from {', '.join(parts[:_NAMED])}{more}"
 
 
-@dataclass(frozen=True, slots=True)
-class ReadRow:
+class ReadRow(Struct):
     """`count` elements of the kind `what`, with the elements that they `became`, or `why` the model lacks them.
 
     `what` is a path of tags, such as `joint/limit`, followed by an attribute if the row is about it

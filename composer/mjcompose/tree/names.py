@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.grammar import GRAMMAR
@@ -26,8 +26,7 @@ WORLD = "world"
 _WITH = etree.XPath("descendant::*/@*[. = $name]")
 
 
-@dataclass(slots=True)
-class Names:
+class Names(Struct, frozen=False):
     """The declared names by namespace, each with its element."""
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
@@ -158,8 +157,7 @@ Use = tuple[Node, str]
 """An element and its attribute that contains a reference."""
 
 
-@dataclass(slots=True)
-class NameIndex(Names):
+class NameIndex(Names, frozen=False):
     """Names and references as written in one model, in both directions.
 
     `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,

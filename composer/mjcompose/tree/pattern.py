@@ -14,7 +14,7 @@ from enum import Enum
 from functools import cache, lru_cache, reduce
 from operator import or_
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tree.grammar import GRAMMAR
 
 _TOKENS = r"\*\*|\*|\?|\{[^{}]*\}|[^*?{]+|."
@@ -216,8 +216,7 @@ EVERYTHING = "**"
 _USUAL = ("worldbody", "asset")
 
 
-@dataclass(frozen=True, slots=True)
-class Selector:
+class Selector(Struct):
     """A tag with a glob for the names, and further conditions. `tag` is a path, a tag or a family.
 
     `pattern` is a glob, or `/…/` for a regular expression. `where` compares effective values by

@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.tree.classes import MAIN, Classes, chain
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
@@ -78,8 +78,7 @@ def naming_attribute(kind: ElementType) -> Attribute | None:
     return next((each for each in kind.attributes.values() if each.declares), None)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Query:
+class Query(Struct, eq=False):
     """The elements that a tag selects: their paths in the grammar, tags, sections and namespaces."""
 
     tag: str

@@ -15,7 +15,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import NOTHING, Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import TooLarge, read_regular
 from mjcompose.tree.classes import Classes
@@ -45,8 +45,7 @@ def element_at(root: Node, text: bytes, line: int) -> Node | None:
     return next((element for written, element in pairs if written.sourceline == line), None)
 
 
-@dataclass(eq=False, slots=True)
-class FileText:
+class FileText(Struct, frozen=False, eq=False):
     """A file's text, for the places of its elements. Copies of a model share it and split it into lines once.
 
     `path` is None for text that is in no file. Without `contents`, the first use reads the file.
@@ -70,8 +69,7 @@ class FileText:
 Kind = Literal["key", "edited", "entry", "reference", "zero", "mujoco"]
 
 
-@dataclass(frozen=True, slots=True)
-class KeySource:
+class KeySource(Struct):
     """The origin of numbers of a key.
 
     - `key`: the attribute `vector` of the `<key>` element `key`, as it was read.
@@ -103,8 +101,7 @@ class Number(NamedTuple):
     at: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class KeyRecord:
+class KeyRecord(Struct):
     """The layout of a `<key>`: the elements that it replaces, and its numbers by attribute, including `time`.
 
     `void` are the joints and actuators whose numbers in those elements mean nothing any more. The record is valid until
@@ -155,8 +152,7 @@ Place = Callable[[str | None], Span]
 """Returns the place of an element in a recipe, or with an attribute's name the place of its value."""
 
 
-@dataclass(slots=True)
-class Origins:
+class Origins(Struct, frozen=False):
     """The file of every subtree whose file is not its parent's, and the recipe place of elements that a recipe wrote.
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
@@ -252,8 +248,7 @@ class Origins:
         return None if known is None else known.split()
 
 
-@dataclass(eq=False, slots=True)
-class Key:
+class Key(Struct, frozen=False, eq=False):
     """Numbers by vector (`qpos`, …) and by their owner; `element` is where it is written.
 
     `others` are the elements of keys that were merged into it.

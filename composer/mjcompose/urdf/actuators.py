@@ -9,7 +9,7 @@ from typing import TypeAlias
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
@@ -23,8 +23,7 @@ _KD = ("kd", "d", "position_kd", "position_derivative_gain")
 _KV = ("kv", "kp", "p", "velocity_kp", "velocity_proportional_gain")
 
 
-@dataclass(slots=True)
-class Drive:
+class Drive(Struct, frozen=False):
     """A commanded joint: its source in the URDF, its interfaces and its numbers."""
 
     joint: str
@@ -148,8 +147,7 @@ _FRICTION = ("1", "0.005", "0.0001")
 """MuJoCo's default."""
 
 
-@dataclass(slots=True)
-class Extras:
+class Extras(Struct, frozen=False):
     """`made` has the elements that MuJoCo made from elements of the URDF. Methods return the result for an element."""
 
     robot: Unit

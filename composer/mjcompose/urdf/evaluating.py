@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 
 LONGEST, DEEPEST = 10_000, 100
 """The most characters of an expression, and its deepest nesting."""
@@ -33,8 +33,7 @@ class Stopped(Exception):
         self.code, self.subject = code, subject
 
 
-@dataclass(slots=True, eq=False)
-class Function:
+class Function(Struct, frozen=False, eq=False):
     """A function that expressions may call. It has no text."""
 
     name: str
@@ -45,8 +44,7 @@ class Function:
         raise Stopped("unsafe", f"`{self.name}` is a function, and no value for a model", self.name)
 
 
-@dataclass(slots=True, eq=False)
-class Space:
+class Space(Struct, frozen=False, eq=False):
     """Names behind a name, such as `math.`."""
 
     name: str

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.urdf.robot import Robot, by_name, end_of
@@ -23,8 +23,7 @@ _LEAST_MOMENT, _LEAST_MASS = 1e-14, 1e-15
 Matrix = list[list[float]]
 
 
-@dataclass(frozen=True, slots=True)
-class Bad:
+class Bad(Struct):
     """A link with an impossible inertia, and why; `inertial` is None if the link needs one and has none."""
 
     link: Node

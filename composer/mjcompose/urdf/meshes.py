@@ -15,7 +15,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.sink import Sink
@@ -32,8 +32,7 @@ _MOST_FACES = 200_000
 _NO_VOLUME = 1e-12
 
 
-@dataclass(slots=True)
-class Meshes:
+class Meshes(Struct, frozen=False):
     """The meshes of one robot. Faults go to `sink`. `files` are converted files, which the model no longer names."""
 
     robot: Robot

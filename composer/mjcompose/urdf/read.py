@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Severity, Span
 from mjcompose.base.files import SDF, Refused
 from mjcompose.base.scratch import scratch
@@ -37,8 +37,7 @@ _READ = ("compiler", "option", "size")
 Shown = Callable[[Path], str]
 
 
-@dataclass(slots=True)
-class UrdfReader:
+class UrdfReader(Struct, frozen=False):
     """Reads URDF for one caller. Faults go to `sink`, with a note at `asked`, where the recipe names the file.
 
     `missing` reports missing meshes; it gets the robot and MuJoCo's answer. `relative` returns a folder as the caller

@@ -12,7 +12,7 @@ from pathlib import Path
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
@@ -151,16 +151,14 @@ SCHEMES = (PACKAGE, "model://")
 _FILE = "file://"
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(Struct):
     """The color of a mesh or material of URDF, and its picture as PNG, if it has them."""
 
     rgba: tuple[float, ...] | None
     texture: bytes | None = None
 
 
-@dataclass(slots=True)
-class Robot:
+class Robot(Struct, frozen=False):
     """`unit` has the tree of the URDF, `packages` the folders of the packages that it names.
 
     While nothing is `changed`, MuJoCo reads the file itself. `made` has converted meshes by their names in the tree,

@@ -15,7 +15,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import MOST_LOOKS, Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
 from mjcompose.base.files import MODEL_FILES, Refused
 from mjcompose.base.limits import advice, in_force
@@ -41,8 +41,7 @@ _DEFINE = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Expanded:
+class Expanded(Struct):
     """The text, the places of its elements in the template, the files that were read, and diagnostics.
 
     Without a text, `found` has an error. `package` is an unknown package, and `at` its place.
@@ -64,8 +63,7 @@ def is_template(path: Path, data: bytes) -> bool:
     return b"<xacro:" in written or bool(_DECLARED.search(written) and _OF_XACRO.search(written))
 
 
-@dataclass(frozen=True, slots=True)
-class Template:
+class Template(Struct):
     """A xacro template, the values of its arguments, and the files that it may read."""
 
     path: Path

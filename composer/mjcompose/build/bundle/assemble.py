@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, real_path
 from mjcompose.build.bundle import manifest as entries
@@ -189,8 +189,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class ManifestInput:
+class ManifestInput(Struct):
     """How a model was made; `compiled` is None without MuJoCo, `pictured` says that it has a picture."""
 
     plan: Plan

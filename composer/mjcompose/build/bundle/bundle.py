@@ -21,7 +21,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.sources.context import Context
@@ -196,8 +196,7 @@ class BundleError(ValueError):
     """The files cannot be a bundle: a path leads out of it, or two paths are equal on some systems."""
 
 
-@dataclass(frozen=True, slots=True)
-class Bundle:
+class Bundle(Struct):
     """The model's MJCF and everything it needs, independent of its form on disk.
 
     `files` maps relative paths with forward slashes to bytes; it is sorted and read-only. `model` is the path of the
@@ -300,8 +299,7 @@ LICENSES = "LICENSES"
 _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 
-@dataclass(frozen=True, slots=True)
-class Licenses:
+class Licenses(Struct):
     """The license files of a bundle: `files` by their paths in it, `of` their paths by label."""
 
     files: Mapping[str, bytes]
@@ -352,8 +350,7 @@ def _segment(name: str) -> str:
     return _UNSAFE.sub("_", name).strip(".") or "_"
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Struct):
     """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and values."""
 
     name: str
@@ -367,8 +364,7 @@ class Outcome:
         return not any(each.severity is Severity.ERROR for each in self.diagnostics)
 
 
-@dataclass(frozen=True, slots=True)
-class LicenseRow:
+class LicenseRow(Struct):
     """One part: its model reference, its license as an SPDX expression (None if unknown), and its license files."""
 
     part: str

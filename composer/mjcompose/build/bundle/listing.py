@@ -15,7 +15,7 @@ from io import TextIOWrapper
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, TextIO, TypeVar
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError, Note
 from mjcompose.base.files import TooLarge, open_regular
 from mjcompose.base.suggest import did_you_mean, exists_note
@@ -81,8 +81,7 @@ class ListingError(DiagnosticError):
     """There is no index, or the file is not an index."""
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(Struct):
     """One model of an index: `file` is its bundle, `values` are the non-empty values by column."""
 
     file: Location

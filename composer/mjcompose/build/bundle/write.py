@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from threading import Thread
 from typing import Any, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import open_regular, read_regular
 from mjcompose.build.bundle.bundle import (
     LARGEST_MANIFEST,
@@ -209,8 +209,7 @@ def write_usd(
         warn(warning)
 
 
-@dataclass(frozen=True, slots=True)
-class OutputOrigin:
+class OutputOrigin(Struct):
     """The recipe of a model and its options; `values` are parameters, variants, the cell and the sample."""
 
     recipe: str

@@ -10,7 +10,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, log
 from mjcompose.base.files import STDIN
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, LicenseRow, Location, Outcome, license_rows
@@ -31,8 +30,7 @@ if TYPE_CHECKING:
     from mjcompose.tree.unit import Unit
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BuildResult(Facts):
+class BuildResult(Facts, kw_only=True):
     """A built model.
 
     `built` is set for a model that was built now, `record` for one from the cache, which has only the data that its

@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
@@ -57,8 +57,7 @@ def _stamps(outputs: Iterable[str]) -> list[list[object]]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class KeptFile:
+class KeptFile(Struct):
     """A file of a bundle; `source` is an input file with the same bytes, or None if the bytes are in the store."""
 
     path: str
@@ -67,8 +66,7 @@ class KeptFile:
     source: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class KeptRecipe:
+class KeptRecipe(Struct):
     """A recipe file, its name in the manifest, and its hash at the time."""
 
     path: str
@@ -76,8 +74,7 @@ class KeptRecipe:
     sha256: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class Facts(Struct, kw_only=True):
     """Facts of a built model that a run reports and the cache keeps.
 
     `mujoco` is the version that compiled it. `draws` are the numbers drawn for a sample, by table column. `cells` is
@@ -103,8 +100,7 @@ class Facts:
         return {each.name: getattr(self, each.name) for each in fields(Facts)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Record(Facts):
+class Record(Facts, kw_only=True):
     """A record of a successful build.
 
     `text` is the hash of the model's text, if only that was requested. `recipes` are the recipe files, the outermost
@@ -172,8 +168,7 @@ Package = tuple[str, str, str]
 """Name, version, and a file that exists only in this version."""
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Struct):
     """The name of a record, and its dependencies besides the key."""
 
     record: str
@@ -181,8 +176,7 @@ class Answer:
     packages: tuple[Package, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Lookup:
+class Lookup(Struct):
     """A record and the answer that names it; or, in words, why there is none."""
 
     record: Record | None = None
@@ -190,8 +184,7 @@ class Lookup:
     why: tuple[str, ...] = ()
 
 
-@dataclass(slots=True)
-class Cache:
+class Cache(Struct, frozen=False):
     """The build cache. Errors on writing are reported once by `warn`; `on_keep` gets all that is stored."""
 
     store: Store

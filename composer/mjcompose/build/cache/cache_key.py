@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base import __version__, files
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import open_regular
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
@@ -90,8 +90,7 @@ ABSENT = ""
 _SETTLED = 2_000_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class FileState:
+class FileState(Struct):
     """The state of a path: the sha256 of a file, the names of a folder's licenses, or `ABSENT`."""
 
     path: str
@@ -110,8 +109,7 @@ def file_state(data: list[object]) -> FileState:
     return FileState(path, state, tuple(stamp) if isinstance(stamp, list) else None)
 
 
-@dataclass(slots=True)
-class Files:
+class Files(Struct, frozen=False):
     """Looks at every file once until `forget`, and reads it again only if its stamp changed."""
 
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
@@ -171,8 +169,7 @@ def _sha256(path: str) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-@dataclass(frozen=True, slots=True)
-class CacheKey:
+class CacheKey(Struct):
     """The key of a model: the `parts` that count, by their names for the user, and the `subject`, whatever they are."""
 
     subject: str
@@ -196,8 +193,7 @@ class CacheKey:
         return CacheKey("", {**parts, **planned})
 
 
-@dataclass(frozen=True, slots=True)
-class BuildOptions:
+class BuildOptions(Struct):
     """The options of builds. `text_beside` is the folder of a text; `choices` are values by names for the user."""
 
     verified: bool = True

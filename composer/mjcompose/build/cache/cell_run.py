@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from mjcompose.base import files
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.limits import Limits, allow, in_force
 from mjcompose.base.processes import Died, Pool, cores
@@ -37,8 +37,7 @@ Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 """Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""
 
 
-@dataclass(frozen=True, slots=True)
-class CellResult:
+class CellResult(Struct):
     """The result of a cell, None if it failed, with its diagnostics and those `of_run`. Can be pickled."""
 
     cell: Cell
@@ -51,8 +50,7 @@ class CellResult:
     of_run: tuple[Diagnostic, ...] = ()
 
 
-@dataclass(slots=True)
-class CellMaker:
+class CellMaker(Struct, frozen=False):
     """Makes cells with one session, which reads each source file once."""
 
     maker: Maker
@@ -110,8 +108,7 @@ class CellMaker:
         return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
 
 
-@dataclass(frozen=True, slots=True)
-class RecipeResult:
+class RecipeResult(Struct):
     """The result of a recipe of which one model is made: `checks` is their number, `cells` the size of its matrix."""
 
     diagnostics: tuple[Diagnostic, ...]
@@ -162,8 +159,7 @@ def _working(job: Job | RecipeJob, on_keep: OnKeep | None) -> Iterator[tuple[Cac
         yield cache, session
 
 
-@dataclass(frozen=True, slots=True)
-class Job:
+class Job(Struct):
     """The data of a `CellMaker`, so a worker makes cells as this process would. Can be pickled."""
 
     recipe: Path
@@ -196,8 +192,7 @@ class Job:
             yield lambda cell: replace(making.make(cell), of_run=tuple(self.context.sink.diagnostics))
 
 
-@dataclass(frozen=True, slots=True)
-class RecipeJob:
+class RecipeJob(Struct):
     """The data for a worker that makes one model of each of several recipes. Can be pickled."""
 
     options: BuildOptions

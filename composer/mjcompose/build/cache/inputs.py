@@ -11,7 +11,7 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.extensions import LOADED
 from mjcompose.build.cache.cache import Record
@@ -57,8 +57,7 @@ OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
 """Packages that they also depend on if there is URDF."""
 
 
-@dataclass(slots=True)
-class Inputs:
+class Inputs(Struct, frozen=False):
     """Lists the inputs of builds; the inputs of a source are looked up once."""
 
     _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)

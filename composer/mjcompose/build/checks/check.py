@@ -8,7 +8,7 @@ from dataclasses import asdict, field
 from functools import cache, cached_property
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
@@ -278,8 +278,7 @@ def _is_meant(field: str, tag: str, attr: str) -> bool:
     return True
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(Struct):
     """A number with its unit as written; `per_unit` is one such unit in the unit of the compiled model."""
 
     number: float

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.sink import Sink
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Measure
@@ -39,8 +39,7 @@ INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 """The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, each with its meaning."""
 
 
-@dataclass(frozen=True, slots=True)
-class ActuatorModel:
+class ActuatorModel(Struct):
     """The behavior of an actuator: force = gain · control + bias, by MuJoCo's own parameters."""
 
     gain: str

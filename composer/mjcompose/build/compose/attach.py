@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
 from mjcompose.base.suggest import did_you_mean, exists_note, renaming
@@ -47,8 +47,7 @@ _RESHAPING = frozenset({"fusestatic", "discardvisual"})
 _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size"})
 
 
-@dataclass(eq=False, slots=True)
-class UnplacedRecord:
+class UnplacedRecord(Struct, frozen=False, eq=False):
     """The record of a part whose place is still an element of the tree. `content` is None for the world."""
 
     member: PartRecord
@@ -413,8 +412,7 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
 Place = tuple[str, str]
 
 
-@dataclass(slots=True)
-class EarlyAdditions:
+class EarlyAdditions(Struct, frozen=False):
     plan: Plan
     linking: Linking
     making: ElementBuilder

@@ -10,7 +10,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import FINISHED, keep_finished
@@ -42,8 +42,7 @@ def set_collisions(
     return excluded
 
 
-@dataclass(frozen=True, slots=True)
-class _CollisionWriter:
+class _CollisionWriter(Struct):
     plan: Plan
     linking: Linking
     making: ElementBuilder

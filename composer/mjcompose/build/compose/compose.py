@@ -12,7 +12,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import NOTHING
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import advice, in_force
@@ -92,8 +92,7 @@ _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
 check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in STEPS if not each.waits])
 
 
-@dataclass(frozen=True, slots=True)
-class Composed:
+class Composed(Struct):
     """One flat model and all that a manifest says of it; `tables` has elements of sources that are not MJCF."""
 
     model: Unit
@@ -107,8 +106,7 @@ class Composed:
     tables: Tables = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class ComposeOptions:
+class ComposeOptions(Struct):
     """Options of composing.
 
     With `checks_sources`, every element of a source must be valid MJCF. With `notes_parts`, the composer records the

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from lxml.etree import _Element as Node
 from pydantic import BaseModel
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fix, Note, Path, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
@@ -45,8 +45,7 @@ from mjcompose.tree.values import is_in_degrees
 _LOOKS, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 100, 500, 100, 30
 
 
-@dataclass(slots=True)
-class EditCost:
+class EditCost(Struct, frozen=False):
     """The cost of all edits so far, in the time in which one value is written; `ended` is set beyond the limit."""
 
     spent: float = 0

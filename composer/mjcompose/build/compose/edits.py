@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.checks import check_intervals
@@ -95,8 +95,7 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
     return select is not None and "keyframe/key" in paths_of(select.tag)
 
 
-@dataclass(slots=True)
-class PartEdits:
+class PartEdits(Struct, frozen=False):
     """Edits a unit. Its keys are laid out again, and edits of keys are carried out after that."""
 
     plan: Plan
@@ -166,8 +165,7 @@ _UNNAMING = {"remove", "rename"}  # an element loses its name
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
-@dataclass(frozen=True, slots=True)
-class ModelEdits:
+class ModelEdits(Struct):
     """The edits and draws of a recipe on its model; `drawn` and `tabled` are the draws."""
 
     plan: Plan

@@ -12,7 +12,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import quat_from_euler
 from mjcompose.base.sink import Sink
@@ -44,8 +44,7 @@ class Reference(NamedTuple):
     typed_by: str
 
 
-@dataclass(slots=True)
-class ElementBuilder:
+class ElementBuilder(Struct, frozen=False):
     """Turns a recipe's elements into nodes of one model, and records them.
 
     `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model. Paths of files in

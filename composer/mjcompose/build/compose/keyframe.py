@@ -10,7 +10,7 @@ from typing import Any
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
 from mjcompose.build.compose.actuators import ControlUnits
@@ -101,8 +101,7 @@ def _joint_of(actuator: Node) -> str | None:
     return actuator.get("joint") or actuator.get("jointinparent")
 
 
-@dataclass(slots=True)
-class _KeyWriter:
+class _KeyWriter(Struct, frozen=False):
     step: WriteKeyframe
     linking: Linking
     making: ElementBuilder
@@ -344,8 +343,7 @@ def hold_poses(
                 _PoseHolder(step, layout, linking, making=making).hold(own)
 
 
-@dataclass(frozen=True, slots=True)
-class _PoseHolder:
+class _PoseHolder(Struct):
     step: WriteKeyframe
     layout: Layout
     linking: Linking

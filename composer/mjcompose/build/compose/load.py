@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import held
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
@@ -67,8 +67,7 @@ Library = dict[Key, Unit]
 """Units as their files have them, for all that are composed with it."""
 
 
-@dataclass(slots=True)
-class Loader:
+class Loader(Struct, frozen=False):
     """Loads the units of source files.
 
     `expect` announces how often each is needed, so the last use needs no copy. The `library` has known units and gets
@@ -136,8 +135,7 @@ def _urdf_unit(
     ).unit()  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class _RecipeContext:
+class _RecipeContext(Struct):
     """The place where the recipe refers to a URDF, for paths and for reports of missing files."""
 
     context: Context
@@ -171,8 +169,7 @@ def source_key(model: Source, is_fixed: bool) -> Key:
     return *model.read_as, is_fixed or model.format != "urdf"
 
 
-@dataclass(frozen=True, slots=True)
-class PartRequest:
+class PartRequest(Struct):
     """A request for a base or part of a plan at `at`, or one `body` of it, named at `span`; for the final world."""
 
     model: Source | Plan | None
@@ -234,8 +231,7 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
         )  # fmt: skip
 
 
-@dataclass(slots=True)
-class InnerModels:
+class InnerModels(Struct, frozen=False):
     """Puts models that a unit attaches into its contents: `compose` makes those of recipes, whose `plans` it has."""
 
     plans: Mapping[str, Plan]

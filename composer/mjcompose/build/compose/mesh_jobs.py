@@ -19,7 +19,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import ALL
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import GIB, MIB, advice, in_force
@@ -55,8 +55,7 @@ def shapes_key(mesh: dict[str, str], method: str, wanted: Any) -> str:
     return blobs.key_of([FORMAT, sorted(mesh.items()), method, wanted])
 
 
-@dataclass(slots=True)
-class ShapeStore:
+class ShapeStore(Struct, frozen=False):
     """Finds and keeps results. `used` has the bytes of the requested results, by key."""
 
     context: Context
@@ -188,8 +187,7 @@ SAID = ("content_type", "vertex", "face", "refpos", "refquat", "scale", "builtin
 """The attributes of a mesh that decide where its surface is."""
 
 
-@dataclass(frozen=True, slots=True)
-class MeshJob:
+class MeshJob(Struct):
     """Work on one mesh. `mesh` has its attributes with the hash of its file, `content` is the file."""
 
     node: Node
@@ -213,8 +211,7 @@ class MeshJob:
         )  # fmt: skip
 
 
-@dataclass(slots=True)
-class MeshResult:
+class MeshResult(Struct, frozen=False):
     """The new geoms, the geom or mesh that they are for, and the facts about them."""
 
     of: Node
@@ -223,8 +220,7 @@ class MeshResult:
     about: GeneratedShapes
 
 
-@dataclass(slots=True)
-class MeshWorkshop:
+class MeshWorkshop(Struct, frozen=False):
     """Finds or computes the results, `records`. Without `makes` it computes none; `stopped` if tools are missing."""
 
     context: Context

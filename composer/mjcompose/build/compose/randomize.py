@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
@@ -55,8 +55,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     return list(drawn.values()), tabled
 
 
-@dataclass(slots=True)
-class _FieldDraws:
+class _FieldDraws(Struct, frozen=False):
     step: DrawValues
     editing: Editing
     masses: Masses

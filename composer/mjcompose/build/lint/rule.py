@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from lxml.etree import _Element as Node
 
 from mjcompose.base.codes import CODES, RULES
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.tree.classes import Classes, class_in_force, text_in_effect
 from mjcompose.tree.names import NameIndex
@@ -31,16 +31,14 @@ FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "
 """The modules of rules, in this folder."""
 
 
-@dataclass(frozen=True, slots=True)
-class Edit:
+class Edit(Struct):
     """An exact change of an element: attributes to set or, with None, to remove; or the removal of the element."""
 
     attributes: tuple[tuple[str, str | None], ...] = ()
     removes: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+class Finding(Struct):
     """A finding of a rule about an element, or about the model as a whole with the element None.
 
     `attribute` is the attribute that the message is about, if it is written there. `help` says what to write. `edit`
@@ -57,8 +55,7 @@ class Finding:
 Found = Iterator[Finding]
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(Struct):
     """A rule. It runs next to the model if `in_mujoco`, on files if `in_files`, unasked if `usual` or in `profiles`."""
 
     code: str

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
 from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
@@ -27,8 +27,7 @@ _BEYOND = ("license-missing", "usd-loss", "target-loss", "store-unusable", "lock
 """Warnings that do not depend on a single build, so their absence in a build proves nothing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Allowance:
+class Allowance(Struct):
     """A code allowed at `span`, `everywhere` from the top of the recipe, or in these files or on these lines."""
 
     code: str

@@ -9,7 +9,7 @@ from dataclasses import field, replace
 from pathlib import Path
 
 from mjcompose.base import __version__, files
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.report import with_rest
 from mjcompose.base.sink import Sink
@@ -64,8 +64,7 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
         context.sink.warning("lock-stale", message, help=help)
 
 
-@dataclass(slots=True)
-class _SourceUse:
+class _SourceUse(Struct, frozen=False):
     root: Path
     origin: Origin | None
     source: Source | None
@@ -223,8 +222,7 @@ def _notes(changes: Sequence[str]) -> list[Note]:
     return list(map(Note, with_rest(changes)))
 
 
-@dataclass(slots=True)
-class _FileGatherer:
+class _FileGatherer(Struct, frozen=False):
     fetching: Fetching
     folder: Path
     context: Context

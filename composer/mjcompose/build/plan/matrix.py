@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
@@ -174,8 +174,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     return matrix
 
 
-@dataclass(frozen=True, slots=True)
-class FilledValues:
+class FilledValues(Struct):
     """The values for planning without a chosen cell: those `taken` from the first cell, `cell`, have no default."""
 
     given: Map[str, Node]

@@ -7,7 +7,7 @@ from dataclasses import field, replace
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.rotation import Pose
 from mjcompose.build.plan.steps import (
@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from mjcompose.link.subtree import DroppedElement, Subtree
 
 
-@dataclass(frozen=True, slots=True)
-class Drawn:
+class Drawn(Struct):
     """A draw for an attribute of an element, or (`element` None) for the parameter `attribute`.
 
     `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have the
@@ -67,8 +66,7 @@ class Drawn:
         return [(name, self.value)]
 
 
-@dataclass(frozen=True, slots=True)
-class ElementDraws:
+class ElementDraws(Struct):
     """The draws for one element in all samples from 1, for a table; `first` is the draw of sample 1.
 
     `name` is the element's name, if any; `place` is its body, its number among the elements with its tag there, and
@@ -94,8 +92,7 @@ def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
     return ({"actuator_ctrlrange"} if name == "range" else set()).union(arrays_of(name, tag))
 
 
-@dataclass(frozen=True, slots=True)
-class GeneratedShapes:
+class GeneratedShapes(Struct):
     """`shapes` are the geoms that were generated for the geom `of`; there are none for a simplified mesh.
 
     `error` has the distances in meters and the shares that `mjcompose.mujoco.fit` measures, `faces` is the number of
@@ -135,8 +132,7 @@ RecipePath: TypeAlias = tuple[str, Path]
 """A recipe's file, and a path in it."""
 
 
-@dataclass(frozen=True, slots=True)
-class EditOutcome:
+class EditOutcome(Struct):
     """The elements that an entry of `edit` selects, by kind, and removes, with those that depend on them behind."""
 
     selected: Mapping[str, int]
@@ -144,8 +140,7 @@ class EditOutcome:
     shapes: tuple[GeneratedShapes, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Excluded:
+class Excluded(Struct):
     """Two bodies that need not collide, and the reason in words; "" for bodies that touch."""
 
     one: str
@@ -153,8 +148,7 @@ class Excluded:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class Gains:
+class Gains(Struct):
     """The stiffness and damping of a servo at its joint or tendon, by its `gear`; `unit` is N, N·m, or ""."""
 
     actuator: str
@@ -164,8 +158,7 @@ class Gains:
     unit: str
 
 
-@dataclass(frozen=True, slots=True)
-class PlanPreview:
+class PlanPreview(Struct):
     """Facts that only composing finds out, such as settings from parts, and bodies that need not collide."""
 
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
@@ -180,8 +173,7 @@ Tables: TypeAlias = Mapping[ReadAs, tuple[ReadRow, ...]]
 """The elements of sources that are not MJCF: those that were read, and those that were ignored."""
 
 
-@dataclass(frozen=True, slots=True)
-class PartRecord:
+class PartRecord(Struct):
     """A source model, the prefix of its names (separator included), and the pose of its own world.
 
     `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part of a
@@ -233,8 +225,7 @@ BASE = "base"
 """The name in a recipe of the model that it starts from."""
 
 
-@dataclass(frozen=True, slots=True)
-class AttachPart:
+class AttachPart(Struct):
     """Attach a model to a place, with its names under `prefix` (separator included).
 
     The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0. `inner` are
@@ -258,8 +249,7 @@ class AttachPart:
         return self.attachment.scatter is not None and self.moved is None
 
 
-@dataclass(frozen=True, slots=True)
-class DropElements:
+class DropElements(Struct):
     drop: tuple[Drop, ...]
     span: Span
 
@@ -269,8 +259,7 @@ class DropElements:
         return f"drop {', '.join(map(str, self.drop))}"
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(Struct):
     """One model: the recipe it is made from, the settings of the whole recipe, and the steps in order."""
 
     name: str
@@ -408,8 +397,7 @@ class Plan:
         return frozenset(place.prefix for place in self.walk())
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedModel:
+class PlacedModel(Struct):
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     It is the base or a part of `outer` by `step`, None for the outermost plan. `part` is its name in the outermost

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base.access import Door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path as KeyPath, Span
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.files import own_name
@@ -114,8 +114,7 @@ def plan_what_remains(
     return plan
 
 
-@dataclass(frozen=True, slots=True)
-class _LoadedRecipe:
+class _LoadedRecipe(Struct):
     """A recipe that was read from a file, or from the path `at` in it, with all that its plan needs."""
 
     name: str

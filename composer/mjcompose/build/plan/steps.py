@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Container, Iterator, Mapping as Map, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.contact import Collisions, Contact
@@ -28,16 +28,14 @@ if TYPE_CHECKING:
 SETTINGS = ("angle", "eulerseq")
 
 
-@dataclass(frozen=True, slots=True)
-class AngleSettings:
+class AngleSettings(Struct):
     """The settings of one file: the unit of bare angles (None: not allowed), and the sequence of `euler`."""
 
     angle: str | None = None
     eulerseq: str = "xyz"
 
 
-@dataclass(frozen=True, slots=True)
-class AngleContext:
+class AngleContext(Struct):
     """The settings of a merged recipe as a `whole`, and the settings of its files that differ from it."""
 
     document: Mapping
@@ -77,8 +75,7 @@ def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
             sink.error(fault.code, message, locate(document, fault.at), help=fault.help)
 
 
-@dataclass(frozen=True, slots=True)
-class StepInput:
+class StepInput(Struct):
     """The input of steps: a recipe, its document, its draws and the sample."""
 
     recipe: Recipe
@@ -159,8 +156,7 @@ class AddElement(Step):
 KINDS = ("body", "frame", "site")
 
 
-@dataclass(frozen=True, slots=True)
-class AddedPlace:
+class AddedPlace(Struct):
     """A place and the step that adds it; `span` is where its name is written."""
 
     step: AddElement

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn
 from lxml.etree import _Element as Node
 from pydantic import Field
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.editing import Editing
@@ -109,8 +109,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     return joint, gear
 
 
-@dataclass(frozen=True, slots=True)
-class _Drive:
+class _Drive(Struct):
     """An actuator with its `gear` and its hinge, and the motor that they become; `effort` is the peak torque in N·m."""
 
     editing: Editing

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
 from mjcompose.build.compose.editing import Editing, take_files
@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from mjcompose.build.compose.mesh_jobs import MeshResult, MeshWorkshop
 
 
-@dataclass(slots=True)
-class Entry:
+class Entry(Struct, frozen=False):
     """The elements that an entry selects, `checks` that wait for all values, and the removed and made elements."""
 
     editing: Editing
@@ -51,8 +50,7 @@ class Entry:
             self.checks.pop(0)()
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(Struct):
     """One of the verbs: `combine` takes the present number and the recipe's, without a unit if it `is_factor`."""
 
     verb: str
@@ -253,8 +251,7 @@ def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], a
         change.carry_out(node, index, written, at=at)
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Struct):
     editing: Editing
     operation: Operation
     masses: Masses

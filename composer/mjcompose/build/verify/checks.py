@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Severity, Span
 from mjcompose.base.extensions import Table
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
@@ -26,8 +26,7 @@ from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Scalar, find, locate
 
 
-@dataclass(frozen=True, slots=True)
-class NestedRecipe:
+class NestedRecipe(Struct):
     """A recipe within another one: its name there with a separator, its prefix, longer ones of `others`, its `keys`."""
 
     plan: Plan

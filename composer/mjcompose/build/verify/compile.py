@@ -13,7 +13,7 @@ from posixpath import basename
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, writing
@@ -156,8 +156,7 @@ _MATERIAL = re.compile(rb"<material\b[^>]*>")
 """Materials are the assets that are drawn most often, and MuJoCo reads no file for them."""
 
 
-@dataclass(frozen=True, slots=True)
-class Verified:
+class Verified(Struct):
     """MuJoCo's verdict on a bundle; `error` says why it refused the model or, with `crash`, why there is no verdict."""
 
     compiled: engine.Compiled

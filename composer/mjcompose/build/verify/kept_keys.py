@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose, normalize, rotate
@@ -92,8 +92,7 @@ def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
     return written if written is not None and written.held else None
 
 
-@dataclass(slots=True)
-class _KeyMeanings:
+class _KeyMeanings(Struct, frozen=False):
     """Finds the meaning of a key, from the keys and entries that it is made of."""
 
     model: Unit
@@ -158,8 +157,7 @@ class _Difference(NamedTuple):
     meant: Value
 
 
-@dataclass(frozen=True, slots=True)
-class _Comparison:
+class _Comparison(Struct):
     """Compares the keys of the `final` model with their meaning; `answer` is MuJoCo's about the bare models."""
 
     final: BareModel

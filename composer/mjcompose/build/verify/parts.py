@@ -7,7 +7,7 @@ from dataclasses import asdict, field
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose
@@ -156,8 +156,7 @@ _ROUNDING = 1e-12
 """Relative: `springdamper` and `dampratio` use the inertia of the whole model, which is summed in another order."""
 
 
-@dataclass(frozen=True, slots=True)
-class PartComparison:
+class PartComparison(Struct):
     """The outcome for one part: its differences, or why it could not be compared."""
 
     member: PartRecord
@@ -169,8 +168,7 @@ class PartComparison:
         return self.obscure is None and not self.differences
 
 
-@dataclass(slots=True)
-class PartComparer:
+class PartComparer(Struct, frozen=False):
     """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
 
     `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by part and

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from mjcompose.base.access import Door, folder_of_recipe, own_door
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause
 from mjcompose.base.files import read_regular
 from mjcompose.base.rotation import Pose
@@ -91,8 +91,7 @@ def _sha256(path: Path) -> str | None:
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class VerifiedBundle:
+class VerifiedBundle(Struct):
     """A bundle that was read, its compiled model, and its parts in the order of the manifest."""
 
     bundle: Bundle

@@ -21,7 +21,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import closest
@@ -71,8 +71,7 @@ def definition_key(name: str) -> str:
 DEFAULT_SEPARATOR = "/"
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(Struct):
     """The context of a validation.
 
     With `bare_angles`, angles without a unit are allowed. `separator` is between a prefix and a name. `selected` is

@@ -19,7 +19,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
 from mjcompose.base.codes import CODES
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import advised
 from mjcompose.language.element_schema import attribute_schema
@@ -42,8 +42,7 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute as Declared
 from mjcompose.tree.pattern import Selector
 
 
-@dataclass(frozen=True, slots=True)
-class Expects:
+class Expects(Struct):
     """The expected value, in messages and in editors; `example` is one, as it is written."""
 
     what: str
@@ -56,8 +55,7 @@ class Expects:
         return found
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(Struct):
     """The unit that a number is in: `kg`, `m`, `s`, `kg/m³`. It is never written; `90deg` is a `Measure`."""
 
     name: str

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic.fields import FieldInfo
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
@@ -26,8 +26,7 @@ _LISTS = (list, tuple)
 Mark = TypeVar("Mark")
 
 
-@dataclass(frozen=True, slots=True)
-class Spot:
+class Spot(Struct):
     """A place of the language.
 
     `at` is its path in the recipe and `kind` the type of its value. `model` is the mapping with fixed keys around it,

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from mjcompose.base.access import MARKERS
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
@@ -37,8 +37,7 @@ class ClusterError(DiagnosticError):
 _MOST_LINKS = 40
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(Struct):
     """The contents of a mirror: real paths of files with their sha256, links with their targets, and folders."""
 
     files: Mapping[str, str]
@@ -157,8 +156,7 @@ def _followed(path: str, links: dict[str, str]) -> str:
 _AT_ONCE = 16 << 20  # maximum bytes in one message
 
 
-@dataclass(frozen=True, slots=True)
-class Freight:
+class Freight(Struct):
     """The files of all cells that are known beforehand, and the packages that these cells depend on."""
 
     files: tuple[FileState, ...]

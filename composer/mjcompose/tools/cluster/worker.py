@@ -25,7 +25,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.guard import limit
 from mjcompose.base.processes import Helper, Opening
@@ -48,8 +48,7 @@ _LARGEST = 64 << 20
 _READABLE = ("folder", "archive")  # the forms of output whose contents can be compared with a record
 
 
-@dataclass(frozen=True, slots=True)
-class Journal:
+class Journal(Struct):
     """The journal of a run, in the folder of its models; `run` is the digest of the inputs that all cells share."""
 
     folder: Path
@@ -111,16 +110,14 @@ def journal_of(making: CellMaker, folder: object) -> Journal | None:
     return Journal(folder, key.digest, secret)
 
 
-@dataclass(frozen=True, slots=True)
-class Canary:
+class Canary(Struct):
     """A cell that is made to check that a worker gives the same model; it is not written."""
 
     cell: Cell
     sha256: str
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
+class Order(Struct):
     """The data that a worker needs before it makes cells of a run.
 
     `job` is a pickled `Job`, `folder` its working folder, `files` the input files with their state. `store` and
@@ -146,8 +143,7 @@ class Order:
     journal: Journal | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Struct):
     """Some cells that one worker makes, one after another; `numbers` are their numbers, `tries` counts attempts."""
 
     numbers: tuple[int, ...]
@@ -155,8 +151,7 @@ class Part:
     tries: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Away:
+class Away(Struct):
     """A result from a worker that does not share the disk of this machine, and the data for the cache here."""
 
     cell: CellResult
@@ -164,22 +159,19 @@ class Away:
     inputs: tuple[FileState, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class NotOpen:
+class NotOpen(Struct):
     """The answer of a worker that does not know the run yet."""
 
     worker: str
 
 
-@dataclass(frozen=True, slots=True)
-class Lacks:
+class Lacks(Struct):
     """The answer of a worker that first needs these contents, by their sha256, and the canary."""
 
     contents: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Refused:
+class Refused(Struct):
     """Why a worker cannot make the models."""
 
     message: str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
@@ -15,8 +15,7 @@ SETTINGS = ("option", "visual", "statistic")
 """Kinds that are settings of the whole model, not elements."""
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Struct):
     """One difference.
 
     ``kind`` is MJCF's word for the element, or one of ``SETTINGS``. ``name`` is its name in B, or in A if B lacks it.
@@ -41,8 +40,7 @@ class Change:
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
+class Move(Struct):
     """An element whose address in a vector of the whole model changed; addresses count from 0."""
 
     vector: str
@@ -52,8 +50,7 @@ class Move:
     after: int
 
 
-@dataclass(frozen=True, slots=True)
-class Count:
+class Count(Struct):
     """A size of the whole model."""
 
     name: str
@@ -62,8 +59,7 @@ class Count:
     unit: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Contrast:
+class Contrast(Struct):
     """All differences between two compiled models.
 
     ``identical`` says that every array of `mjModel` is equal bit for bit; ``arrays`` names those that are not.
@@ -78,8 +74,7 @@ class Contrast:
     elements: dict[str, tuple[int, int]]
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(Struct):
     """Where the cause of a difference is written: a place in A, in B, or in both, and the lines that differ."""
 
     words: str
@@ -89,16 +84,14 @@ class Cause:
     lines_after: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
+class Group(Struct):
     """The changes that one line causes; ``cause`` is None if no line is known."""
 
     cause: Cause | None
     changes: tuple[Change, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class End:
+class End(Struct):
     """A or B: its name in messages, its kind, and the sha256 of its files without the manifest.
 
     `cell` is the cell of its matrix that was compared. Without it, `cells` is the number of cells. `outside` are the
@@ -126,8 +119,7 @@ class End:
         return self.label if self.cell is None else f"{self.label}: {self.cell}"
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(Struct):
     """Pictures of A and B from one place, named after the camera; ``differs`` is the share of differing pixels."""
 
     name: str
@@ -136,8 +128,7 @@ class View:
     differs: float
 
 
-@dataclass(frozen=True, slots=True)
-class Diff:
+class Diff(Struct):
     """The result. ``same`` says that nothing in the requested scope differs; ``files`` are those whose bytes differ."""
 
     a: End
@@ -161,8 +152,7 @@ class Diff:
 LEVELS = ("major", "minor", "patch")
 
 
-@dataclass(frozen=True, slots=True)
-class Level:
+class Level(Struct):
     """The changes of one level, which is one of `LEVELS`."""
 
     name: str
@@ -171,8 +161,7 @@ class Level:
     arrays: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Breaking:
+class Breaking(Struct):
     """A diff by levels, the most important first; levels without changes are missing."""
 
     diff: Diff

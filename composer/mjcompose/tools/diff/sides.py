@@ -14,7 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from mjcompose.base.access import NOTHING
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.files import MJCF_FILES, RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.scratch import scratch
@@ -128,8 +128,7 @@ class Kind(StrEnum):
     BUNDLE = "bundle"
 
 
-@dataclass(frozen=True, slots=True)
-class Operand:
+class Operand(Struct):
     """A or B. `context` collects its own diagnostics and has the folder that displayed paths start from.
 
     For a git revision, `files` is the folder with its files.
@@ -235,8 +234,7 @@ def _kind(path: Path) -> Kind | None:
     return Kind.MJCF if suffix in MJCF_FILES else None
 
 
-@dataclass(slots=True)
-class Side:
+class Side(Struct, frozen=False):
     """One of the two compared models.
 
     `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an MJCF

@@ -8,21 +8,19 @@ from dataclasses import asdict
 from itertools import groupby, zip_longest
 from typing import Any, Literal
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.report import Paint
 
 
-@dataclass(frozen=True, slots=True)
-class Reason:
+class Reason(Struct):
     """A reason in words, and the place where it is written."""
 
     words: str
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Changed:
+class Changed(Struct):
     """A changed attribute: values as MJCF text, None if it is not written."""
 
     attribute: str | None
@@ -31,8 +29,7 @@ class Changed:
     reason: Reason
 
 
-@dataclass(frozen=True, slots=True)
-class Given:
+class Given(Struct):
     """An attribute that a default class gives to an element."""
 
     attribute: str
@@ -41,16 +38,14 @@ class Given:
     span: Span | None
 
 
-@dataclass(frozen=True, slots=True)
-class ClassStep:
+class ClassStep(Struct):
     """A default class that reaches an element."""
 
     name: str
     reason: Reason
 
 
-@dataclass(frozen=True, slots=True)
-class Listed:
+class Listed(Struct):
     """One of several elements; `value` is the value of an attribute, or the start tag."""
 
     label: str
@@ -58,8 +53,7 @@ class Listed:
     reason: Reason
 
 
-@dataclass(frozen=True, slots=True)
-class RowExplained:
+class RowExplained(Struct):
     """Numbers of a keyframe that belong to one joint, actuator or mocap body and have one origin.
 
     `origin` says where they come from: `file`, `entry` (of a `keyframe` section), `edit`, `reference`
@@ -75,8 +69,7 @@ class RowExplained:
     on_the_way: tuple[Reason, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ElementExplained:
+class ElementExplained(Struct):
     """An element of the model, and how it came to be as it is.
 
     `written` has the places where it was read or created: several if elements were merged; `end_line` is the last line
@@ -97,8 +90,7 @@ class ElementExplained:
     sets: tuple[Listed, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class LevelExplained:
+class LevelExplained(Struct):
     """One place that an attribute may come from.
 
     If it `wins`, its text is in effect, or only `part_of_it`: a shorter list leaves the remaining numbers to the
@@ -116,8 +108,7 @@ class LevelExplained:
     words: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class AttributeExplained:
+class AttributeExplained(Struct):
     """One attribute of an element: the value in effect, and every level that it may come from, the nearest first.
 
     `about` is the grammar's description of the attribute. `rows` lists the numbers of a keyframe by their owners.

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
@@ -91,8 +91,7 @@ _LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
 _SYNONYMS = {"keyframe": "key", "class": "default"}
 
 
-@dataclass(frozen=True, slots=True)
-class Asked:
+class Asked(Struct):
     """A parsed query: `kinds` are the grammar paths that match (None: all), the other fields narrow them down."""
 
     text: str

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.link import numbers
@@ -28,8 +28,7 @@ Function = Callable[..., object]
 TAG = "<tag>"
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(Struct):
     """The operation, as reported to the `Watch`, and the tree and part in which it changed something."""
 
     done: object
@@ -47,8 +46,7 @@ class Cause:
         return callable(self.done)
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Struct):
     """A new value of an attribute or of `TAG`; None if it is not written. `owner` knows its place."""
 
     attribute: str
@@ -58,8 +56,7 @@ class Change:
     owner: Owner
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
+class Move(Struct):
     """A new parent."""
 
     before: Node | None
@@ -67,8 +64,7 @@ class Move:
     cause: Cause
 
 
-@dataclass(eq=False, slots=True)
-class Life:
+class Life(Struct, frozen=False, eq=False):
     """Everything known of one element: its first state, its changes, and its end.
 
     `born` is the cause after which it was first seen. `made_by` is the same cause, or None for an element that was read
@@ -233,8 +229,7 @@ def _carried(life: Life, linking: Linking) -> Part | None:
 Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"]
 
 
-@dataclass(frozen=True, slots=True)
-class NumberOrigin:
+class NumberOrigin(Struct):
     """Where numbers of a key come from.
 
     - `file`: a `<key>` of a file writes them.

@@ -17,7 +17,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose, quat_from_zaxis
 from mjcompose.link.numbers import read, read_pose
 from mjcompose.mujoco.arrays import about
@@ -56,8 +56,7 @@ def numbers(values: tuple[float, ...]) -> str:
 SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
+class Item(Struct):
     """An element with or without a name; `namespace` is where its name must be unique."""
 
     node: Node
@@ -152,8 +151,7 @@ def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
 CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
 
 
-@dataclass(slots=True)
-class Entry:
+class Entry(Struct, frozen=False):
     """One entry of a section of the recipe; `note` says why it is only a comment.
 
     Entries are in groups within a section, ordered by `rank`: removals by number come last.
@@ -166,8 +164,7 @@ class Entry:
     rank: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(Struct):
     """An element of a part and how it differs in the merged model; `select` is its selector in the recipe."""
 
     select: str
@@ -177,8 +174,7 @@ class Pair:
     moved: dict[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Changed:
+class Changed(Struct):
     """An attribute with another value in the merged model than in the parts.
 
     `kind` and `name` describe the element, or the class if `count` elements get the value from it. `before`
@@ -273,8 +269,7 @@ _SMALLEST = 1e-6  # smaller numbers are compared as if they had this size
 _MASSES = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat"})
 
 
-@dataclass(frozen=True, slots=True)
-class Likeness:
+class Likeness(Struct):
     """By kind, the pairs of elements of the part and the merged model that are the same except for rounding.
 
     Elements are numbered as in MuJoCo; `counts` has, by kind, how many the two models have.

@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Severity, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose
 from mjcompose.base.sink import Sink
@@ -38,8 +38,7 @@ from mjcompose.urdf.read import UrdfReader
 _CLOSE = 1e-9  # meters, and quaternion components
 
 
-@dataclass(slots=True)
-class Proposal:
+class Proposal(Struct, frozen=False):
     """The recipe; `renamed` maps names of the merged model, by kind, to names in the recipe."""
 
     head: list[str]
@@ -288,8 +287,7 @@ class _Proposer(Comparison):
         return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
 
 
-@dataclass(frozen=True, slots=True)
-class OfUrdf:
+class OfUrdf(Struct):
     """The text of the recipe, and a row for each kind of element with its place."""
 
     text: str

@@ -10,7 +10,7 @@ from functools import partial
 from itertools import groupby
 from pathlib import Path
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
@@ -35,8 +35,7 @@ _TOLERANCE = 1e-7
 _MERGED = "merged"
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Struct):
     """How the recipe's model, B, differs from the merged one, A, with the recipe's names.
 
     `rounded` are numbers that are equal to six digits only: MuJoCo writes six when it saves a model.
@@ -121,8 +120,7 @@ def left(outcome: Outcome, merged: str) -> Iterator[str]:
 _ROUNDS = 20
 
 
-@dataclass(frozen=True, slots=True)
-class Recovered:
+class Recovered(Struct):
     """A recovered recipe.
 
     `text` is the recipe. `bundle` is None if it does not build, for the reasons in `faults`. `outcome` is None if the

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
@@ -72,8 +72,7 @@ SEPARATORS = ("__", "/", ":", ".", "-", "_")
 _MATCH_ENOUGH = 0.5  # share of a part's bodies, matched by name
 
 
-@dataclass(slots=True)
-class Instance:
+class Instance(Struct, frozen=False):
     """A part at its place in the merged model.
 
     `prefix` starts the part's names there. `key` and `out` are the prefix in the recipe, without and with its
@@ -162,16 +161,14 @@ _MOST = 60
 _LARGEST = 16 << 20
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(Struct):
     """A model file, and the recipe's reference to it; None for its path."""
 
     path: Path
     reference: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Search:
+class Search(Struct):
     """The result of a search.
 
     `parts` are the likely parts of the merged model; `looked_at` is the number of candidates.

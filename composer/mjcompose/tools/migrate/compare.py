@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import UNSAID, about
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.mujoco.environments import Compiled
@@ -41,8 +41,7 @@ _ALIASES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Difference(Struct):
     """A difference in one array; `element` is the first element that differs, `count` the number of such elements."""
 
     array: str
@@ -56,8 +55,7 @@ class Difference:
         return f"`{self.array}` of {self.element}{more}: {self.before} before, {self.after} now"
 
 
-@dataclass(slots=True)
-class Outcome:
+class Outcome(Struct, frozen=False):
     """`equal` arrays agree bit for bit, `rounded` arrays up to rounding; `apart` cannot be compared."""
 
     differences: list[Difference] = field(default_factory=list)
@@ -97,8 +95,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     return outcome
 
 
-@dataclass(slots=True)
-class _Side:
+class _Side(Struct, frozen=False):
     arrays: dict[str, Array]
     names: Mapping[str, Any]
     words: Mapping[str, Any]

@@ -14,7 +14,7 @@ from xml.sax.saxutils import quoteattr
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
@@ -35,8 +35,7 @@ class MarkupError(Exception):
     """The text has another form than the tree that was read from it."""
 
 
-@dataclass(slots=True)
-class _Written:
+class _Written(Struct, frozen=False):
     """An element in its text: its start tag, where its end tag begins (0: it has none), and where it ends."""
 
     head: Tag
@@ -44,8 +43,7 @@ class _Written:
     end: int = 0
 
 
-@dataclass(slots=True)
-class Markup:
+class Markup(Struct, frozen=False):
     """The text of one file and its elements, in the order in which they begin."""
 
     text: str
@@ -71,8 +69,7 @@ class Markup:
         return found
 
 
-@dataclass(slots=True)
-class Source:
+class Source(Struct, frozen=False):
     """A file of a model: its markup, and the nodes of its elements (None: an `<include>` or a root)."""
 
     markup: Markup
@@ -193,8 +190,7 @@ class Step:
     words: str
 
 
-@dataclass(frozen=True, slots=True)
-class Meaning:
+class Meaning(Struct):
     """A changed meaning; `arrays` are the arrays of `mjModel` that show it, if any."""
 
     change: str
@@ -207,8 +203,7 @@ class Meaning:
 Act: TypeAlias = "Callable[[Editing], None]"
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(Struct):
     """`version` is the first version with the new behavior, `since` the first version with the old behavior.
 
     `acts` edit a model to mean the same: forward from an earlier version, and backward to an earlier version.
@@ -222,8 +217,7 @@ class Change:
     since: str = "3.0.0"
 
 
-@dataclass(slots=True)
-class Editing:
+class Editing(Struct, frozen=False):
     """`before` and `after` are the versions from which and to which the model goes.
 
     `whole` are the model and those that it attaches, each with its own tree; a model alone is the whole.
@@ -364,16 +358,14 @@ def called(node: Node) -> str:
     return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
 
 
-@dataclass(slots=True, eq=False)
-class Piece:
+class Piece(Struct, frozen=False, eq=False):
     """A model with its attached models, by the names in its `<attach>` elements."""
 
     unit: Unit
     attached: dict[str, Piece] = field(default_factory=dict)
 
 
-@dataclass(slots=True)
-class Pieces:
+class Pieces(Struct, frozen=False):
     """A model and all attached models, each once, the model itself first; `left` reports files that stay unchanged."""
 
     context: Context

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
@@ -95,8 +95,7 @@ def bounds(root: Node) -> tuple[str | None, str | None]:
 _MARK = b"\xef\xbb\xbf"
 
 
-@dataclass(slots=True)
-class Migrated:
+class Migrated(Struct, frozen=False):
     """`files` maps all XML files of the model to their texts before and after; `assets` are its other files.
 
     `adopted` are the changes whose new behavior the user accepts.
@@ -257,8 +256,7 @@ def _assets(unit: Unit) -> Iterator[Path]:
     yield from (Path(join(str(unit.directory), str(name))) for name in (*names, *filter(None, models)))
 
 
-@dataclass(slots=True)
-class Proof:
+class Proof(Struct, frozen=False):
     """`before` and `after` are the compiled models, None without that MuJoCo."""
 
     before: Compiled | None = None
@@ -266,8 +264,7 @@ class Proof:
     outcome: Outcome | None = None
 
 
-@dataclass(slots=True)
-class Prover:
+class Prover(Struct, frozen=False):
     """Compiles in `folder`. `others` are the available MuJoCos by version."""
 
     folder: Path
@@ -337,8 +334,7 @@ _FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
 """Values that MuJoCo computes from masses and places."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wish:
+class Wish(Struct):
     """The request. `pythons` have other MuJoCos; `proves` installs the missing ones."""
 
     model: str
@@ -349,8 +345,7 @@ class Wish:
     proves: bool = False
 
 
-@dataclass(slots=True)
-class Result:
+class Result(Struct, frozen=False):
     """`missing` are the versions that a proof needs; `unexplained` are differences that no change explains."""
 
     model: Path

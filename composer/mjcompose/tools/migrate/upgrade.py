@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, OtherError, RejectedError, differences
 from mjcompose.sources.context import Context
@@ -14,8 +14,7 @@ from mjcompose.tools.migrate import migrate
 from mjcompose.tools.migrate.editing import Meaning, Step
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(Struct):
     """A model and two versions of MuJoCo; `pythons` have some of them."""
 
     model: str
@@ -27,8 +26,7 @@ class Request:
     pythons: tuple[Path, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Caused:
+class Caused(Struct):
     """A joint or body that moves differently, and the edits that would undo it: most of it is gone with them.
 
     Without `steps`, no edit avoids the difference. Then `suspects` are the meanings that no edit keeps. If there are
@@ -52,8 +50,7 @@ def _row(each: Step | Meaning) -> dict[str, str | None]:
     return {"change": each.change, "at": None if each.span is None else str(each.span)}
 
 
-@dataclass(frozen=True, slots=True)
-class Upgrade:
+class Upgrade(Struct):
     """The joints that move differently, the farthest first, and the trials that diverge in either version."""
 
     before: str

@@ -13,7 +13,7 @@ from pathlib import Path
 from threading import Event, Lock, RLock, Thread
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.mujoco import engine
@@ -86,8 +86,7 @@ KEPT = "view"
 EDITOR = "vscode://file{file}:{line}:{column}"
 
 
-@dataclass(slots=True)
-class Shown:
+class Shown(Struct, frozen=False):
     """The last good model with its blobs, and the current fault, if any. `version` counts the models."""
 
     version: int = -1

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from mjcompose.base import rotation
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat
 from mjcompose.base.sink import Sink
@@ -63,8 +63,7 @@ def short(value: float, digits: int) -> str:
     return "0" if text == "-0" else text
 
 
-@dataclass(slots=True)
-class Draft:
+class Draft(Struct, frozen=False):
     """A recipe, its tree, and the changes to be made. `wanted` is the meaning of its new text."""
 
     file: str

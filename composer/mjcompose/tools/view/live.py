@@ -11,7 +11,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from threading import Event, Thread
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Mark
 from mjcompose.base.scratch import scratch
 from mjcompose.sources.context import Context
@@ -21,8 +21,7 @@ from mjcompose.tools.view.server import Server
 _PATIENCE = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class Service:
+class Service(Struct):
     """The address for a page, whether a browser opens it, and whether the page may change recipes."""
 
     host: str = "127.0.0.1"

@@ -15,7 +15,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from mjcompose.base import __version__
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
@@ -41,8 +41,7 @@ _MOST_CELLS = 200
 _NONE = "(no cell)"
 
 
-@dataclass(frozen=True, slots=True)
-class Asked:
+class Asked(Struct):
     """Values of parameters and variants, a cell of the matrix, a sample of the drawn values."""
 
     given: dict[str, Node] = field(default_factory=dict)
@@ -77,8 +76,7 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
     return menus
 
 
-@dataclass(slots=True)
-class Names:
+class Names(Struct, frozen=False):
     """Short unique names for files: the relative path below `folder`, else the shortest unique end of the path."""
 
     folder: Path
@@ -195,8 +193,7 @@ class Origins:
         return [self._numbers[span.file], span.line, span.column]
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
+class Description(Struct):
     """A model as JSON for the page. `used` are the names of its blobs, `blobs` the bytes of the new ones."""
 
     title: str

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.limits import Limits, allow, in_force
 from mjcompose.base.processes import Died, Pool, cores
@@ -58,8 +58,7 @@ class Format(StrEnum):
     MP4 = ".mp4"
 
 
-@dataclass(frozen=True, slots=True)
-class Wish:
+class Wish(Struct):
     """The settings of a picture or film.
 
     `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1. None keeps the model's own.
@@ -198,8 +197,7 @@ Drawn = tuple[bool, tuple[Diagnostic, ...], tuple[Path, ...]]
 """Whether a cell was drawn, its diagnostics, and the files that were read for it."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Job:
+class _Job(Struct):
     """Everything that a process needs to draw cells into a folder. Can be pickled."""
 
     operand: Operand

@@ -21,14 +21,13 @@ from itertools import chain
 from threading import BoundedSemaphore, Lock
 from typing import Any
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.tools.view.builder import Physics, Shown, Workshop
 from mjcompose.tools.view.page import BUILT, live
 from mjcompose.tools.view.writing import Writer
 
 
-@dataclass(frozen=True, slots=True)
-class Guard:
+class Guard(Struct):
     """Decides which requests the server answers. It is bound to `host` and `port`."""
 
     host: str

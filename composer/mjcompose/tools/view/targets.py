@@ -10,7 +10,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as Steps, Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.rotation import Pose
@@ -28,8 +28,7 @@ from mjcompose.tree.files import read_settings
 KINDS = ("body", "geom", "site", "camera")
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(Struct):
     """A part or an added element: the recipe that says its place, and the path of its mapping there.
 
     `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe.
@@ -47,8 +46,7 @@ class Target:
         return found if isinstance(found, Located) else Located({}, self.span)
 
 
-@dataclass(frozen=True, slots=True)
-class Targets:
+class Targets(Struct):
     """All targets of a model by the place of their key, and the text of each recipe by its name in messages.
 
     `texts` has None for a recipe that changed during the build, and `paths` only the recipes of the user's own.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.build.bundle.bundle import WORLDS, Bundle
 from mjcompose.build.bundle.listing import SIZES
@@ -35,8 +35,7 @@ _HFIELD, _MESH = 1, 7
 _NOT_UNITED = ("flex", "skin", "plugin")
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Struct):
     """A body with everything on it that not all models have: its parent, and its contents."""
 
     parent: str
@@ -44,8 +43,7 @@ class Part:
     shape: Hashable
 
 
-@dataclass(slots=True)
-class Tree:
+class Tree(Struct, frozen=False):
     """A model as named bodies; `own` has the elements on each body, `children` its child bodies."""
 
     model: Model
@@ -166,8 +164,7 @@ class Joined(NamedTuple):
     folder: Path | None = None
 
 
-@dataclass(slots=True)
-class Group:
+class Group(Struct, frozen=False):
     """Models that differ from the `first` one in numbers only, and in a union have its `shape`: types and meshes."""
 
     first: Joined
@@ -192,8 +189,7 @@ class Group:
                 yield name, Varying(index, values[: len(self.worlds)])
 
 
-@dataclass(slots=True)
-class Joining:
+class Joining(Struct, frozen=False):
     """Joins models one by one, `expected` or more; also models with other elements if it `unites` them."""
 
     expected: int
@@ -263,8 +259,7 @@ def unlike(first: Model, other: Model) -> list[str] | None:
     return None
 
 
-@dataclass(frozen=True, slots=True)
-class Shelf:
+class Shelf(Struct):
     """A folder for built models until they are converted. Can be pickled."""
 
     folder: Path

@@ -14,7 +14,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple, TypeAlias
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, hide, warn
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
@@ -146,8 +146,7 @@ def _read_binary(path: Path, shown: str) -> _Checked:
     return _compare(Bundle({model: content, MANIFEST: manifest}, model), shown)
 
 
-@dataclass(frozen=True, slots=True)
-class _Kept:
+class _Kept(Struct):
     """A checked bundle in a folder of its own; `stamps` has the size and time of each file when it was written."""
 
     manifest: Manifest
@@ -272,8 +271,7 @@ def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
         warn(each.message, BundleWarning)
 
 
-@dataclass(frozen=True, slots=True)
-class Listed:
+class Listed(Struct):
     """A model of an index that is not loaded yet: its name, its place, and its values.
 
     `values` are the columns of the index: values of the matrix and of draws, sizes, the sha256.

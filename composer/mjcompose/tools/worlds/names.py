@@ -10,7 +10,7 @@ from typing import Any, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.suggest import did_you_mean, exists_note
@@ -130,8 +130,7 @@ Range: TypeAlias = tuple[float, float]
 UNLIMITED: Range = (-np.inf, np.inf)
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(Struct):
     """One element of the model in a vector: `units` and `limits` have an item for each of its numbers.
 
     `body` is its body, `origin` where it is written; each is None if it does not apply or is unknown.

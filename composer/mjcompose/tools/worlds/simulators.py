@@ -13,7 +13,7 @@ import mujoco as mujoco_module
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.mujoco.attributes import Model, NameTable
 from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
@@ -268,8 +268,7 @@ _CANNOT = "target-cannot"
 _OR_MUJOCO = "use `worlds.mujoco`, which takes all that MuJoCo compiles"
 
 
-@dataclass(frozen=True, slots=True)
-class Simulator:
+class Simulator(Struct):
     """`target` is its name in the table of targets, `put_model` its own function for a `mujoco.MjModel`."""
 
     target: str

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle
 from mjcompose.build.bundle.manifest import Input, Read, files_of, from_json, with_manifest
@@ -32,8 +32,7 @@ from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
+class Placed(Struct):
     """A part of a union: its prefix there, and the number of the model that it comes from."""
 
     part: Part
@@ -41,8 +40,7 @@ class Placed:
     source: int
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(Struct):
     """The contents of a union: bodies that all models share, all parts, and the parts of each model."""
 
     shared: set[str]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import dataclass
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
@@ -48,8 +48,7 @@ def model_sha256(manifest: Manifest) -> str:
 FORMAT = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Varying:
+class Varying(Struct):
     """The numbers of one array that vary.
 
     `index` are their places in the flattened array, `(numbers,)`. `values` are absolute and in the array's units,
@@ -60,8 +59,7 @@ class Varying:
     values: NDArray[Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+class Table(Struct):
     """The numbers that differ, by array, in `count` worlds; and the cell and sample of the recipe for each world.
 
     `cells` are the cells of its matrix, each with its `name` and its values, `cell` the number of each world's
@@ -213,8 +211,7 @@ def with_numbers(model: Model, numbers: Mapping[str, tuple[NDArray[np.int64], ND
     return model
 
 
-@dataclass(frozen=True, slots=True)
-class Worlds:
+class Worlds(Struct):
     """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
 
     `table` has the cell of the recipe's matrix and the sample of each world; without a matrix world `n` is sample
