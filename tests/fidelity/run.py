@@ -20,13 +20,7 @@ from typing import TypeVar
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
 
-from fidelity import (  # noqa: E402
-    corpus as corpora,  # noqa: E402
-    isolated,
-    made,
-    summary,
-    table,
-)
+from fidelity import corpus as corpora, isolated, made, summary, table  # noqa: E402
 from fidelity.corpus import Composition  # noqa: E402
 from fidelity.judging import Verdict  # noqa: E402
 from fidelity.made import Made, judge  # noqa: E402
