@@ -17,7 +17,7 @@ _CHARACTERS = re.compile(r"[\w./:+\-]+")
 def _unnamed(subject: Subject, elements: Iterator[Node], use: str) -> Found:
     for element in elements:
         if not element.get("name"):
-            yield Finding(element, f"{subject.called(element)} has no name, so {use}", help='write `name="…"`')
+            yield Finding(element, f"programs {use.format(subject.called(element))}", help='write `name="…"`')
 
 
 @rule("unnamed-joint", profiles=_ASSET)
@@ -29,7 +29,7 @@ def unnamed_joint(subject: Subject) -> Found:
         joints += [joint] if "body" in around and not around & {"composite", "flexcomp", "replicate"} else []
     unnamed = [each for each in joints if not each.get("name")]
     if len(unnamed) < max(5, len(joints)):
-        yield from _unnamed(subject, iter(unnamed), "programs reach it only by its number")
+        yield from _unnamed(subject, iter(unnamed), "reach {} only by its number")
 
 
 @rule("unnamed-actuator", profiles=_ASSET)
@@ -50,7 +50,7 @@ def unnamed_actuator(subject: Subject) -> Found:
 def unnamed_sensor(subject: Subject) -> Found:
     """A sensor without a name."""
     elements = (each for each in subject.root.iterfind("sensor/*") if isinstance(each.tag, str))
-    yield from _unnamed(subject, elements, "programs read it only by its address")
+    yield from _unnamed(subject, elements, "read {} only by its address")
 
 
 @rule("unnamed-key")
@@ -58,7 +58,7 @@ def unnamed_key(subject: Subject) -> Found:
     """A keyframe without a name, in a model that has several."""
     keys = list(subject.root.iterfind("keyframe/key"))
     if len(keys) > 1:
-        yield from _unnamed(subject, iter(keys), "programs reset to it only by its number")
+        yield from _unnamed(subject, iter(keys), "reset to {} only by its number")
 
 
 @rule("unnamed-model", usual=False, profiles=_ASSET)
