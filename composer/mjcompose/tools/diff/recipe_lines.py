@@ -89,8 +89,8 @@ class Recipes:
                 continue
             self.plans.append(plan)
             self.attached |= {step.span: (plan, step) for step in plan.parts}
-            withs = (find(plan.document, (*step.at, "with")) for step in plan.members)
-            for entries in (each.entries for each in withs if isinstance(each, Mapping)):
+            blocks = (find(plan.document, (*step.at, "with")) for step in plan.members)
+            for entries in (each.entries for each in blocks if isinstance(each, Mapping)):
                 for name, (_, node) in entries.items():
                     self._given[name].append(node.span)
         for name, node in side.given.items():
