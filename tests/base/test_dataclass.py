@@ -366,3 +366,11 @@ def test_every_dataclass_of_the_package_is_made_here() -> None:
                 assert "dataclass" not in {name.name for name in node.names}, path
             if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
                 assert (node.value.id, node.attr) != ("dataclasses", "dataclass"), path
+
+
+def test_a_struct_has_no_decorator() -> None:
+    with pytest.raises(TypeError, match="write the options of `dataclass` behind its bases"):
+
+        @ours.dataclass(frozen=True)
+        class Options(ours.Struct):
+            only: str = ""

@@ -17,8 +17,8 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/contributing/extending.md").read_text(encoding="utf-8").partition("## Add a linker pass")[2]
 BLOCKS = re.findall(r"^```(?:python|text)\n(.*?)^```", PAGE.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
-ABOVE = "    _pass(\n        sections,\n"
-BELOW = "    _pass(\n        compiler,\n"
+ABOVE = "    _pass(sections,"
+BELOW = "    _pass(compiler,"
 
 
 @pytest.fixture(scope="module")

@@ -138,7 +138,7 @@ HOVERED = [
     ("asset: {tex|ture: {}}", "an image on surfaces"),
     ("default: {pad: {ge|om: {}}}", "defaults of every geom in this class"),
     ("default: {pad: {geom: {fric|tion: [1]}}}", "sliding"),
-    ("contact: {ex|clude: []}", "Pairs of bodies that do not touch"),
+    ("contact: {ex|clude: []}", "Pairs of bodies that must not collide"),
     ("tendon: {r: {type: spatial, pa|th: [{site: s}]}}", "its elements, in order"),
     ("option: {time|step: 0.001}", "timestep, s (default: 0.002)"),
     ("option: {fl|ag: {}}", "switched on or off"),

@@ -42,6 +42,8 @@ else:
         """Return the class as a dataclass. The options are the options of the standard library."""
 
         def made(cls: type) -> type:
+            if isinstance(cls, _StructType):
+                raise TypeError(f"{cls.__name__} is a Struct: write the options of `dataclass` behind its bases")
             own = _own_fields(cls.__annotations__, cls.__dict__, kw_only)
             if slots:
                 cls = _with_slots(cls, own)
