@@ -1,4 +1,4 @@
-"""MuJoCo opens recipes: `MjSpec.from_file("cell.yaml")`, and `<model file="cell.yaml">` in plain MJCF.
+"""Let MuJoCo open recipes: `MjSpec.from_file("cell.yaml")`, and `<model file="cell.yaml">` in plain MJCF.
 
     import mujoco
     from mjcompose import mujoco_plugin

@@ -100,7 +100,7 @@ def test_a_mujoco_in_use_stays(store: Store, mujoco: Path) -> None:
 
 def test_what_is_left_of_a_mujoco_is_pruned_unless_it_is_being_made(store: Store, mujoco: Path) -> None:
     (mujoco / ".ready").unlink()
-    assert "1 unfinished, being fetched now or broken off" in run("cache", "info").stdout
+    assert "1 unfinished, being fetched now or interrupted" in run("cache", "info").stdout
     with store.lock(blobs.mujoco_key("3.1.6"), quiet):
         assert run("cache", "prune").exit_code == 0
         assert mujoco.exists()

@@ -78,7 +78,7 @@ def test_a_cell_of_the_matrix(folder: Path) -> None:
     matrix = "params: {load: 1}\nmatrix: {axes: {load: [1, 2]}, name: 'cell-${load}'}\n"
     (folder / "a.yaml").write_text(RECIPE + matrix)
     (folder / "b.yaml").write_text(RECIPE + matrix + "option: {timestep: '${0.002 if load == 1 else 0.001}'}\n")
-    narrow = "compared at its defaults: of the 2 cells of the matrix, `--pick CELL` compares one"
+    narrow = "compared at its defaults; `--pick CELL` compares one of the 2 cells of the matrix"
     result = run("diff", "a.yaml", "b.yaml")
     assert (result.exit_code, result.stdout.splitlines()[3]) == (0, narrow)
     markdown = run("diff", "a.yaml", "b.yaml", "--output-format", "markdown").stdout

@@ -113,7 +113,7 @@ def test_closed_streams(folder: Path) -> None:
     command = f"{shlex.quote(sys.executable)} -m mjcompose fmt -"
     for line, said in (
         (f"{command} <&-", b"error[file-unreadable]: standard input is closed\n\n1 error\n"),
-        (f"{command} < cell.yaml >&-", b"cannot go on: standard output is closed\n"),
+        (f"{command} < cell.yaml >&-", b"cannot continue: standard output is closed\n"),
     ):
         result = subprocess.run(line, shell=True, env=environment(), capture_output=True, timeout=60, check=False)
         assert (result.returncode, result.stderr, result.stdout) == (1, said, b""), line

@@ -19,7 +19,7 @@ def test_a_recipe_that_makes_the_same(folder: Path) -> None:
     (folder / "merged.xml").write_text(MERGED.format(height="0.01"))
     result = run("import", "merged.xml", "models/tool.xml")
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "it builds, and the model is that of merged.xml" in result.stdout
+    assert "it builds, and the model equals merged.xml" in result.stdout
     assert "  tool: {model: ./models/tool.xml, pos: [0, 0, 1]}\n" in (folder / "merged.yaml").read_text()
     assert run("check", "merged.yaml").exit_code == 0
     assert run("fmt", "--check", "merged.yaml").exit_code == 0
@@ -42,7 +42,7 @@ def test_what_differs_is_shown(folder: Path) -> None:
         "wrote merged.yaml: 1 part",
         "changed in merged.xml, and written into the recipe:",
         "  geom `tool/palm`: size 0.03 0.03 0.01 m → 0.03 0.03 0.02 m",
-        "it builds, and the model is that of merged.xml, element by element, to seven digits",
+        "it builds, and the model equals merged.xml, element by element, to seven digits",
     ]
 
 
@@ -59,10 +59,7 @@ def test_what_still_differs_fails(folder: Path) -> None:
     (folder / "merged.xml").write_text(text)
     result = run("import", "merged.xml", "models/tool.xml")
     assert result.exit_code == 1
-    assert result.stdout.splitlines()[-2:] == [
-        "it builds, and is not yet the model of merged.xml:",
-        "  text `t` is missing",
-    ]
+    assert result.stdout.splitlines()[-2:] == ["it builds, but does not yet match merged.xml:", "  text `t` is missing"]
 
 
 def test_nothing_is_overwritten(folder: Path) -> None:
@@ -87,8 +84,8 @@ HAND = '<body name="{0}palm"><geom size="0.1"/><body name="{0}finger"><geom size
     ("file", "name", "help"),
     [
         ("arm.sdf", "SDFormat", "`sdf2mjcf arm.sdf arm.xml`"),
-        ("arm.usd", "USD", "take the MJCF or URDF that it was made from"),
-        ("arm.USDZ", "USD", "take the MJCF or URDF that it was made from"),
+        ("arm.usd", "USD", "use the MJCF or URDF that it was made from"),
+        ("arm.USDZ", "USD", "use the MJCF or URDF that it was made from"),
     ],
 )
 def test_formats_of_others_are_one_error_with_a_way_out(folder: Path, file: str, name: str, help: str) -> None:

@@ -78,7 +78,7 @@ def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> Non
     with open("/dev/full", "wb") as full:
         result = process(*arguments, capture_output=False, stdout=full, stderr=subprocess.PIPE)
     assert result.returncode == 1
-    assert result.stderr == b"cannot go on: no space left on device\n"
+    assert result.stderr == b"cannot continue: no space left on device\n"
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_a_folder_that_is_gone(folder: Path) -> None:
     result = subprocess.run(
         line, shell=True, env=environment(), capture_output=True, text=True, timeout=60, check=False
     )
-    assert (result.returncode, result.stderr) == (1, "cannot go on: no such file or directory\n")
+    assert (result.returncode, result.stderr) == (1, "cannot continue: no such file or directory\n")
 
 
 @pytest.mark.parametrize("verb", list(main_module._VERBS))

@@ -201,7 +201,7 @@ def test_edits_are_counted_and_removals_listed(folder: Path) -> None:
         "    edit {geom: palm}: set condim = 4 (1 geom)",
         "  edit {geom: **}: set condim = 6 (3 geoms)",
         "  edit {site: nothing}: set group = 3 (nothing)",
-        "  edit {joint: shoulder}: remove, with all that refers to it (1 joint)",
+        "  edit {joint: shoulder}: remove it, with everything that refers to it (1 joint)",
         "    removes 1 joint: shoulder",
         "    removes 1 sensor: angle",
     ]

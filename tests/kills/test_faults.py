@@ -34,7 +34,7 @@ def _ends_well(project: Project, output: Output) -> None:
 
 def _fails_in_one_line(code: int, said: str) -> None:
     assert code == 1 and "Traceback" not in said and "bug in mjcompose" not in said, said
-    assert "error[" in said or said.startswith("cannot go on: "), said
+    assert "error[" in said or said.startswith("cannot continue: "), said
 
 
 @pytest.mark.parametrize(

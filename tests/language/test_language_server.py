@@ -130,7 +130,7 @@ HOVERED = [
     ("sensor: {a|: {type: force, site: s}}", "force between the site's body and its parent"),
     ("sensor: {a: {ty|pe: force, site: s}}", "* `gyro`: angular velocity of a site in its frame"),
     ("sensor: {a: {type: for|ce, site: s}}", "* `force`: force between"),
-    ("sensor: {a: {type: framepos, obj|name: s}}", "name of the object (of the kind that `objtype` says)"),
+    ("sensor: {a: {type: framepos, obj|name: s}}", "name of the object (of the kind that `objtype` names)"),
     ("actuator: {a: {type: position, joint: j, k|p: 1}}", GRAMMAR.element("actuator/position").attributes["kp"].doc),
     ("add: [{to: world, bo|dy: {}}]", "a rigid body"),
     ("add: [{to: world, body: {ge|om: {}}}]", "a shape that collides"),

@@ -94,7 +94,7 @@ def test_a_check_that_fails_refuses(error: type[Exception]) -> None:
 
     assert read(frame(HOVER), fails) == (
         [],
-        [("a", INVALID_PARAMS, "the parameters of `textDocument/hover` are not as the protocol says")],
+        [("a", INVALID_PARAMS, "the parameters of `textDocument/hover` do not follow the protocol")],
     )
 
 

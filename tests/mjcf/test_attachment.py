@@ -192,7 +192,7 @@ def test_a_frame_is_no_body_of_any_kind(frame: mjcf.Element) -> None:
         frame.add("geom", size=[1])
     with pytest.raises(mjcf.MjcfError, match="no `gravcomp`"):
         frame.gravcomp = 1
-    with pytest.raises(mjcf.MjcfError, match="`detach\\(\\)` that"):
+    with pytest.raises(mjcf.MjcfError, match="`detach\\(\\)` the model"):
         frame.remove()
     with pytest.raises(mjcf.MjcfError, match="not models"):
         frame.attach(mjcf.RootElement("x"))

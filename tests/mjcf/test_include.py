@@ -34,7 +34,7 @@ def test_files_of_two_folders(arm: RootElement, gripper: RootElement, compiled: 
     gripper.find("mesh", "shell").name = "skin"
     arm.keyframe.remove()
     gripper.keyframe.remove()
-    with pytest.warns(MjcfWarning, match="now counts for the elements of both"):
+    with pytest.warns(MjcfWarning, match="now applies to the elements of both"):
         arm.include_copy(gripper, override=True)
     assert arm.find("mesh", "skin").file.contents == gripper.find("mesh", "skin").file.contents
     assert arm.find("mesh", "shell").file.contents != arm.find("mesh", "skin").file.contents
@@ -85,7 +85,7 @@ def test_a_setting_that_would_change_what_elements_mean(settings: str) -> None:
         _model(one).include_copy(other)
     for winner, one, two in (("two", "", settings), ("one", settings, "")):
         model = _model(geom + one, "one")
-        with pytest.warns(mjcf.MjcfWarning, match=f"that of `{winner}` now counts for the elements of both"):
+        with pytest.warns(mjcf.MjcfWarning, match=f"the setting of `{winner}` now applies to the elements of both"):
             model.include_copy(_model(geom + two, "two"), override=True)
         assert len(model.find_all("geom")) == 2
 
@@ -98,7 +98,7 @@ def test_a_setting_that_both_write_is_not_lost_where_one_has_no_elements() -> No
         with pytest.raises(MjcfError, match="`compiler` has `boundmass`, which is not the same in `one` and `two`"):
             model.include_copy(other)
         assert model.compiler.boundmass == 1
-        with pytest.warns(mjcf.MjcfWarning, match="that of `two` now counts"):
+        with pytest.warns(mjcf.MjcfWarning, match="the setting of `two` now applies"):
             model.include_copy(other, override=True)
         assert model.compiler.boundmass == 2
 

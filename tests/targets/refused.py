@@ -58,7 +58,7 @@ CASES: list[tuple[str, dict[str, str], str]] = [
     ("warp", {"body": 'sleep="allowed"', "joint": 'type="free"'},
      "body `b`: MuJoCo Warp does not have `sleep` of a body"),
     ("warp", {"option": 'solver="CG"', "flags": '<flag sleep="enable"/>'},
-     "option: MuJoCo Warp has the flag `sleep` with the solver `Newton` alone"),
+     "option: MuJoCo Warp has the flag `sleep` only with the solver `Newton`"),
     ("warp", {"option": 'jacobian="dense"', "more": MANY},
      "option: MuJoCo Warp has no `jacobian` `dense` for more than 60 degrees of freedom"),
     ("warp", {"more": PLUGIN}, "plugin `p`: a plugin computes this actuator"),

@@ -69,7 +69,7 @@ def test_what_mujoco_reads_back_as_another_model_is_an_error(tmp_path: Path) -> 
     text = BALL.replace("swing", "left&#9;hip")
     bundle, context = written(text, "plain", tmp_path)
     assert bundle is None and codes(context) == ["target-failed"]
-    assert "reads the plain text of the model back as another one: `names`" in context.sink.errors[0].message
+    assert "reads the plain text of the model back as a different model: `names`" in context.sink.errors[0].message
 
 
 @pytest.mark.parametrize("target", [None, "mjx", "warp"])

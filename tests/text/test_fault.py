@@ -176,4 +176,4 @@ def test_no_space_before_a_list() -> None:
     if sys.modules["mjcompose.text.load"]._FAST is yaml.SafeLoader:
         pytest.skip("PyYAML's own reader takes it for a key")
     (fault,) = faults("a: {b:[1], c: 2}\n")
-    assert fault.message == "a space is missing behind the colon of `b`" and fault.help == "write `b: [1]`"
+    assert fault.message == "a space is missing after the colon of `b`" and fault.help == "write `b: [1]`"

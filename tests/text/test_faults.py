@@ -68,7 +68,7 @@ def test_in_flow(before: str, outer: bool, inside: bool) -> None:
         ("a: {size 0.03}", 5, "put a colon between them: `size: 0.03`"),
         ("a: {timestep = 0.1}", 5, "put a colon between them: `timestep: 0.1`"),
         ('a: [{geom "**", class: b}]', 6, 'put a colon between them: `geom: "**"`'),
-        ("a: {tool:hand, b: 1}", 5, "put a space behind the colon: `tool: hand`"),
+        ("a: {tool:hand, b: 1}", 5, "put a space after the colon: `tool: hand`"),
         ("a: {pos: 0.5, 0, 0, geom: {}}", 15, "put brackets around the numbers: `pos: […]`"),
         ("a: {pos: (0, 0, 1)}", 14, "put brackets around the numbers: `pos: […]`"),
         ("a: {0, 0.1, 0}", 5, "put brackets around the numbers: `[…]`"),

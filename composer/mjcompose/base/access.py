@@ -1,4 +1,4 @@
-"""Which folders the author of a path may see: its door checks the real target, without symbolic links."""
+"""The folders that the author of a path may see. A `Door` checks the real target, without symbolic links."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NO_NAMES = ("", os.curdir, os.pardir)
 _MAGIC = re.compile(r"[*?\[]")
 MOST_LOOKS = 20_000
 Passed = NewType("Passed", str)
-"""A path that passed a door."""
+"""A path that mjcompose may read."""
 
 
 class Door(Struct):
@@ -72,7 +72,7 @@ class Door(Struct):
         return Passed(text)
 
     def admit_listed(self, paths: Iterable[str]) -> dict[str, Passed]:
-        """Return the paths that are ordinary files by one look at each folder. `admit` decides about the others."""
+        """Return the paths that are ordinary files, by listing each folder. `admit` decides about the others."""
         passed = {
             path: Passed(path)
             for folder, found in files.files_among(paths)
@@ -86,10 +86,10 @@ class Door(Struct):
         return read_regular(self.admit(path), most)
 
     def search(self, pattern: str, looks: Iterator[int] | None = None) -> list[str]:
-        """Return the paths that a pattern fits, sorted, where `*` is a part of one name. Raises Refused.
+        """Return the paths that match a pattern, sorted; `*` matches within one name. Raises Refused.
 
-        No folder is looked into that the reader may not see. Each name there takes one of the `looks`, of which
-        several searches may have a number together.
+        It lists only folders that the reader may see. Each name costs one of the `looks`, which several searches may
+        share.
         """
         looks = iter(range(MOST_LOOKS)) if looks is None else looks
         parts = pattern.split(os.sep)
@@ -221,7 +221,7 @@ def folder_of_recipe(path: str | os.PathLike[str]) -> str:
 def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
-    """Return the door of the user's own model. `also` are more folders, `recipe` is the folder of its recipe."""
+    """Return the door of the user's own model. `also` has more folders, and `recipe` is the folder of its recipe."""
     if SERVED is not None:
         also = ()
         if (served := door_of_user()).sees(model):
@@ -243,7 +243,7 @@ def _home() -> str:
 
 @cache
 def _too_wide(home: str) -> frozenset[str]:
-    """Return folders that are too general: homes, the one for temporary files, and all folders above these."""
+    """Return folders that are too general: home folders, the folder for temporary files, and all folders above them."""
     import tempfile  # a model that the cache knows needs no folder of its own
 
     found: set[str] = set()

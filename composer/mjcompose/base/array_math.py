@@ -1,4 +1,4 @@
-"""The arithmetic of distributions for arrays of samples: the same bits as one by one, but much faster."""
+"""The arithmetic of distributions for arrays of samples: bit for bit as for single numbers, but much faster."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ _FACTORS = [(float(each), float(each - Fraction(float(each)))) for each in _INVE
 def _rounded(
     x: Floats, usual: NDArray[np.bool_], compute: Callable[[Floats], Pair], one: Callable[[float], float]
 ) -> Floats:
-    """Return a function of each number, correctly rounded; `one` computes it where that is in doubt."""
+    """Return a function of each number, correctly rounded; `one` computes the doubtful cases."""
     found = np.empty_like(x)
     for first in range(0, len(x), _CHUNK):
         part = slice(first, first + _CHUNK)

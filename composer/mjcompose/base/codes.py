@@ -114,7 +114,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
     },
     "Meshes": {
         "mesh-look": "a color or texture of a mesh cannot be kept",
-        "mesh-shape": "a mesh is flat or open, and its inside matters",
+        "mesh-shape": "a mesh whose volume matters is flat or open",
         "mesh-size": "a mesh is implausibly large or small",
         "mesh-tools-missing": "a package that works on meshes is not installed",
         "mesh-unreadable": "a mesh cannot be read or converted",

@@ -34,8 +34,8 @@ class Fix(Struct):
     """A replacement for a stretch of text.
 
     If `replaces` is set, it is the name to replace, without quotes. The new name gets quotes if it needs them.
-    Otherwise `replacement` is verbatim text. `span` is None for the place of the diagnostic. An empty span is a
-    place to insert at.
+    Otherwise `replacement` is verbatim text. If `span` is None, the place of the diagnostic counts. An empty span is an
+    insertion point.
     """
 
     replacement: str
@@ -53,7 +53,7 @@ _NAME = re.compile(
 
 
 def hide(text: str, shown: Callable[[str], str] = lambda secret: "…") -> str:
-    """Return a text with each secret of an address replaced by `shown` of it. No I/O.
+    """Return a text in which `shown` replaces each secret of an address. No I/O.
 
     >>> hide("https://me:1234@host/a.zip?raw=1&Access_Token=5678#x.xml")
     'https://me:…@host/a.zip?raw=1&Access_Token=…#x.xml'
@@ -76,7 +76,7 @@ def masked(line: str) -> str:
 
 
 def caller() -> FrameType:
-    """Return the innermost frame of the call stack outside of this package: the program's."""
+    """Return the innermost frame of the call stack outside this package: the program's."""
     frame = sys._getframe(1)
     while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith("mjcompose."):
         frame = frame.f_back
@@ -163,7 +163,7 @@ class Diagnostic(Struct):
     fix: Fix | None = field(default=None, compare=False)
 
     def listed(self) -> tuple[Note, ...]:
-        """Return the notes, with one that lists the first of the `others`, one on each line."""
+        """Return the notes, and a note that lists the first of the `others`, one on each line."""
         if not self.others:
             return self.notes
         lines = [f"{len(self.others)} more like this:"]
@@ -243,7 +243,7 @@ def log(message: str, *arguments: object, level: int = 20) -> None:
 
 
 def warn(message: str, category: type[Warning]) -> None:
-    """Warn at the innermost line of the call stack outside of this package, as Python's own warnings do."""
+    """Warn at the innermost line of the call stack outside this package, as Python's own warnings do."""
     frame = caller()
     module = str(frame.f_globals.get("__name__", "<unknown>"))
     registry = frame.f_globals.setdefault("__warningregistry__", {})

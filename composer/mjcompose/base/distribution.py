@@ -23,7 +23,7 @@ CHOICE = "choice"
 
 
 class Arithmetic(Protocol):
-    """The operations of distributions: those of `draw_stream.py` on numbers, or of `array_math.py` on arrays."""
+    """The operations of distributions: `draw_stream.py` has them for numbers, `array_math.py` for arrays."""
 
     def fraction(self, bits: Any, /) -> Any: ...
     def below(self, bits: Any, count: int, /) -> Any: ...
@@ -33,14 +33,14 @@ class Arithmetic(Protocol):
 
 
 class Distribution(ABC):
-    """A distribution of numbers; a choice among given values is `below` of their count."""
+    """A distribution of numbers. `below` draws the index of a choice among given values."""
 
     def draw(self, bits: int) -> float:
         number: float = self._draw(bits, draw_stream)
         return number
 
     def draw_all(self, bits: NDArray[Any]) -> NDArray[Any]:
-        """Return `draw` for each of an array of bits, `(n,)` of uint64; the numbers are the same to the bit."""
+        """Return `draw` for each element of an array of uint64, bit for bit the same."""
         from mjcompose.base import array_math as many  # numpy, which a model with one sample has no use for
 
         with many.overflowing():
@@ -104,7 +104,7 @@ class Normal(Distribution):
 
 @dataclass(frozen=True)
 class TruncNormal(_Between):
-    """A normal distribution, restricted to the numbers between two."""
+    """A normal distribution, restricted to the numbers between two bounds."""
 
     mean: float
     std: float

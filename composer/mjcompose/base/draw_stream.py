@@ -90,7 +90,7 @@ _FAR = (
 
 
 def quantile(p: float) -> float:
-    """Return the number that the normal distribution is below with probability p; infinite at 0 and 1 and beyond."""
+    """Return the number below which a normal draw is with probability p; infinite if p is not between 0 and 1."""
     q = p - 0.5
     if abs(q) <= MIDDLE:
         return middle(q)

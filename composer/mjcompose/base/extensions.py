@@ -78,8 +78,8 @@ class Table(dict[str, Row]):
     """Our rows by their words; `[]` adds the row of another package if we have none.
 
     `in` and `get` load nothing, so a recipe loads nothing by itself. `attribute` is the name of the row in the module
-    of an extension, or empty if the entry point names the row itself. `kind` is the class of the row. Our rows may be
-    `modules` too, in which the row has the same name. `[]` imports one.
+    of an extension, or empty if the entry point names the row itself. `kind` is the class of the row. Our rows may also
+    be `modules`, in which the row has the same name; `[]` imports the module.
 
     >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
@@ -161,7 +161,7 @@ def _installed(group: str) -> Mapping[str, list[EntryPoint]]:
 
 @cache
 def _are_there(path: tuple[str, ...]) -> bool:
-    """Return whether a package on a path may have entry points of ours, without the import of Python's own reader."""
+    """Return whether a package on a path may have entry points of ours, without importing Python's own reader."""
     for folder in path:
         if os.path.isfile(folder):
             return True  # an archive, which that reader knows

@@ -1,4 +1,4 @@
-"""Files that a run reads: ordinary ones only, each remembered, none replaced by an output of the run.
+"""The files that a run reads: only ordinary files. Each is remembered, and no output of the run replaces it.
 
 Folders are resolved and listed once until a `stat` shows a change, which takes less time than reading a model. Every
 reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something is
@@ -65,7 +65,7 @@ class Memory(Generic[T]):
 
 
 Mark = tuple[int, int, int] | None
-"""What changes with a file: its time, its size and its inode; None if it does not exist."""
+"""The properties that change with a file: its time, its size and its inode; None if it does not exist."""
 
 
 def mark_of(path: str | os.PathLike[str]) -> Mark:
@@ -77,7 +77,7 @@ def mark_of(path: str | os.PathLike[str]) -> Mark:
 
 
 _FEW, _LISTED = 4, 16
-"""The least number of files for which a folder is listed, and how many entries are read for each of them."""
+"""The smallest number of files for which a folder is listed, and the number of entries read for each."""
 _real = Memory(os.path.realpath, os.path.realpath)
 
 
@@ -94,7 +94,7 @@ def parted(path: str) -> tuple[str, str]:
 
 
 def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
-    """Yield folders with the paths in each that one fast look shows to be ordinary files; it misses links and more."""
+    """Yield folders with those paths in each that a fast listing shows as ordinary files; it misses links."""
     wanted: dict[str, dict[str, str]] = {}
     for path in paths:
         folder, name = parted(path)
@@ -174,7 +174,7 @@ _KINDS = {
 
 
 class TooLarge(OSError):
-    """A file with more bytes than allowed; `size` is its size, or how many bytes were read."""
+    """A file with more bytes than allowed; `size` is its size, or the number of bytes read."""
 
     def __init__(self, size: int, most: int, what: str = "it is", path: str | None = None) -> None:
         super().__init__(f"{what} larger than {written('xml-size', most)}")
@@ -196,10 +196,10 @@ def _irregular(mode: int) -> str | None:
 
 
 def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> bytes:
-    """Return the bytes of an ordinary file, or the text of an editor that has not saved it.
+    """Return the bytes of an ordinary file, or its unsaved text from an editor.
 
-    A source of the run is noted: no output replaces it. Raises Refused for other kinds of files, and OSError, even for
-    more than `most` bytes. By default `most` is the limit of a whole bundle.
+    It becomes a source of the run, so no output replaces it. Raises Refused for other kinds of files, and OSError, even
+    for more than `most` bytes. By default `most` is the limit of a whole bundle.
     """
     most = in_force().output_size if most is None else most
     if (kept := unsaved_text(path)) is not None:
@@ -304,7 +304,8 @@ class Run:
     def taken(self, target: str, *, more: Iterable[str | os.PathLike[str]] = ()) -> str | None:
         """Return the source whose place `target` would take, or that is in the folder `target`; None for a free place.
 
-        `more` are sources whoever wrote them. Raises OSError and ValueError: then nobody knows, and nothing is written.
+        `more` are sources whoever wrote them. Raises OSError and ValueError if that is unknown; then nothing is
+        written.
         """
         self._resolve()
         real = os.path.realpath(target)
@@ -346,7 +347,7 @@ class Run:
                 self._above[above] = path
 
     def _all_named(self) -> Mapping[Identity, str]:
-        """Return the files that the recipes and their models name but do not read, such as the files of a variant."""
+        """Return the files that the recipes and models name but the run did not read, such as files of a variant."""
         while self._unscanned:
             path = self._unscanned[-1]  # until it is scanned
             own = _identity(path)
@@ -371,7 +372,7 @@ class Run:
 
 
 class _NoRun(Run):
-    """A program of somebody else, which reads and writes as it likes."""
+    """The state outside a run: another program reads and writes files freely."""
 
     def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
         """Note nothing."""
@@ -386,7 +387,7 @@ def current() -> Run:
 
 @contextmanager
 def run() -> Iterator[Run]:
-    """Begin a run for the block, which starts without sources."""
+    """Start a run without sources for the block."""
     _runs.append(Run())
     try:
         yield _runs[-1]
@@ -462,7 +463,7 @@ def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
 
 
 def untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str | None:
-    """Return why a private folder is not trusted, or None. The system's may be one for temporary files, if sticky."""
+    """Return why a private folder is not trusted, or None. A system folder may be sticky, for temporary files."""
     if not hasattr(os, "geteuid"):  # a system without such owners, as Windows
         return None
     try:
@@ -471,7 +472,7 @@ def untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str
         return None
     except Exception as error:
         reason = getattr(error, "strerror", None) or type(error).__name__
-        return f"nobody can tell whose it is: {reason.lower()}"
+        return f"its owner cannot be determined: {reason.lower()}"
     if status.st_uid != os.geteuid() and not (is_temporary and status.st_uid == 0):
         return "it belongs to another user"
     if not status.st_mode & stat.S_IWOTH or (is_temporary and status.st_mode & stat.S_ISVTX):
@@ -494,7 +495,7 @@ class Foreign(Struct):
 
 
 SDF = Foreign("SDFormat", "convert it with Gazebo: `sdf2mjcf {file} {stem}.xml`, of the package `sdformat-mjcf`")
-USD = Foreign("USD", "take the MJCF or URDF that it was made from, or let the program that made it export URDF")
+USD = Foreign("USD", "use the MJCF or URDF that it was made from, or export URDF from the program that made it")
 _FORMATS = {**dict.fromkeys((".sdf", ".world"), SDF), **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), USD)}
 
 

@@ -1,7 +1,7 @@
 """The script that child processes run first, by its path; it ends them when their parent is gone.
 
 `python guard.py LIFE PARENT MEMORY SIZE COMMAND…` runs a command, `python guard.py worker LIFE PARENT` does tasks.
-`LIFE` is the reading end of a pipe whose other end only the parent has. A fork of this process watches it, because
+`LIFE` is the read end of a pipe; only the parent has the write end. A fork of this process watches it, because
 the process itself may be busy: MuJoCo holds Python's lock while it compiles, so a thread would not work. A death
 signal (`PR_SET_PDEATHSIG`) exists only on Linux, and is sent when the parent's thread ends.
 

@@ -45,17 +45,17 @@ class Limits(Struct):
         100_000_000,
         "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
-    parts: int = _limit(10_000, "the parts of a recipe, with those of nested recipes and all copies")
+    parts: int = _limit(10_000, "the parts of a recipe, including nested recipes and all copies")
     copies: int = _limit(10_000, "the copies that one `replicate` of a recipe makes")
     attributes: int = _limit(1000, "the attributes of one element")
     faults: int = _limit(1000, "the errors that mjcompose looks for")
     nesting: int = _limit(50, "depth of recipes, or files of a model, that include one another")
-    submodels: int = _limit(1000, "the models that a model attaches, with those that they attach")
+    submodels: int = _limit(1000, "the models that a model attaches, directly or through others")
     xml_size: int = _limit(64 * MIB, "the XML files of one model together", "bytes")
     text_size: int = _limit(16 * MIB, "one attribute, comment or text in XML", "bytes")
     recipe_size: int = _limit(16 * MIB, "one recipe file", "bytes")
     edits: int = _limit(200_000, "the values that edits write, and the cost of selecting and drawing")
-    yaml_values: int = _limit(500_000, "the values in one YAML file, with those of aliases")
+    yaml_values: int = _limit(500_000, "the values in one YAML file, aliases expanded")
     yaml_depth: int = _limit(100, "depth of lists and mappings in one YAML file")
     string: int = _limit(10_000, "the characters of a text that an expression gives")
     cells: int = _limit(100_000, "the cells of a matrix")
@@ -107,14 +107,14 @@ def allow(**changed: float) -> Iterator[Limits]:
 
 
 class Advice(str):
-    """The help of an error about a limit, and the same for a program."""
+    """The help of an error about a limit: for the command line, and for a program."""
 
     __slots__ = ("in_python",)
     in_python: str
 
 
 def advice(name: str, needed: float | None = None) -> Advice:
-    """Return the help of an error about a limit: how to raise it, to `needed` if that is known.
+    """Return the help of an error about a limit: how to raise it, to `needed` if known.
 
     >>> advice("copies", 12000)
     'to allow it, raise the limit: `--limit copies=12000`'

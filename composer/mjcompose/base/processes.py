@@ -1,4 +1,4 @@
-"""Child processes that end with this one, and pools of them."""
+"""Child processes that end with this process, and pools of them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Process(subprocess.Popen[Any]):
         self.release()
 
     def release(self) -> None:
-        """Stop the guard: the program has ended, or is killed now."""
+        """Stop the guard, because the program has ended or is being killed."""
         life, self._life = self._life, None
         if life is not None:
             os.close(life)
@@ -90,7 +90,7 @@ class Process(subprocess.Popen[Any]):
 
 
 def kill_all() -> None:
-    """Kill every program that this process has started, as the last thing that it does."""
+    """Kill every program that this process has started; the last action of the process."""
     for process in list(_begun):
         if process.returncode is None:
             with contextlib.suppress(OSError):
@@ -149,7 +149,7 @@ class Undone(Struct):
 
 
 class Helper:
-    """Starts a process if there is none, which imports `modules` in `folder`; tries a task again if it dies."""
+    """Starts a process that imports `modules` in `folder` if none runs, and retries a task if the process dies."""
 
     def __init__(self, modules: Sequence[str] = (), folder: str | None = None) -> None:
         self._modules, self._folder = tuple(modules), folder
@@ -193,7 +193,7 @@ class Helper:
                     self._process.send_signal(signal.SIGTERM)
 
     def end(self) -> None:
-        """End the process, after a short wait at most."""
+        """End the process, after at most a short wait."""
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(patience(_SECONDS_TO_END))
@@ -219,7 +219,7 @@ class Helper:
         return answer
 
     def _buried(self) -> str:
-        """Return how the process ended, in words, empty if it never started; the next task starts another one."""
+        """Return in words how the process ended, or "" if it never started; the next task starts another process."""
         with self._lock:
             process = self._process
             if process is None:
@@ -267,7 +267,7 @@ class Pool(Generic[Task, Result]):
     def results(
         self, opening: Opening[Task, Result], tasks: Iterable[Task], do: Callable[[Task], Result]
     ) -> Iterator[Result | Died]:
-        """Yield the results in the order of the tasks; `do` does a task here if all workers are busy, or one failed."""
+        """Yield the results in the order of the tasks; `do` runs a task here if all workers are busy or one failed."""
         if self._workers:
             self._opening = pickle.dumps(opening)
         each, given = iter(tasks), 0

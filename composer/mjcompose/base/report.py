@@ -98,7 +98,7 @@ def counted(number: int, noun: str, plural: str = "") -> str:
 
 
 def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:
-    """Return the first lines, and how many more there are.
+    """Return the first lines, and the number of the other lines.
 
     >>> with_rest(["a", "b", "c"], 2)
     ['a', 'b', 'and 1 more']
@@ -107,9 +107,9 @@ def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[
 
 
 def printable(text: str, colors: bool = False) -> str:
-    r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
+    r"""Return a text without characters that control a terminal or reorder text; line breaks and tabs stay.
 
-    With `colors`, codes of colors stay too, and bytes of file names that are no text in this locale.
+    With `colors`, color codes stay too, and so do bytes of file names that are not text in this locale.
     """
     unsafe = _UNSAFE_WITH_COLORS if colors else _UNSAFE
     return unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n"))
@@ -281,7 +281,7 @@ _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 class Case(Struct):
-    """One test: `kind` is the kind of test, `errors` are its failures. Without errors it passes."""
+    """One test: `kind` is the kind of test, and `errors` are its failures. Without errors it passes."""
 
     name: str
     kind: str
@@ -324,7 +324,7 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
 
 
 def _text(text: str) -> str:
-    """Replace characters that act on whoever shows them, and those that XML does not allow."""
+    """Replace control characters, and characters that XML does not allow."""
     return _NO_XML.sub("\ufffd", printable(text))
 
 

@@ -1,4 +1,4 @@
-"""Rotations and poses as MuJoCo computes them, to the bit: `(w, x, y, z)`, meters, radians. No numpy, which costs."""
+"""Rotations and poses, bit for bit as MuJoCo computes them: `(w, x, y, z)`, meters, radians. It does not need numpy."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Pose(Struct):
         return all(map(math.isfinite, (*self.pos, *self.quat)))
 
     def __matmul__(self, inner: Pose) -> Pose:
-        """Return the pose of ``inner``, given in this frame, in the frame that this one is given in."""
+        """Return the pose of ``inner``, which is given in this frame, in the parent of this frame."""
         if self.is_identity:
             return inner
         x, y, z = rotate(self.quat, inner.pos)
@@ -42,13 +42,13 @@ class Pose(Struct):
         return Pose(pos, normalize(multiply(self.quat, inner.quat)))
 
     def rounded(self, pos: int = 9, quat: int = 9) -> Pose:
-        """Return the pose in these numbers of decimals, without -0."""
+        """Return the pose rounded to these numbers of decimals, without -0."""
         x, y, z = (round(each, pos) + 0.0 for each in self.pos)
         a, b, c, d = (round(each, quat) + 0.0 for each in self.quat)
         return Pose((x, y, z), (a, b, c, d))
 
     def reflected(self, axis: int, own: int) -> Pose:
-        """Return the pose of the mirror image across an axis, of something that is symmetric across its `own` axis.
+        """Return the pose of the mirror image, across an axis, of an object that is symmetric across its `own` axis.
 
         >>> Pose((1.0, 2.0, 3.0), (0.8, 0.0, 0.0, 0.6)).reflected(1, 1)
         Pose(pos=(1.0, -2.0, 3.0), quat=(0.8, 0.0, 0.0, -0.6))
@@ -81,7 +81,7 @@ def multiply(a: Quat, b: Quat) -> Quat:
 
 
 def normalize(quat: Sequence[float]) -> Quat:
-    """Return ``quat`` at unit length; unchanged if it has that already, to the bit, as in MuJoCo."""
+    """Return ``quat`` at unit length, bit for bit as in MuJoCo; a unit quaternion stays unchanged."""
     w, x, y, z = quat
     norm = math.sqrt(w * w + x * x + y * y + z * z)
     if norm < _TINY:
@@ -147,9 +147,9 @@ def quat_from_zaxis(axis: Sequence[float]) -> Quat:
 
 
 def euler_of(quat: Quat, sequence: str, near: Sequence[float] = (0.0, 0.0, 0.0)) -> Vec3 | None:
-    """Return the Euler angles of a rotation that are the nearest to `near`; at gimbal lock, the first stays there.
+    """Return the Euler angles of a rotation nearest to `near`; at gimbal lock, the first angle keeps its value.
 
-    None if the sequence turns twice in a row about one axis, and so has no angles for most rotations.
+    None if the sequence turns twice in a row about one axis, so most rotations have no angles.
 
     >>> [round(math.degrees(each), 6) for each in euler_of(quat_from_euler([0.0, math.pi / 2, 0.0], "xyz"), "xyz")]
     [0.0, 90.0, 0.0]

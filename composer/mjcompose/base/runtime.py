@@ -40,7 +40,7 @@ class _State(threading.local):
 _state = _State()
 _heard: list[float] = []
 _SECONDS = 0.3
-"""How long others may take to end once a signal has asked this process to."""
+"""The time that other processes get to end after a signal to this process."""
 
 
 @contextmanager
@@ -67,7 +67,7 @@ def hear_signals() -> None:
 
 
 def deferred(number: int) -> bool:
-    """Return whether a signal is to be deferred, and remember it if so. A handler calls this first."""
+    """Return whether to defer a signal, and remember it in that case. A handler calls this first."""
     _heard.append(time.monotonic())
     waits = _state.defers[-1] and not _state.waiting
     _state.waiting[:] = [number] if waits else []
@@ -75,7 +75,7 @@ def deferred(number: int) -> bool:
 
 
 def patience(most: float) -> float:
-    """Return how many seconds to wait for others to end: at most `most`, and less after a signal."""
+    """Return the seconds to wait for other processes to end: at most `most`, and fewer after a signal."""
     return min(most, max(0.0, _heard[0] + _SECONDS - time.monotonic())) if _heard else most
 
 

@@ -1,9 +1,9 @@
-"""A process that the system allows to read and calculate only, and that answers one call.
+"""A process that may only read and calculate, and that answers one call.
 
 `call_confined` starts this file as a script, which reads its task as one line of JSON, gives up its rights, calls the
 function and answers with one line. On Linux, Landlock forbids writing, new programs, connections and all files but
 those named; seccomp allows only the system calls that reading needs. Except on Windows, limits forbid new processes
-(except for root) and large files. If the system refuses a way that it has, the call fails: nothing runs half confined.
+(except for root) and large files. If the system refuses one of these, the call fails: nothing runs half confined.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _MEMORY = 2 << 30
 
 
 class Unconfined(Exception):
-    """The system has a way to confine a process, and did not let it be used."""
+    """The system can confine a process, but refused to do it."""
 
 
 def call_confined(
@@ -174,7 +174,7 @@ def _limit(memory: int, seconds: float) -> bool:
 
 
 class _Kernel:
-    """Calls Linux through the C library; a call returns its result, or minus the number of its error."""
+    """Calls Linux through the C library; a call returns its result, or its negated error number."""
 
     def __init__(self) -> None:
         import ctypes
@@ -211,13 +211,13 @@ class _Kernel:
 _CREATE, _ADD, _RESTRICT = 444, 445, 446
 _READ_FILE, _READ_FOLDER = 1 << 2, 1 << 3
 _NOT_THERE = (-errno.ENOSYS, -errno.EOPNOTSUPP, -errno.EPERM)
-"""The kernel has no Landlock, it is switched off, or a container around this process forbids asking."""
+"""The kernel has no Landlock, it is switched off, or a container around this process forbids the query."""
 _FILES = {1: 13, 2: 14, 3: 15, 4: 15}
-"""How many rights of files each version of Landlock handles; later ones handle 16."""
+"""The number of file rights that each version of Landlock handles; later ones handle 16."""
 
 
 def _landlock(kernel: _Kernel, readable: Sequence[str]) -> str | None:
-    """Forbid TCP, sockets, signals to others, and all of files except reading these, as far as this kernel can."""
+    """Forbid TCP, sockets, signals and all access to files except reading these, as far as the kernel can."""
     version = kernel.syscall(_CREATE, 0, 0, 1)
     if version in _NOT_THERE:
         return None
@@ -279,7 +279,7 @@ _CALLS: dict[str, tuple[int | None, int | None]] = {
 _OPEN, _OPENAT, _IOCTL = (2, None), (257, 56), (16, 29)
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | 0o20000000  # O_TMPFILE without O_DIRECTORY
 _TERMINAL, _CLOSES = 0x5401, 0x5451
-"""The requests of Python with `ioctl`: whether a file is a terminal, and that it is closed for other programs."""
+"""The requests of Python with `ioctl`: to test for a terminal, and to close a file for other programs."""
 _ALLOW, _KILL, _REFUSE = 0x7FFF0000, 0x80000000, 0x00050000
 
 

@@ -1,4 +1,7 @@
-"""Temporary folders, locked while in use. The next run sweeps those of killed processes, whose locks are released."""
+"""Temporary folders, locked while in use.
+
+The next run removes those of killed processes.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,7 @@ def _is_ours(name: str) -> bool:
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[Path]:
-    """Create a folder that is locked for the block and removed after it, except by a fork. Raises OSError."""
+    """Create a folder that is locked for the block and then removed, except in a forked process. Raises OSError."""
     owner = os.getpid()
     folder.mkdir(mode=0o700)
     try:

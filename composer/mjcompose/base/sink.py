@@ -39,7 +39,7 @@ class Sink:
         self._kin: dict[tuple[str, Severity, Span | str], list[Diagnostic]] = {}
         self._recipes: dict[Diagnostic, dict[str, None]] = {}
         self.error_count = 0
-        """How often there was an error, those reported before and those suppressed included."""
+        """The number of errors, including reported and suppressed ones."""
         self._lost: set[str] = set()
         self._errors = 0
 
@@ -48,7 +48,7 @@ class Sink:
         self._lost.update(names)
 
     def marked(self) -> Callable[[], None]:
-        """Return a function that forgets all that is added from now on."""
+        """Return a function that removes everything added from now on."""
 
         def copied(value: Any) -> Any:
             if isinstance(value, dict):
@@ -103,7 +103,7 @@ class Sink:
             self.add(each)
 
     def drop(self, diagnostic: Diagnostic) -> None:
-        """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""
+        """Remove a warning or a note, and all findings with the same cause, because the user has accepted it."""
         if diagnostic.severity is Severity.ERROR:
             raise ValueError("an error cannot be dropped")
         for found in [each for each in self._found if self._whole(each) == diagnostic]:

@@ -44,7 +44,7 @@ from mjcompose.text.node import locate
 
 
 class Built(Struct):
-    """The result of a build; `compiled` is None if it was not verified, `merged` is empty if no assets were merged."""
+    """The result of a build. `compiled` is None if it was not verified, and `merged` has merged assets."""
 
     plan: Plan
     composed: Composed
@@ -57,8 +57,8 @@ class Request(Struct):
     """A request for one model.
 
     `given` are values of parameters and variants; `name` is the name of a cell or of a `sample`, whose draws it has.
-    MuJoCo compiles it if `verified`, equal assets are merged if `deduplicated`, the manifest names a picture if
-    `pictured`, samples become `worlds`. `target` is the program that reads it, None for MuJoCo.
+    MuJoCo compiles it if `verified`. Equal assets are merged if `deduplicated`, the manifest names a picture if
+    `pictured`, and samples can become `worlds`. `target` is the program that reads it, or None for MuJoCo.
     """
 
     recipe: Path
@@ -100,7 +100,7 @@ class _Draft(Struct):
 
 
 class Build(Struct, frozen=False):
-    """One build of a planned model; `on_bundle` gets the bundle before MuJoCo does, to work in parallel."""
+    """One build of a planned model; `on_bundle` gets the bundle before MuJoCo gets it, to work in parallel."""
 
     plan: Plan
     request: Request
@@ -111,7 +111,7 @@ class Build(Struct, frozen=False):
     on_bundle: Callable[[Bundle], None] | None = None
 
     def run(self) -> Built | None:
-        """Compose, link, bundle and verify the model, without allowed warnings; with `strict` others become errors."""
+        """Compose, link, bundle and verify the model, without allowed warnings; `strict` makes others errors."""
         plan, request, context = self.plan, self.request, self.context
         log("building `%s` from %s", plan.name, plan.file)
         built = self._build()
@@ -166,7 +166,6 @@ class Build(Struct, frozen=False):
         return None if bundle is None else _Draft(composed, bundle, merged)
 
     def _verify(self, draft: _Draft) -> Compiled | None:
-        """Return MuJoCo's verdict, after running the recipe's checks."""
         # A build without verification does not need these.
         from mjcompose.build.verify.checks import Checks, checks_in
         from mjcompose.build.verify.compile import WHOLE, compile_and_report
@@ -196,7 +195,7 @@ class Build(Struct, frozen=False):
         return compiled
 
     def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
-        """Return the bundle with the draws of `randomize` and its worlds, some compared with samples that are built."""
+        """Return the bundle with the draws of `randomize` and its worlds; compare some worlds with samples."""
         from mjcompose.build.verify.draws import CODE, DrawTable, with_worlds
 
         plan, context = self.plan, self.context
@@ -221,7 +220,6 @@ class Build(Struct, frozen=False):
         return compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
 
     def _exported(self, bundle: Bundle, composed: Composed) -> Bundle | None:
-        """Return the bundle for the target program; without a target, the bundle itself."""
         if self.request.target is None:
             return bundle
         from mjcompose.targets.export import aimed  # few builds need it

@@ -125,7 +125,7 @@ def _store() -> Finding:
 
 
 def _templates() -> Finding:
-    """Return how the process that expands templates is confined, as it reports itself."""
+    """Return the confinement of the process that expands templates, as the process reports it."""
     with scratch("doctor") as folder:
         answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
     if not answer["ok"]:
@@ -153,7 +153,7 @@ def _extras() -> Iterator[Finding]:
 
 
 def _extensions() -> Iterator[Finding]:
-    """Yield the extensions of other packages. Each is loaded to see whether that works."""
+    """Yield the extensions of other packages. It loads each extension, to test whether it works."""
     from mjcompose.base.extensions import GROUPS, load, names
 
     for group, what in GROUPS.items():

@@ -152,7 +152,7 @@ def _check_usage(options: Options) -> None:
     if options.gives == "union" and table is None:
         raise click.UsageError("--as union also needs --worlds FILE, the table of the numbers that differ.")
     if options.gives == "worlds" and options.cells.only_samples:
-        raise click.UsageError("--sample selects a model, and with --as worlds all samples are in one.")
+        raise click.UsageError("--sample selects a model, and with --as worlds, all samples are in one model.")
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
         help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe sets their number"
         raise click.UsageError(f"--sample-table names a table, FILE.csv or FILE.parquet, not `{samples}`: {help}.")

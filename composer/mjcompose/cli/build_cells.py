@@ -131,7 +131,7 @@ def _checked_folder(task: Task, count: int) -> Path | str:
 
 
 class _Results(Struct, frozen=False):
-    """Counts for the summary of a run, and rows for its tables: the index lists paths relative to `beside`, if any."""
+    """Counts for the summary of a run, and rows for its tables. Paths in the index are relative to `beside`, if set."""
 
     spec: OutputSpec
     context: Context
@@ -185,7 +185,7 @@ class _Results(Struct, frozen=False):
 def _take_all(
     running: CellRun, chosen: Sequence[Cell], results: _Results, patience: AbstractContextManager[None], maker: Maker
 ) -> int | None:
-    """Take the cells as they are done. Return the exit code after an interruption by the user."""
+    """Take the cells as they finish. Return the exit code after an interruption by the user."""
     try:
         with patience, stopped(results.context) as ended:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):

@@ -1,4 +1,4 @@
-"""`build --depfile` and `--sbom`: the inputs of a build, for Make, Ninja and CMake, and as CycloneDX 1.6."""
+"""`build --depfile` writes the inputs of a build for Make, Ninja and CMake, `--sbom` as CycloneDX 1.6."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mjcompose.sources.context import Context
 def render_depfile(outputs: Iterable[str], inputs: Iterable[str]) -> str:
     r"""Return a rule, and an empty rule for each input, so Make continues if the input is gone.
 
-    An input with `%` has none, which would be a pattern.
+    An input with `%` has no rule, because it would be a pattern.
 
     Raises OutputError for a name with a line break, which the syntax cannot have.
 

@@ -1,4 +1,4 @@
-"""The cells of a command: how you choose them, which workers make them, and how they are counted."""
+"""The cells of a command: their selection, their workers, and their count."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ class CellOptions(Group):
     )  # fmt: skip
 
     def check(self, model: str | Path, *, is_recipe: bool) -> None:
-        """Raise UsageError if a cell of something else than a recipe is chosen."""
+        """Raise UsageError if a cell is chosen of something that is not a recipe."""
         if self.pick is not None and not is_recipe:
             raise click.UsageError(f"{model} is not a recipe and has no cells: remove --pick")
 
     def chosen(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> Cell | None:
-        """Return the cell of `--pick`, or None without that; if there is no such cell, end the command."""
+        """Return the cell of `--pick`, or None without the option; if the cell does not exist, end the command."""
         if self.pick is None:
             return None
         from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
@@ -69,7 +69,7 @@ class CellOptions(Group):
 
 
 class CellsOptions(Group):
-    """The choice of several cells and samples; without any, a command is about one model."""
+    """The choice of several cells and samples; without a choice, a command is about one model."""
 
     heading: ClassVar[str] = "Model"
     every: bool = flag("--all", help="Select every cell of the recipe's matrix, and every sample.")
@@ -90,7 +90,7 @@ class CellsOptions(Group):
     def chosen(
         self, recipe: Path, given: dict[str, Node], context: Context, verb: str, *, worlds: bool = False
     ) -> tuple[list[Cell], int]:
-        """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors."""
+        """Return the selected cells (none if the recipe is one model), and the exit code (0 without errors)."""
         from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
         sink = context.sink
@@ -157,7 +157,7 @@ class WorkerOptions(Group):
 
     @contextmanager
     def started(self, out: Location | None = None, away: Finish | None = None) -> Iterator[Crew | None]:
-        """Yield the workers of `--cluster`, which write below `out` or with `away` elsewhere, or None."""
+        """Yield the workers of `--cluster`, which write below `out`, or elsewhere with `away`, or None."""
         if self.cluster is None:
             yield None
             return
@@ -217,7 +217,7 @@ def _is_written(option: str) -> bool:
 
 
 class FullError(DiagnosticError):
-    """No more models can be written, so making others is useless."""
+    """No more models can be written, so making more is useless."""
 
 
 def found_no_room(result: CellResult) -> bool:
@@ -227,7 +227,7 @@ def found_no_room(result: CellResult) -> bool:
 
 @contextmanager
 def stopped(context: Context) -> Iterator[list[Diagnostic]]:
-    """End the block if the workers are lost or a disk is full; the reason is reported, and is in the yielded list."""
+    """End the block if the workers are lost or a disk is full. The reason is reported and in the yielded list."""
     found: list[Diagnostic] = []
     try:
         yield found
@@ -264,7 +264,7 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
 
 
 class Tally(Struct, frozen=False):
-    """Counts the cells of a run: `total` is their number, `whole` the number of those without errors."""
+    """Counts the cells of a run: `total` is their number, and `whole` is the number of cells without errors."""
 
     recipe: Path
     total: int

@@ -1,4 +1,4 @@
-"""`check` and `plan`: everything that a build would find, and its steps, without writing anything."""
+"""`check` and `plan`: report the errors and the steps of a build without writing anything."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class _Result(Struct):
 
 
 class _Checking:
-    """Checks one recipe, or several, whose common diagnostics are reported once."""
+    """Checks one or several recipes, and reports their common diagnostics once."""
 
     def __init__(self, options: Options, run: Run) -> None:
         from mjcompose.build.cache.cache_key import BuildOptions
@@ -178,7 +178,7 @@ class _Checking:
         return self._of_model(maker.recipe, result, maker.context, notes_cells=notes_cells)
 
     def _of_model(self, recipe: Path, result: RecipeResult, context: Context, *, notes_cells: bool) -> _Result:
-        """Return the result of a model; `notes_cells` if the user did not ask for cells."""
+        """Return the result of a model; `notes_cells` is set if the user did not select cells."""
         outcomes = result.outcomes
         self.run.suites.append(_suite(recipe, outcomes, context.sink.errors, context=context))
         note_files(result.files)
@@ -295,7 +295,7 @@ def _data(plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: 
 
 
 def _cell_lines(plan: Plan, filled: FilledValues, cells: Sequence[Cell]) -> Iterator[str]:
-    """Yield lines about the cells; those that differ only in draws share a line."""
+    """Yield lines about the cells; cells that differ only in draws share a line."""
     from mjcompose.text.expression import shown
 
     if filled.cell is not None:

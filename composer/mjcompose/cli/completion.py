@@ -88,7 +88,7 @@ def _samples(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _parameters(recipe: Path, context: Context) -> Iterator[str]:
-    """Yield parameters, with the values of those that have choices, and variants, which can be set in the same way."""
+    """Yield variants and parameters, with their values if they have choices."""
     from mjcompose.text.node import Mapping, Scalar, Sequence, find
 
     for name, written in _entries(recipe, context, "params").items():
@@ -117,7 +117,7 @@ def _entries(recipe: Path, context: Context, section: str) -> dict[str, Node]:
 
 
 def _named(*tags: str) -> Callable[[Path, Context], Iterable[str]]:
-    """Return a function for the names of all elements, or those with a tag."""
+    """Return a function for the names of all elements, or of the elements with a tag."""
     return lambda recipe, context: sorted(
         {name for each in _model(recipe, context) if (not tags or each.tag in tags) and (name := each.get("name"))}
     )
@@ -132,7 +132,7 @@ def _model(recipe: Path, context: Context) -> Iterator[Element]:
 
 
 def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Complete the attributes of the element in an `explain` query: `'geom left/pad'`, or its name alone."""
+    """Complete the attributes of the element in an `explain` query: `'geom left/pad'`, or only its name."""
 
     def offered(recipe: Path, context: Context) -> Iterator[str]:
         from mjcompose.tree.select import kind_of

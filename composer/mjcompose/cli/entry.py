@@ -55,7 +55,7 @@ def bound(memory: int) -> None:
 
 
 def ran_out() -> bool:
-    """Return whether the process came near its limit: without memory, some C code raises SystemError (`re`, 3.11)."""
+    """Return whether the process came near its limit: without memory, some C code raises SystemError."""
     try:
         import resource
     except ImportError:
@@ -67,7 +67,7 @@ def ran_out() -> bool:
 
 @cache
 def _given() -> tuple[int, int]:
-    """Return the user's limits, with which this process was started."""
+    """Return the limits that the user set for this process."""
     import resource
 
     return resource.getrlimit(resource.RLIMIT_DATA)
@@ -98,7 +98,7 @@ _CUT_SHORT = b"\ninterrupted: the next run removes what this one leaves behind\n
 
 
 def end_in_order() -> None:
-    """Let SIGTERM raise SystemExit, and Ctrl-C KeyboardInterrupt, at a moment when neither is lost."""
+    """Make SIGTERM raise SystemExit, and Ctrl-C raise KeyboardInterrupt, at a moment when neither is lost."""
     signal.signal(signal.SIGTERM, _in_time(_terminate))
     # A shell's background jobs ignore Ctrl-C, and must continue to.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -106,7 +106,7 @@ def end_in_order() -> None:
 
 
 def end_in_a_second() -> None:
-    """Let both signals end this process within a second, whatever it is doing then."""
+    """Make both signals end this process within a second, whatever it is doing."""
     if os.name == "posix":
         read_end, write_end = os.pipe()
         os.set_blocking(write_end, False)
@@ -115,10 +115,10 @@ def end_in_a_second() -> None:
 
 
 def _end_anyway(read_end: int) -> None:
-    """End this process a moment after a signal, even if it waits for something that does not end.
+    """End this process shortly after a signal, even if it waits for something that does not end.
 
-    Its children end with it, and outputs are whole, as after `kill -9`. The system reports the signal here even if the
-    main thread never gets to its handlers.
+    Its children end with it, and outputs are complete, as after `kill -9`. The system reports the signal here even if
+    the main thread never gets to its handlers.
     """
     codes = {signal.SIGTERM: _TERMINATED, signal.SIGINT: INTERRUPTED}
     while True:

@@ -170,13 +170,13 @@ class _Verbs(click.Group):
             if error.errno == errno.ENOMEM:
                 raise MemoryError from error
             what = f"`{error.filename}`: " if error.filename else ""
-            _say_aside(f"cannot go on: {what}{(error.strerror or str(error)).lower()}")
+            _say_aside(f"cannot continue: {what}{(error.strerror or str(error)).lower()}")
             ctx.exit(_FAILED)
         except UnicodeEncodeError as error:
             if error.encoding.startswith("utf"):
                 self._bug(ctx, error)
             what = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
-            _say_aside(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
+            _say_aside(f"cannot continue: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
             ctx.exit(_FAILED)
         except Exception as error:
             # Pydantic 2.14 replaces any exception that ends it by its own.

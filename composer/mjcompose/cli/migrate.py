@@ -1,4 +1,4 @@
-"""`migrate` and `upgrade`: a model in another version of MuJoCo, as text and as it moves."""
+"""`migrate` and `upgrade`: the text and the motion of a model in another version of MuJoCo."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def _check_usage(options: Options) -> None:
 
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
-    """Write the files, all or none. Return the path of the model."""
+    """Write all files or none. Return the path of the model."""
     from mjcompose.tools.migrate.migrate import lay_out
 
     migrated, model = result.migrated, result.model
@@ -126,7 +126,7 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
 
 
 def _bound(result: Result, target: Path) -> str | None:
-    """Why the model cannot be one file there."""
+    """The reason that the model cannot be one file in that folder."""
     migrated, model = result.migrated, result.model
     others = [path for path in migrated.changed if path != model]
     if others:
@@ -159,7 +159,7 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
         yield from (f"  {words}" for words in result.explained)
         if outcome.recut:
             several = ", ".join(outcome.recut[:_SHOWN]) + (", …" if len(outcome.recut) > _SHOWN else "")
-            yield f"  the same surface in other triangles: {several}"
+            yield f"  the same surface with different triangles: {several}"
         if outcome.apart:
             yield f"  not compared because their form differs: {', '.join(outcome.apart)}"
     elif migrated.before != migrated.after:
@@ -246,6 +246,6 @@ def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:
         for meaning in each.suspects:
             yield f"    perhaps: {meaning.span or options.model}: {meaning.change}: {meaning.message}"
         if not each.steps and not each.suspects:
-            yield "    cause: no line of the model; MuJoCo solves or collides in another way"
+            yield "    cause: no line of the model; MuJoCo solves or collides differently"
     for trial in found.diverged:
         yield f"  the simulation diverges in `{trial}`"

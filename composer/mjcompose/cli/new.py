@@ -225,9 +225,9 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
         rounded = counted(len(outcome.rounded), "number")
         verb = "is" if len(outcome.rounded) == 1 else "are"
         but = f"; {rounded} {verb} equal to six digits only" if outcome.rounded else ""
-        say(f"it builds, and the model is that of {shown}, element by element, to seven digits{but}")
+        say(f"it builds, and the model equals {shown}, element by element, to seven digits{but}")
     else:
-        _say_several(f"it builds, and is not yet the model of {shown}", different)
+        _say_several(f"it builds, but does not yet match {shown}", different)
     return code
 
 

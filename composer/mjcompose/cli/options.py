@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return the question after a message of Click about an unknown name, or `otherwise`, with a space before it."""
+    """Return the question to add to a message of Click about an unknown name, or `otherwise`, after a space."""
     near = closest(name, known)
     return f" Did you mean `{near[0]}`?" if near else otherwise
 
 
 class Amount(click.FloatRange):
-    """A range of floats without `nan`, which comparisons never find out of range, and without `inf`."""
+    """A range of floats without `inf`, and without `nan`, which comparisons never find out of range."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         number = float(super().convert(value, param, ctx))
@@ -158,7 +158,7 @@ class Choices(Group):
         return self._read[file]
 
     def named(self, context: Context) -> dict[str, str]:
-        """Return the values as text, not validated, by their names for the user, for the build cache to compare."""
+        """Return the values as unvalidated text, by their names for the user; the build cache compares them."""
         from mjcompose.build.cache.cache_key import content_of, name_of
 
         found: dict[str, str] = {}
@@ -195,7 +195,7 @@ def _limits(ctx: click.Context, parameter: click.Parameter, given: tuple[str, ..
 
 
 class LimitOptions(Group):
-    """Limits of a run, which are in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
+    """The limits of a run, in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
 
     heading: ClassVar[str] = "Limits"
     limit: None = option("--limit", multiple=True, metavar="NAME=VALUE", callback=_limits,
@@ -215,7 +215,7 @@ class TimeOptions(Group):
 
 
 class RecipeOptions(Group):
-    """The groups of a command about a recipe. A class of options inherits them, and its own options come first."""
+    """The groups of a command about a recipe. A class of options inherits them; its own options come first."""
 
     choices: Choices = group(Choices)
     fetching: FetchOptions = group(FetchOptions)

@@ -77,7 +77,7 @@ class Picturing(Struct, frozen=False):
 
 
 class OutputSpec(Struct):
-    """The form and place of an output, and how it is reported; `picturing` draws a picture next to it."""
+    """The form and place of an output, and its report; `picturing` draws a picture next to it."""
 
     out: str
     kind: OutputForm
@@ -100,24 +100,24 @@ class OutputSpec(Struct):
         return None if self.out == "-" else location(folder, self.target(name, mujoco))
 
     def elsewhere(self, folder: Path) -> OutputSpec:
-        """Return the same for a process that runs in another folder, without pictures."""
+        """Return the same output for a process that runs in another folder, without pictures."""
         slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
         return replace(self, picturing=None, out=f"{location(folder, self.out)}{slash}")
 
     @property
     def assets_above(self) -> int:
-        """How many folders above a model's folder the folder of shared assets is."""
+        """The number of levels from a model's folder up to the folder of shared assets."""
         return 2 if os.path.basename(os.path.dirname(self.out.rstrip("/"))) == "{hash}" else 1
 
     def text_beside(self, folder: Path) -> Path | None:
-        """Return the folder from which text refers to its files, if only text is spec."""
+        """Return the folder from which text refers to its files, if the output is only text."""
         if self.kind != "text":
             return None
         return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
 
 
 def kind_of_output(out: str | None, models: int = 1) -> OutputForm:
-    """Return the form for OUT. Raises OutputError if it is unclear, or if several models would go to one place."""
+    """Return the form for OUT. Raises OutputError if it is unclear, or if several models would get the same path."""
     if out is None:
         return OutputForm.ARCHIVE
     kind = OutputForm.TEXT if out == "-" else form_of(out)
@@ -194,7 +194,7 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
 
 
 def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
-    """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
+    """Yield one line each for adopted settings, the replaced output, merged assets, and the reason for a build."""
     yield from (f"  adopted {words}" for words in in_words(result.adopted))
     if result.excluded:
         pairs = counted(result.excluded, "pair")
@@ -307,7 +307,6 @@ class _Writer(Struct):
         return result
 
     def _check_picture(self, result: BuildResult, target: str) -> None:
-        """Refuse a picture that would replace a texture. Raises OutputError."""
         if self.spec.picturing is not None:
             from mjcompose.build.cache.builder import input_files
 
@@ -324,7 +323,7 @@ class _Writer(Struct):
             context.sink.promote()
 
     def _write(self, result: BuildResult, out: str) -> tuple[Path, ...]:
-        """Write the model, and return the files that were written elsewhere than to `out`."""
+        """Write the model, and return the files that were written to other places than `out`."""
         from mjcompose.build.cache.builder import input_files
 
         maker, spec, context = self.maker, self.spec, self.context
@@ -391,4 +390,4 @@ class _Writer(Struct):
 def _check_holds_all(bundle: Bundle, out: str) -> None:
     if WORLDS in bundle.files:
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
-        raise OutputError("output-kind", f"`{out}` has no room for the worlds", help)
+        raise OutputError("output-kind", f"`{out}` cannot store the worlds", help)

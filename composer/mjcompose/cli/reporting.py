@@ -45,7 +45,7 @@ ARGUMENTS, FORM, _LINE = "mjcompose.arguments", "mjcompose.form", "mjcompose.pro
 
 
 def say_details(context: Context, files: Iterable[str] = ()) -> None:
-    """Print for `--verbose`, to standard error, how long each stage took, and the files that were read."""
+    """With `--verbose`, print the duration of each stage and the files that were read to standard error."""
     if not _given("verbose"):
         return
     clear_progress()
@@ -84,8 +84,8 @@ DOCUMENTS = ("junit", "sarif")
 def report(context: Context, form: str, *, err: bool = False, texts: Mapping[str, bytes] | None = None) -> None:
     """Print all diagnostics: text to standard error, other formats to standard output.
 
-    With `err` all go to standard error, for a command that prints a model. `texts` are new contents of files, by their
-    names in messages.
+    With `err`, all of them go to standard error, for a command that prints a model. `texts` are new contents of files,
+    by their names in messages.
     """
     clear_progress()
     if _given("watch"):
@@ -102,7 +102,7 @@ def report_as_chosen(context: Context) -> None:
 
 
 def words_of(context: Context) -> str:
-    """Return all diagnostics as on a terminal, without colors."""
+    """Return all diagnostics as a terminal shows them, without colors."""
     found, read = context.sink.sorted(), source_reader(context.folder)
     return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
 
@@ -147,7 +147,7 @@ def _more_about(found: Sequence[Diagnostic]) -> str:
 
 
 def use_color(*, out: bool = False) -> bool:
-    """Return whether standard error, or with `out` standard output, shows colors; NO_COLOR and TERM count."""
+    """Return whether standard error, or with `out` standard output, shows colors; it respects NO_COLOR and TERM."""
     terminal = sys.stdout is not None and sys.stdout.isatty() if out else on_terminal()
     return terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 

@@ -1,4 +1,4 @@
-"""One pipeline for all commands: options as one frozen object, and one place that reports and exits.
+"""The pipeline of all commands: options are one frozen object, and one place reports and exits.
 
 A command is a class of options and a function of them and a `Run`; docs/contributing/extending.md shows one.
 """
@@ -158,7 +158,7 @@ class Stop(Exception):
 class Answer(Struct):
     """The output of a command after its report: `data` with `--output-format json`, otherwise `text`.
 
-    A function instead of any of them is called only if its result is printed. `markdown` replaces the text in that
+    Each of them may be a function, which is called only if its result is printed. `markdown` replaces the text in that
     format. `--quiet` omits the text of an outcome, such as the path of a written file. `reports` is False if
     diagnostics are not shown on success. Without a `code`, the process exits with 1 if there are errors. `aside` is an
     outcome for standard error. Unless `is_ascii`, JSON contains letters outside ASCII.
@@ -282,7 +282,7 @@ class Run:
 
     @contextmanager
     def session(self, *, remembers: bool) -> Iterator[Session]:
-        """Yield a session for MuJoCo. With `--watch` all runs have the same one, which remembers assets."""
+        """Yield a session for MuJoCo. With `--watch`, all runs share one session, which remembers assets."""
         from mjcompose.mujoco.engine import Session
 
         kept = self._meta.get(_SESSIONS)
@@ -316,7 +316,7 @@ def _listed(value: Any) -> Iterable[Path]:
 
 
 def _again_and_again(once: Callable[[], int], named: list[Path]) -> int:
-    """Run the command again whenever a file changes that it read, until the user interrupts it."""
+    """Run the command again whenever a file that it read changes, until the user interrupts it."""
     from mjcompose.tools.view.builder import marks
 
     before: dict[Path, Mark] = {}

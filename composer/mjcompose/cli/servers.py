@@ -109,7 +109,7 @@ def mcp(options: Group, run: Run) -> None:
 
 
 async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResult:
-    """Return the answer of a tool; an invalid call has a text that says why."""
+    """Return the answer of a tool; for an invalid call, a text with the reason."""
     from mcp_types import CallToolResult, ImageContent, TextContent
 
     if (wrong := _wrong(root, name, given)) is not None:
@@ -143,7 +143,7 @@ async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResu
 
 
 def _wrong(root: Path, name: str, given: Mapping[str, Any]) -> str | None:
-    """Return why a call is invalid, or None; a path must lead into the folder of the server."""
+    """Return the reason that a call is invalid, or None; a path must lead into the folder of the server."""
     if name not in _TOOLS:
         return f"the tool `{name}` does not exist; tools: {', '.join(_TOOLS)}"
     takes = _TOOLS[name][1]
@@ -185,7 +185,7 @@ async def _run(root: Path, words: list[str]) -> tuple[int, str]:
     )
     text = (done.stdout + done.stderr).decode(errors="replace").strip() or "no errors"
     more = len(text) - _MOST
-    return done.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: ask for less"
+    return done.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: request less"
 
 
 _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")

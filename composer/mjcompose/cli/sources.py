@@ -56,7 +56,7 @@ def info(options: InfoOptions, run: Run) -> Answer:
         for entry in reversed(entries):
             yield f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}"
         if unfinished := store.unfinished():
-            yield f"  {len(unfinished)} unfinished, being fetched now or broken off"
+            yield f"  {len(unfinished)} unfinished, being fetched now or interrupted"
 
     rows = [
         {"kind": each.kind, "key": each.key, "source": each.origin, "size": each.size, "files": len(each.files)}

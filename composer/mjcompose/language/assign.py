@@ -1,4 +1,4 @@
-"""Values that `edit` gives to attributes: how they are checked, and their JSON Schema by the selector's tag."""
+"""Values that `edit` gives to attributes: their checks, and their JSON Schema by the selector's tag."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Checker(Struct, frozen=False):
     def attributes(
         self, verb: str, value: Mapping[str, Any], tag: str, at: Path, kinds: tuple[ElementType, ...] | None = None
     ) -> None:
-        """Check the values of a verb for elements with a tag, if it is known; `offset` are numbers that draws add."""
+        """Check the values of a verb for elements with a tag, if known; with `offset`, draws add these numbers."""
         kinds = (kinds_of(tag) if tag else ()) if kinds is None else kinds
         turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
         if len(turned) > 1 and verb == "set":
@@ -70,7 +70,7 @@ class Checker(Struct, frozen=False):
             self.faults.append(Fault("wrong-type", f"`{name}` has no value", at))
         elif name == "name" and fitting:
             help = "write `rename: …` for another name"
-            self.faults.append(Fault("unknown-key", "`set` cannot take a name away", at, key=True, help=help))
+            self.faults.append(Fault("unknown-key", "`set` cannot remove a name", at, key=True, help=help))
         elif attribute_and_index(name)[1] is not None:
             message = f"one number of `{attribute_and_index(name)[0]}` cannot be removed"
             help = "write the numbers that stay"
@@ -160,7 +160,7 @@ class Checker(Struct, frozen=False):
 
 
 def _sample(attribute: Attribute, value: Any) -> Any:
-    """Return a value of the same form without `${…}`, or None if only the model shows whether it fits."""
+    """Return a value of the same form without `${…}`, or None if only the model determines whether it fits."""
     if isinstance(value, list):
         items = [1 if _computed(item) and attribute.is_number else item for item in value]
         return None if any(map(_computed, items)) else items
@@ -172,11 +172,11 @@ def _computed(value: Any) -> bool:
 
 
 Changed: TypeAlias = Iterable[tuple[str | None, str]]
-"""Attributes, each with its tag, or None where the selector does not say the tag."""
+"""Attributes, each with its tag, or None if the selector has no tag."""
 
 
 class Values(ByGrammar):
-    """The values that `set` or `scale` gives to attributes, which a class or a section has in mappings."""
+    """The values that `set` or `scale` gives to attributes; for a class or a section, they are in mappings."""
 
     def __init__(self, verb: str) -> None:
         self.verb = verb
@@ -234,7 +234,7 @@ def _definition_of_classes(kind: str) -> Schema:
 
 @definition("settable")
 def settable(tag: str) -> Schema:
-    """Return the schema of a mapping from a tag's attributes, or numbers of them, to values; null takes one out."""
+    """Return the schema of a mapping from a tag's attributes, or numbers of them, to values; null removes one."""
     found: dict[str, Schema] = {}
     for name, attributes in attributes_of(tag).items():
         schemas = [attribute_schema(each) for each in attributes]
@@ -246,7 +246,7 @@ def settable(tag: str) -> Schema:
 
 
 def _or_null(schema: Schema) -> Schema:
-    """Return the schema that allows null as well, as one type of several and no alternative where that can be."""
+    """Return the schema that also allows null, as one more type instead of an alternative if possible."""
     if REFERENCE in schema:
         return {**schema, **reference(f"null:{schema[REFERENCE]}")}
     if "type" in schema:
@@ -285,7 +285,7 @@ def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema
 
 
 def attributes_of(tag: str) -> dict[str, list[Attribute]]:
-    """Return the attributes of all elements that a tag means, except for names, which `rename` changes."""
+    """Return the attributes of all elements that a tag covers, except for names, which `rename` changes."""
     found: dict[str, list[Attribute]] = {}
     for path in sorted(paths_of(tag)):
         for each in GRAMMAR.element(path).attributes.values():

@@ -76,7 +76,7 @@ class Scatter(Model):
     over: Surface = Field(examples=["{geom: NAME}"])
     """the surface; each copy lies on it completely"""
     clearance: Annotated[float, Scaled(LENGTHS, ge=0)] = 0.0
-    """the least distance of a copy from the others and from other bodies, in meters; `1cm` is 0.01"""
+    """the smallest distance of a copy from other copies and from other bodies, in meters; `1cm` is 0.01"""
     upright: bool = True
     """copies are turned only about the vertical; false turns them in any direction"""
     seed: Count = 0
@@ -88,7 +88,7 @@ class Scatter(Model):
 
 
 class Axis(Model):
-    """A row of copies, each moved and turned from the one before; or copies on a surface."""
+    """A row of copies, each moved and turned relative to the previous copy; or copies on a surface."""
 
     rules: ClassVar = (Needs({"count": "3"}, unless="scatter"), Bars("scatter", *_ROW, why="scatters its copies"))
     example: ClassVar = "{count: 3, offset: [0.1, 0, 0]}"
@@ -200,7 +200,7 @@ def _pattern(times: str) -> Schema:
 
 
 class _Prefix:
-    """The rule that a prefix can be one, and that copies have one, which tells them apart."""
+    """The rule that a prefix is valid, and that copies have one, which distinguishes them."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         prefix = value.get("prefix")
@@ -298,7 +298,7 @@ class Attachment(Model):
 
     @property
     def is_placed(self) -> bool:
-        """Whether the part has keys about its place, or about a joint or sensors there."""
+        """Whether the part has keys about its place, or about a joint or sensors at that place."""
         return not _OF_A_PLACE.isdisjoint(self.model_fields_set)
 
     @property

@@ -1,4 +1,4 @@
-"""The section `check` of a recipe: which checks there are, and how one is written."""
+"""The section `check` of a recipe: the kinds of checks, and their forms."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class Check(CheckPart):
     """The value behind the word of a check.
 
     A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe whose place
-    is unknown. The module of one that `is_in_mujoco` has a function `check`, which runs next to the compiled model; any
-    other module has a function `run`.
+    is unknown. The module of a check that `is_in_mujoco` has a function `check`, which runs next to the compiled model;
+    any other module has a function `run`.
     """
 
     word: ClassVar[str]
@@ -73,7 +73,7 @@ _INSTEAD = {
 
 
 class _SaysSomething:
-    """A check has a kind. If its name is one, it is probably missing in front of that."""
+    """A check has a kind. If the name of a check is a kind, the name itself is probably missing."""
 
     alone = True
 

@@ -24,8 +24,8 @@ class Collisions(Struct):
     """Bodies that must not collide (`exclude`), or geoms that may (`collide`).
 
     The two `sides` are names of parts or globs over bodies. They are empty for bodies that already touch, and for
-    bodies that are found with random configurations, of which `samples` are drawn with a `seed`. `at` is the path
-    of the entry from the top of the recipe.
+    bodies found in random configurations; `samples` of these are drawn with a `seed`. `at` is the path of the entry
+    from the top of the recipe.
     """
 
     what: Literal["exclude", "collide"]
@@ -76,7 +76,7 @@ class Between(Model):
 
 
 class Excluded(Model):
-    """Bodies that do not collide: those of two sides, or those that need not."""
+    """Bodies that do not collide: the bodies of two sides, or bodies that need not collide."""
 
     rules: ClassVar = (
         OneOf(BETWEEN, "auto", lacks="names no bodies", advice="write `between: [ARM, TABLE]`, or `auto: {}`"),

@@ -1,4 +1,4 @@
-"""The section `datasheets`: motors as in their data sheets, and the table of those that come with mjcompose."""
+"""The section `datasheets`: motors as in their data sheets, and the data sheets that come with mjcompose."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class FieldDistribution(Struct):
         return array("q" if self.kind == "integers" else "d", self.of(of).draw_all(found).tobytes())
 
     def extremes(self, component: int) -> tuple[float, ...]:
-        """Return the least and the greatest number that can be drawn, or all values of a choice."""
+        """Return the smallest and the largest number that can be drawn, or all values of a choice."""
         if self.kind == CHOICE:
             return tuple(float(each) for each in self.values if _is_number(each))
         return self.of(component).support
@@ -91,7 +91,7 @@ class FieldDistribution(Struct):
 
 @lru_cache(maxsize=256)
 def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
-    """Return the distribution. It is cached, because some compute numbers that all their draws need."""
+    """Return the distribution. It is cached, because some distributions compute numbers that all their draws need."""
     return MAKERS[kind](*numbers)
 
 
@@ -257,7 +257,7 @@ class Change(Model):
 
 
 def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
-    """Return the distribution that is written, or the fault of its numbers together."""
+    """Return the written distribution, or the fault of the combination of its numbers."""
     called = f"`{kind}` of {OWNER}"
     if isinstance(written, Choice):
         return FieldDistribution(CHOICE, values=written.values)
@@ -290,7 +290,7 @@ def _fault_of(distribution: Distribution) -> str | None:
     if isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal) and distribution.low > distribution.high:
         return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
     if isinstance(distribution, TruncNormal) and distribution.is_empty:
-        return "between `min` and `max` there is next to nothing of it"
+        return "between `min` and `max` it has almost no probability"
     return None
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class For:
-    """A verb is for elements of these paths, or of paths that begin so; `what` says it, with `{tag}`."""
+    """The elements that a verb is for, by path or beginning of a path; `what` describes them, with `{tag}`."""
 
     alone = True
 
@@ -46,9 +46,9 @@ class For:
 class Verb(Model):
     """A change that an entry of `edit` makes to each selected element.
 
-    A verb that `reshapes` makes, removes or moves elements, after which a part cannot be compared with its source. One
-    that is `alone` cannot be combined with others. `values` is the kind of definition of its values in the JSON Schema,
-    by the selector's tag.
+    A verb that `reshapes` makes, removes or moves elements, after which a part cannot be compared with its source. A
+    verb that is `alone` cannot be combined with other verbs. `values` is the kind of definition of its values in the
+    JSON Schema, by the selector's tag.
     """
 
     reshapes: ClassVar[bool] = False
@@ -115,7 +115,7 @@ class _DoesSomething:
 
 
 class _ByTag:
-    """Which verbs there are, and which attributes they may name, by the tag of the selector. The verbs read it."""
+    """The verbs and the attributes that they may name, by the tag of the selector. The verbs read it."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         yield from ()
@@ -225,7 +225,7 @@ class _Selected(ByGrammar):
 
 
 class Drop(Model):
-    """What to remove from a part: a selector, or the word for a section or for all elements with a tag."""
+    """The elements to remove from a part: a selector, a section, or a tag for all elements with it."""
 
     short: ClassVar = "<word>"
     example: ClassVar = '{geom: "visual_*"}'
@@ -255,7 +255,7 @@ class Drop(Model):
 
     @property
     def leaves_keys(self) -> bool:
-        """Whether it leaves out all keys. Keyframes of the recipe may read them nevertheless."""
+        """Whether it drops all keys. Keyframes of the recipe may read them nevertheless."""
         return self.expect is None and (self.section == "keyframe" or self.select in _ALL_KEYS)
 
 

@@ -1,4 +1,4 @@
-"""The mapping of an element, read with all its faults."""
+"""Reading the mapping of an element, with all its faults."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
 
 
 def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] | None:
-    """Return the fault of such keys and the entries that it is about, the name first; None without such keys.
+    """Return the fault of keys that lost their indentation, and its entries, the name first; None without such keys.
 
     In a mapping from names to elements, every value is a mapping. Therefore, a name without a value that is
     followed by a key with a single value or a list has lost its indentation.
@@ -258,7 +258,7 @@ class Reader(Struct, frozen=False):
         self, kind: ElementType, name: str, value: Any, at: Path, owner: str, own: Collection[str],
         taken: Collection[str],
     ) -> Fault:  # fmt: skip
-        """Return the fault of a key that is neither an attribute nor a child. `taken` are the written ones."""
+        """Return the fault of a key that is neither an attribute nor a child. `taken` are the written keys."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         known = [*attributes, *(each for each in kind.children if each not in taken)]
         near, fix = closest(name, known), renaming(name, known)
@@ -316,7 +316,7 @@ def config_text(value: Any) -> str | None:
 
 
 def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
-    """Return the attributes that an unknown key stands for: they are not also reported as missing."""
+    """Return the attributes that an unknown key stands for, which are not reported as missing too."""
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
         return [*_OBJECT]
     head = name.partition(":")[0]

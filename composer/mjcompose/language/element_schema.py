@@ -69,7 +69,7 @@ def _remarks(attribute: Attribute) -> Iterator[str]:
         if kind not in attribute.doc or kind == attribute.doc:
             yield f"names of {kind}s" if attribute.type == "references" else f"name of a {kind}"
     elif attribute.refers_by is not None:
-        yield f"of the kind that `{attribute.refers_by}` says"
+        yield f"of the kind that `{attribute.refers_by}` names"
     if attribute.type == "file":
         yield "file, relative to the recipe"
     if attribute.default is not None:
@@ -170,7 +170,7 @@ def element(
 
 
 def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
-    """Return the condition that a fragment is alone, except for the keys `beside` it, and else the rules hold."""
+    """Return the condition that a fragment is alone, except for the keys `beside` it, or else that the rules hold."""
     beside = [name for name in beside if name == NAME]
     then: Schema = {"propertyNames": {"enum": [FRAGMENT, *beside]}} if beside else {"maxProperties": 1}
     alone: Schema = {"if": {"required": [FRAGMENT]}, "then": then}

@@ -1,4 +1,4 @@
-"""A recipe becomes a concrete one: variants, conditions, expressions, cells of the matrix."""
+"""Turn a recipe into a concrete one: variants, conditions, expressions, cells of the matrix."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _MAX_DEPTH = 4  # the depth of a part's edits
 
 
 class Condition:
-    """Decides which items belong to this build, or to `any`; `in_doubt` has the names of items with a faulty `when`."""
+    """Decides which items belong to this build, or to `any`; `in_doubt` has names with a faulty `when`."""
 
     def __init__(
         self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
@@ -131,8 +131,8 @@ def _is_item(path: Path) -> bool:
 class Concrete(Struct):
     """A recipe without parameters and variants, and the values it was made with.
 
-    `scope` has the values by name, with variants as text; `lost` the names that are left out or in doubt
-    because of errors, `gone` the paths of the keys that are left out.
+    `scope` has the values by name, with variants as text; `lost` has the names that are left out or in doubt because of
+    errors, and `gone` has the paths of the keys that are left out.
     """
 
     document: Mapping
@@ -144,7 +144,7 @@ class Concrete(Struct):
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
-    """Return the recipe with the given values, else defaults, without faulty pieces; `any` ignores each `when`."""
+    """Return the recipe with the given values or the defaults, without faulty pieces; `any` ignores each `when`."""
     from mjcompose.language.recipe import SETTLED
 
     axes = read_axes(document, sink)
@@ -169,7 +169,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
-    """Return the values by name that `expand` would use, without expanding anything; errors are reported there."""
+    """Return the values by name that `expand` would use, without expanding anything; its errors are reported there."""
     sink = Sink()
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
@@ -279,7 +279,7 @@ class _Matrix:
         return axes
 
     def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
-        """Return the given values, with one for each axis that is a parameter without a default: every cell sets it."""
+        """Return the given values, and one for each axis that is a parameter without a default: every cell sets it."""
         found = expand(self.document, self.given, Sink())
         needed = {
             axis: values[0]

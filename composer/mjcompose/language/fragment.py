@@ -1,4 +1,4 @@
-"""A fragment of MJCF in a recipe, and which attributes need or exclude each other."""
+"""A fragment of MJCF in a recipe, and the attributes that need or exclude each other."""
 
 from __future__ import annotations
 
@@ -189,7 +189,7 @@ class _Check:
             lead = len(text) - len(text.lstrip())
             at = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1 + lead, len(text.strip()))
             message = f"text in `{self.stack[-1].tag}`, where MJCF has none"
-            self.fault("xml-syntax", message, at, help="take it out, or write it as a comment: `<!-- … -->`")
+            self.fault("xml-syntax", message, at, help="remove it, or write it as a comment: `<!-- … -->`")
 
     def doctype(self, *_: object) -> None:
         self.fault("xml-syntax", "a fragment has no `<!DOCTYPE>`")

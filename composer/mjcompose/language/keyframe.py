@@ -30,9 +30,9 @@ _ALL = "write `ctrl: hold` for all actuators, `ctrl: {ACTUATOR: hold}` for one"
 class Controls(Struct):
     """The entries of `ctrl`.
 
-    `hold` is how all actuators hold the pose, or None. `held` has the paths below `ctrl` of those that do so
-    individually: by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by joint,
-    `numbers` those by actuator.
+    `hold` is the way in which all actuators hold the pose, or None. `held` has the paths below `ctrl` of actuators that
+    hold it individually: by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by
+    joint, and `numbers` has the numbers by actuator.
     """
 
     hold: Way | None = None
@@ -75,7 +75,7 @@ def read_controls(
 def _numbers(
     reader: Reader, value: Mapping[str, Any], at: Path, owner: str, path: tuple[str, ...], held: list[tuple[str, ...]]
 ) -> dict[str, Any]:
-    """Return the entries other than `hold`. The paths of those with `hold` are added to `held`."""
+    """Return the entries other than `hold`. The paths of entries with `hold` are added to `held`."""
     left: dict[str, Any] = {}
     for name, item in value.items():
         if item == HOLD:
@@ -152,7 +152,7 @@ _KeyName = Annotated[str, Name(what="the name of a key")]
 
 
 class Keyframe(Model):
-    """A key: which keys of parts it starts from, and the entries that it sets, by name."""
+    """A key: the keys of parts that it starts from, and the entries that it sets, by name."""
 
     example: ClassVar = "{qpos: {JOINT: 0.1}}"
     called: ClassVar = "keyframe `{}`"

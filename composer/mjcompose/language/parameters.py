@@ -85,11 +85,11 @@ class Parameter(Struct):
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Diagnostic:
-        """Return the value as it is stored, an angle as a number in the parameter's unit, or the error about it."""
+        """Return the value in its stored form (an angle is a number in the parameter's unit), or the error about it."""
         if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
             value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
-            help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
+            help = "declare it as `{type: float, …}` to allow any number" if self.type == "int" else None
             message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}"
             return Diagnostic("wrong-type", message, help=help)
         if self.choices and value not in self.choices:
@@ -139,9 +139,9 @@ def _quoted(value: Value) -> str:
 def settle(
     parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink, in_cells: Collection[str] = ()
 ) -> dict[str, Value]:
-    """Return the value of every parameter: the given one, else its default, which also replaces faulty values.
+    """Return the value of every parameter: the given value, or its default, which also replaces faulty values.
 
-    A parameter without a default that is not given has no value. The cells of a matrix set those `in_cells`.
+    A parameter without a default that is not given has no value. The cells of a matrix set the parameters `in_cells`.
     """
     scope = {name: each.default for name, each in parameters.items() if each.default is not None}
     for name, parameter in parameters.items():
@@ -216,7 +216,7 @@ def _pieces(values: list[str]) -> str:
 
 
 def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
-    """Return the value of every axis: the given one, else the first."""
+    """Return the value of every axis: the given value, or the first value."""
     chosen: dict[str, str] = {}
     for axis, values in axes.items():
         node = given.get(axis)
@@ -246,7 +246,7 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
 
 
 class Substitution:
-    """Evaluates expressions; `lost` has the keys and texts left out for their faults, `gone` the keys' paths."""
+    """Evaluates expressions; `lost` has the keys and texts omitted because of faults, and `gone` their paths."""
 
     def __init__(
         self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
@@ -307,7 +307,7 @@ def report(error: ExpressionError, node: Scalar, known: list[str], broken: froze
 
 
 def within(node: Scalar, start: int, end: int) -> Span:
-    """Return the place of characters of a scalar's text, or the scalar's if the file writes them differently."""
+    """Return the place of characters of a scalar's text, or of the scalar if the file writes them differently."""
     span = node.span
     if span.end_line not in (None, span.line) or span.end_column is None:
         return span

@@ -92,7 +92,7 @@ class Mirror(Model):
     symmetry: Literal["x", "y", "z"] | None = None
     """the part's own axis that points across its plane of symmetry; without it, the same letter as `across`"""
     keys: bool = False
-    """takes the keyframes of the other part, too, reflected joint by joint"""
+    """also takes the keyframes of the other part, reflected joint by joint"""
 
     @property
     def axes(self) -> tuple[int, int]:
@@ -171,7 +171,7 @@ WORDS = ("none", "free", "ball", "mocap")
 JointWord = Literal["none", "free", "ball", "mocap"]
 JointType = ("hinge", "slide", "ball")
 TINY = 1e-10
-"""Axes shorter than this are none to MuJoCo."""
+"""MuJoCo treats axes shorter than this as zero."""
 _NEUTRAL = {
     "quat": "`[1, 0, 0, 0]`", "axisangle": "an axis, such as `[0, 0, 1, 90deg]`", "zaxis": "`[0, 0, 1]`",
     "xyaxes": "`[1, 0, 0, 0, 1, 0]`",
@@ -196,7 +196,7 @@ class Offset(Attribute):
 
 
 def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
-    """Return the fault of numbers that are no pose: MuJoCo would report a frame that the user has not written."""
+    """Return the fault of numbers that are not a pose; MuJoCo would report a frame that the user has not written."""
     numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
     if not all(math.isfinite(number) for number in numbers):
         wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))

@@ -86,7 +86,7 @@ class DrawField(Model):
 
     @property
     def stream(self) -> str:
-        """The name of its random numbers: the field itself, or its group, in which all fields share them."""
+        """The name of its random numbers: the field itself, or its group, whose fields share them."""
         return self.name if self.group is None else f"group {self.group}"
 
     @property
@@ -113,7 +113,7 @@ class DrawField(Model):
 
 
 def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_angles: bool) -> Iterator[Fault]:
-    """Yield the faults by the grammar of an attribute, or of the numbers that are drawn for it."""
+    """Yield the faults of an attribute, by the grammar, or of the numbers that are drawn for it."""
     name, index = attribute_and_index(field.attr)
     kinds = kinds_of(selector.tag)
     is_mass = name == MASS and any(kind.path == "body" for kind in kinds)

@@ -70,7 +70,7 @@ _EXPECTS = Expects("a list of names", "[lift, grip]")
 
 
 class Order(Struct):
-    """The names of one kind in their order; `more` if others may follow. `at` is the path of the list."""
+    """The names of one kind in their order; `more` says that other names may follow. `at` is the path of the list."""
 
     kind: str
     names: tuple[str, ...]
@@ -186,7 +186,7 @@ class Addition(Model):
     example: ClassVar = "{to: NAME, TAG: {…}}"
 
     id: Text | None = None
-    """A name for merging: an item with the same one replaces this one."""
+    """A name for merging: an item with the same name replaces this item."""
     to: Place = Field(examples=["world"])
     """The name of a body, `world`, or `{frame: NAME}`."""
     element: Annotated[Element, _Added(), Rest()] = Field(alias="<element>")
@@ -233,9 +233,8 @@ def _sequence_fault(text: str) -> Fault | None:
 class Recipe(Model):
     """A recipe: the sources of a model and their changes.
 
-    The fields are in the order of the language: that in which `fmt` writes the keys, and in which sections of one
-    form are carried out. Sections hold their elements in the order of the file. A section that is not written is None
-    or empty.
+    The fields are in the order of the language: `fmt` writes the keys, and sections of one form are carried out, in
+    this order. Sections hold their elements in the order of the file. A section that is not written is None or empty.
     """
 
     instead: ClassVar = {"motors": "datasheets"}
@@ -348,7 +347,7 @@ SETTLED = sections_of(Settled)
 
 
 def _depth(info: FieldInfo) -> int:
-    """Return how many levels below a recipe a key has items that can have `when`; 0 if it has none."""
+    """Return the number of levels below a recipe at which a key has items that can have `when`; 0 if there are none."""
     if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
         return section.depth
     kind = inside(info.annotation, 0)
@@ -358,4 +357,4 @@ def _depth(info: FieldInfo) -> int:
 
 
 DEPTHS = {name: depth for name, info in Recipe.model_fields.items() if (depth := _depth(info))}
-"""How deep the items are that can have `when`: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`."""
+"""The depth of the items that can have `when`: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`."""

@@ -202,7 +202,7 @@ class _Keys:
         yield from (row for _, row in self.placed(schema, path, deep))
 
     def placed(self, schema: Schema, path: str, deep: bool = True) -> Iterator[tuple[str, str]]:
-        """Yield the same rows, each with its path. A key that one or several may have has one row."""
+        """Yield the same rows, each with its path. A key for one value or several values has one row."""
         seen = set()
         for place, row in self._placed(schema, path, deep):
             if (plain := place.replace("[]", "")) not in seen:
@@ -239,9 +239,10 @@ class _Keys:
                 yield from self._placed(kind["items"], f"{path}[]", deep)
 
     def _alike(self, properties: dict[str, Schema]) -> dict[str, tuple[str, list[str]]]:
-        """Return the keys that have a row, each with its meaning and with the others of that row.
+        """Return the keys that have a row, each with its meaning and with the other keys of that row.
 
-        One row has the orientations, and three or more keys of one type whose meanings differ behind a colon.
+        The orientations share one row, and so do three or more keys of one type whose meanings differ only after a
+        colon.
         """
         meant = {name: self.about(each) for name, each in properties.items()}
         groups: dict[object, list[str]] = {}

@@ -63,7 +63,7 @@ def _reference(target: str, definitions: dict[str, Schema]) -> str:
 
 
 def _nullable(schema: Any) -> Any:
-    """Return the schema that also allows null. A reference then points to a definition that does."""
+    """Return the schema that also allows null. A reference then points to a definition that allows it."""
     if not isinstance(schema, dict):
         return schema
     found = dict(schema)
@@ -179,7 +179,7 @@ def _replaced(schema: Any, name: str, replace: Callable[[Any, str], Any]) -> Any
 
 
 def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
-    """Require less of a file that extends another: it is a piece, with the keys that only a whole recipe has."""
+    """Require less from a file that extends another file: it is a piece, with the keys that only a whole recipe has."""
     whole = {name: schema.pop(name) for name in ("properties", "additionalProperties")}
     schema["if"] = {"required": ["extends"]}
     schema["then"] = {**whole, "properties": {**pieces, **{name: whole["properties"][name] for name in _OWN}}}

@@ -1,4 +1,4 @@
-"""Sections of MJCF in a recipe, which the grammar reads inside of a pydantic model.
+"""Sections of MJCF in a recipe, which the grammar reads inside a pydantic model.
 
 Each form of section annotates a field of the recipe: `sensor: Annotated[tuple[Element, ...], Typed("sensor")]`.
 Therefore 170 kinds of elements have types without 170 models.
@@ -93,7 +93,7 @@ class ByTag(Elements):
 
 @dataclass(frozen=True, slots=True)
 class Singleton(Section):
-    """Form of a section that is one `Element` of attributes and children, or of the `settable` ones alone."""
+    """Form of a section that is one `Element` with attributes and children, or with only the `settable` ones."""
 
     settable: frozenset[str] = frozenset()
 
@@ -354,7 +354,7 @@ class Typed(Elements):
             reader.faults.append(missing_key(owner, PATH, at=(name,)))
         for tag in kind.children:
             if tag in value:
-                message = f"`{tag}` of {owner} belongs into its `{PATH}`"
+                message = f"`{tag}` of {owner} belongs in its `{PATH}`"
                 help = f"write `{PATH}: [{{{tag}: …}}, …]`, in the order of the tendon"
                 reader.faults.append(Fault("unknown-key", message, (name, tag), key=True, help=help))
         own = (TYPE, PATH, *kind.children, *(() if keyed else (NAME,)))

@@ -26,7 +26,7 @@ from mjcompose.tree.pattern import (
 
 GLOB: Schema = {
     "type": "string", "minLength": 1, "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
-    "patternErrorMessage": "a choice is `{a,b}`, with no other one in it",
+    "patternErrorMessage": "a choice is `{a,b}`, without another choice inside",
 }  # fmt: skip
 """A glob or a regular expression over names."""
 
@@ -41,8 +41,8 @@ def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
     stray = stray_brace(text)
     if stray is None:
         return None
-    message = f"the `{text[stray]}` in the glob `{text}` of {owner} is part of no choice"
-    help = "a choice is `{a,b}`, with no other one in it; `/(a|b)[{]c/` is a regular expression"
+    message = f"the `{text[stray]}` in the glob `{text}` of {owner} does not belong to a choice"
+    help = "a choice is `{a,b}`, without another choice inside; `/(a|b)[{]c/` is a regular expression"
     return Fault("wrong-type", message, at, help=help)
 
 
@@ -157,7 +157,7 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     known = sorted({each for kind in kinds for each in kind.attributes})
     help, fix = advised(name, known)
     if tag == "general" and name in ("kp", "kv"):
-        help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
+        help = "it has `gainprm` and `biasprm`; `convert: {to: position}` turns it into an actuator with `kp` and `kv`"
         fix = None
     return fault_at(no_attribute(name, f"`{tag}`", known), at, key=True, help=help, fix=fix)
 

@@ -1,4 +1,4 @@
-"""A located tree becomes a `Recipe`, and every fault a diagnostic."""
+"""Turn a located tree into a `Recipe`, and every fault into a diagnostic."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def existing_steps(node: Node, path: Path) -> Path:
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:
-    """Return the paths that are not inside another one, last in the file first: removing one moves no other."""
+    """Return the paths that are not inside another path, from the end of the file to its start."""
     kept: list[Path] = []
     for path in sorted(set(paths), key=len):
         if not any(path[: len(each)] == each for each in kept):
@@ -115,7 +115,7 @@ def _cut(node: Node, path: Path) -> Node:
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
-    """Yield the faults of a validation, from the top of `data`. A misspelled key is one, though pydantic has two."""
+    """Yield the faults of a validation, from the top of `data`. A misspelled key is one fault, not two."""
     errors = error.errors(include_url=False)
     meant = {id(each) for each in misspelt(errors, Recipe, data).values()}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
@@ -231,7 +231,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
 
 
 def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
-    """Whether a fault is about a mapping that lacks something only because that is `gone`."""
+    """Whether a fault is about a mapping that lacks a key only because the key is `gone`."""
     at = existing_steps(node, _mapping_of(fault))
     if fault.lacks is not None:
         return (*at, fault.lacks) in gone
@@ -245,8 +245,8 @@ def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
     """Yield the faults to report.
 
-    If a place has a fault of its own, the fault that its value is unexpected is omitted. Faults inside of an
-    unknown key, or of a list where no list is expected, do not count.
+    If a place has a fault of its own, the fault that its value is unexpected is omitted. Faults inside an unknown key,
+    or inside a list where no list is expected, do not count.
     """
     unknown = {fault.at for fault in found if fault.key}
     unfit = {fault.at for fault in found if fault.code == "wrong-type"} - {fault.at for fault in early}
@@ -281,7 +281,7 @@ def _mapping_of(fault: Fault) -> Path:
 
 
 def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
-    """Yield the faults, with one instead of several for a mapping that is of another kind or in a wrong place."""
+    """Yield the faults, with a single fault for a mapping that is of another kind or in a wrong place."""
     strangers: dict[Path, list[Fault]] = {}
     for fault in faults:
         if fault.code in _UNKNOWN and fault.key and len(fault.at) > 1:

@@ -202,7 +202,7 @@ class Advice(Struct):
 
 
 def form_of(attribute: Attribute) -> str | None:
-    """Return how the numbers of an attribute are written, for attributes that are often written wrongly."""
+    """Return the form of the numbers of an attribute, for attributes that are often written wrongly."""
     form = _FORMS.get(attribute.name)
     count = len(form.split("]")[0].split(",")) if form else 0
     return form if attribute.type == "real" and attribute.max_length == count else None
@@ -284,7 +284,7 @@ def element_instead(kind: ElementType, value: object) -> str | None:
     if value.lstrip().startswith("<"):
         return "write a fragment of MJCF as `{xml: …}`"
     if spaced := without_space(value, kind.attributes):
-        return f"put a space behind the colon: `{spaced}`"
+        return f"put a space after the colon: `{spaced}`"
     for attribute in kind.attributes.values():
         if value in attribute.keywords or (attribute.type == "file" and "." in value):
             return f"write `{{{attribute.name}: {value}}}`"
@@ -393,7 +393,7 @@ def _printable(attribute: Attribute, value: object, at: Path, subject: str, faul
 
 
 NOT_NEGATIVE = frozenset("mass density diaginertia armature damping frictionloss stiffness friction size".split())
-"""Attributes of which a draw must not make a negative number: of the first number, if they are polynomials."""
+"""Attributes that a draw must not make negative; for polynomials, this concerns only the first number."""
 _POLYNOMIALS = ("damping", "stiffness")
 
 

@@ -25,13 +25,14 @@ NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as
 def _default_fault(value: Any) -> Fault | None:
     if not isinstance(value, str) or not is_template(value):
         return None
-    help = "a default is written out; use the parameter where the value is needed"
+    help = "a default is a literal value; use the parameter where the value is needed"
     return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
 
 
 _ALONE: Schema = {**VALUE, "items": {"type": "number"}}
 _DEFAULT: Schema = {
-    **_ALONE, "pattern": r"^(?!.*\$\{)", "patternErrorMessage": "a default is written out: it cannot be an expression",
+    **_ALONE, "pattern": r"^(?!.*\$\{)",
+    "patternErrorMessage": "a default is a literal value: it cannot be an expression",
 }  # fmt: skip
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
@@ -64,7 +65,7 @@ class _Typed:
 
 
 class Declaration(Model):
-    """A parameter with its bounds; a value alone is its default."""
+    """A parameter with its bounds; a single value is its default."""
 
     rules: ClassVar = (_Typed(),)
     example: ClassVar = "{default: 0.45, unit: m}"
@@ -122,7 +123,7 @@ def _of_value(value: Any) -> Any:
 
 
 def _inferred(sample: Value | None) -> tuple[str, str | None]:
-    """Return the type and the unit of a parameter of which only a value is known.
+    """Return the type and the unit of a parameter from its value.
 
     >>> _inferred(1), _inferred("90deg"), _inferred("left")
     (('float', None), ('float', 'deg'), ('string', None))

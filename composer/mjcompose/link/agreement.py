@@ -124,10 +124,10 @@ Opinions = Mapping[str, WrittenSetting]
 def common_settings(
     base: Opinions, parts: Sequence[tuple[str, Opinions]], overridden: Collection[str]
 ) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, WrittenSetting]]]]:
-    """Return the settings that the parts agree on, and those that they do not agree on, by path.
+    """Return the settings that the parts agree on, and the settings on which they differ, by path.
 
-    `base` and `parts` are the settings that each unit requests, the parts by their names in messages; `overridden` are
-    the paths that the recipe sets itself. Each setting that the parts do not agree on has the value of each part.
+    `base` and `parts` are the settings that each unit requests, with the parts by their names in messages; `overridden`
+    has the paths that the recipe sets itself. Each setting on which the parts differ has the value of each part.
     """
     requested: dict[str, list[tuple[str, WrittenSetting]]] = {}
     for name, opinions in parts:
@@ -157,7 +157,7 @@ _NAMED = 4  # settings that a message names; the notes have all of them
 
 
 class _Wish(Struct):
-    """A setting of a part that differs from the model's; `settled` is the value that a merge gives it."""
+    """A setting of a part that differs from the model's setting; `settled` is the value that a merge gives it."""
 
     path: str
     wanted: WrittenSetting
@@ -217,7 +217,7 @@ def agreement(linking: Linking) -> None:
 def _wishes(
     linking: Linking, requested: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
-    """Yield a part's settings that the model lacks, once common ones are written. Later parts see merged values."""
+    """Yield settings of a part that the model lacks after common ones are written. Later parts see merged values."""
     for path, wanted in requested.items():
         if path in linking.request.overridden_options:
             continue
@@ -260,7 +260,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
 
 
 def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
-    """Return the message, the notes with both values, the place, and the cause by which equal parts are recognized."""
+    """Return the message, the notes with both values, the place, and the cause, which is equal for equal parts."""
     first = wishes[0]
     if len(wishes) == 1:
         message = first.difference(f"`{part.called}` needs {first.shown} to be")

@@ -5,7 +5,7 @@ radians, so the values stay identical to the bit. The conversion from radians to
 
 MuJoCo gives a flex the joint defaults of its body, or the joint defaults of the top class if the flex is in the world;
 no frame and no class of its own can change that. So the joint settings for a flex in the world stay in the top class,
-and every other class reverts them. A flex that would get other defaults than it has alone is an error.
+and every other class reverts them. If a flex would get other defaults than it has alone, that is an error.
 
 Directly below a body or the world, MuJoCo takes a `quat` as it is, even if its length is not 1; this stretches the
 flex. Below a frame, such as the frame around a part, MuJoCo normalizes it. The difference is reported, and is an
@@ -239,7 +239,7 @@ def check_flexes(linking: Linking) -> None:
         one, other = ({name: text.split() for name, text in each.items()} for each in (given, flex.joint))
         if lost or one != other:
             called = flex.part.called if flex.part is not None else linking.base.label
-            note = "a flex takes the joint defaults of the body around it, in the world those of `main`"
+            note = "a flex takes the joint defaults of the body around it, or of `main` in the world"
             message = f"takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}"
             _refuse(linking, flex, f"the flex of `{called}` {message}", note=note)
         elif flex.part is not None and "joint" in linking.request.isolated_tags:

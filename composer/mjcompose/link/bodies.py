@@ -1,4 +1,4 @@
-"""Pass: the bodies of each part go to the part's place, inside a frame with the part's pose and default class."""
+"""Pass: move the bodies of each part to the part's place, inside a frame with the part's pose and default class."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
-    """Attach the parts in their order. A part that is attached to another part waits for that one."""
+    """Attach the parts in their order. A part that is attached to another part waits for that part."""
     order = _AttachmentOrder(linking)
     tops: dict[Part, Node] = {}
     while ready := order.next():
@@ -67,7 +67,7 @@ class _AttachmentOrder:
             self._look(part)
 
     def next(self) -> list[Part]:
-        """Return the parts that can be attached now, none if no part is left or all wait for one another."""
+        """Return the parts that can be attached now, or none if no part is left or all parts wait for one another."""
         while not self.ready and self.nowhere:
             self._make(self.linking.parts[heappop(self.nowhere)])
         ready, self.ready = sorted(self.ready), set()
@@ -140,7 +140,7 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
 
 
 def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
-    """Report places that do not exist, and the first part that waits for an element that is added to itself."""
+    """Report places that do not exist, and the first part that waits for an element that would be added to itself."""
     later = linking.later_places
     waits = False
     for part in lost:
@@ -187,7 +187,7 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
 
 
 class _PartAttachment:
-    """Attaches one part. The next element goes into `parent`, with `pose`, which the recipe has at `written`."""
+    """Attaches one part. The next element goes into `parent` with `pose`, which the recipe sets at `written`."""
 
     def __init__(self, linking: Linking, part: Part) -> None:
         assert part.mount is not None

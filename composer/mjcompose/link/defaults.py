@@ -1,4 +1,4 @@
-"""Passes: default classes apply only to the elements of their own part.
+"""Passes: restrict default classes to the elements of their own part.
 
 A part's unnamed top class becomes the class `PREFIX/`. If the base's top class sets anything, its settings move to
 the class `base/`, because a part cannot undo an attribute that has no neutral value.
@@ -234,7 +234,7 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
 
 
 def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str, _Class]) -> None:
-    """Read a class. `earlier` is whether the top class has set actuators in a section before this one."""
+    """Read a class. `earlier` says whether the top class has set actuators in an earlier section."""
     kind = around.kind
     for actuator in _actuators(node):
         tag = str(actuator.tag)
@@ -250,7 +250,7 @@ def _actuators(node: Node) -> list[Node]:
 
 
 def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None:
-    """Return the gains that MuJoCo computes for the unit's actuators, as it is or with its top class wrapped."""
+    """Return the gains that MuJoCo computes for the unit's actuators, unchanged or with its top class wrapped."""
     if linking.measure is None:
         return None
     copy = unit.copied()

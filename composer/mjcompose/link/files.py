@@ -1,4 +1,4 @@
-"""Pass: every file gets a path in the bundle. `dedup` merges assets of a finished model that mean the same."""
+"""Pass: give every file a path in the bundle. `dedup` merges equivalent assets of a finished model."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ KINDS = ("texture", "material", "mesh", "hfield")
 _NO_MEANING = ("name", "class")
 
 Merged = Mapping[str, Mapping[str, str]]
-"""By kind: for each name that is gone, the name that stands for it."""
+"""By kind: each removed name with its replacement."""
 
 
 def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tuple[Merged, tuple[FileUse, ...]]:
     """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
 
-    The first element stays. `prefixes` has the prefixes of all parts: two elements of the same part stay two. Reads
+    The first element stays. `prefixes` has the prefixes of all parts: elements of the same part are never merged. Reads
     files if their paths do not show whether they are equal.
     """
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
@@ -228,7 +228,7 @@ def _skin(
 
 
 def is_settled(unit: Unit, tag: object, name: str) -> bool:
-    """Return whether the path is one of a composition: `assets/LABEL/…` without a folder from the compiler."""
+    """Return whether the path belongs to a composition: `assets/LABEL/…` without a folder from the compiler."""
     if not name.startswith(f"{ASSETS}/") or name.count("/") < 2:
         return False
     settings = unit.settings

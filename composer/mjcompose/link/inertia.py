@@ -1,13 +1,13 @@
 """Passes: masses, fitted sizes and length ranges become explicit; static bodies and visuals are removed on request.
 
 The mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default, which the model has. Length
-ranges of muscles, which MuJoCo finds by moving the unit, become explicit if a `<lengthrange>` changes how, or if a part
-is attached to an element that moves, because MuJoCo would then move the part too.
+ranges of muscles, which MuJoCo finds by moving the unit, become explicit if a `<lengthrange>` changes the method, or if
+a part is attached to an element that moves, because MuJoCo would then move the part too.
 
-`fusestatic` and `discardvisual` make MuJoCo leave out elements, and the linker removes the same ones. MuJoCo compiles
-the unit alone to determine which these are, because its rules differ between versions. `discardvisual` removes geoms
-that nothing collides with, assets that only these use, and all color. `fusestatic` merges a body without joints into
-its parent, so a frame replaces it. The bodies that change get the inertia that they have in the unit alone.
+`fusestatic` and `discardvisual` make MuJoCo leave out elements, and the linker removes the same elements. MuJoCo
+compiles the unit alone to determine which these are, because its rules differ between versions. `discardvisual` removes
+geoms that nothing collides with, assets that only these use, and all color. `fusestatic` merges a body without joints
+into its parent, so a frame replaces it. The bodies that change get the inertia that they have in the unit alone.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
 
 
 def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
-    """Write the surveyed inertia of changed bodies, or of all if a rule asks for it; then MuJoCo's own rules hold."""
+    """Write the surveyed inertia of changed bodies, or of all if a rule requires it; then MuJoCo's rules hold."""
     ruled = [name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
     if _write_measured(KeptSettings(linking, unit, ruled or ["fusestatic"]), bodies, found):
@@ -233,7 +233,7 @@ def _is_muscle(actuator: Node) -> bool:
 
 
 def body_reduction(linking: Linking) -> None:
-    """Reduce each unit that asks for it; MuJoCo itself reduces a model of one unit."""
+    """Reduce each unit that requests it; MuJoCo itself reduces a model of one unit."""
     for part in (None, *linking.parts) if linking.composed else ():
         unit = linking.base if part is None else part.unit
         wanted = [name for name in ("fusestatic", "discardvisual") if getattr(unit.settings, name) == "true"]
@@ -273,7 +273,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
 
 
 def _remove_colors(section: Node) -> None:
-    """Remove every reference to a material or texture, except those that keep it in the model."""
+    """Remove every reference to a material or texture, except references that keep it in the model."""
     table = naming_table(str(section.tag))
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():

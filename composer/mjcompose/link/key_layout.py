@@ -4,9 +4,9 @@ MuJoCo lays out `qpos` body by body, depth first in document order, a body's joi
 count. A `<replicate>` is laid out copy by copy. An element that only MuJoCo expands (`flexcomp`, `attach`) is one
 block. The joints in which a rod is twisted are another. `test_key_layout.py` compares all of this with MuJoCo.
 
-MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes from their lists the
-tendons and actuators that refer to something inside it, and appends a copy of each for its first copy, then for its
-second, and so on. Elements that also refer to something outside the replicate are not copied and are lost.
+MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes the tendons and actuators
+that refer to something inside it, and appends their copies: first all copies for its first copy, then for its second,
+and so on. Elements that also refer to something outside the replicate are not copied and are lost.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Within = tuple[tuple[Node, int], ...]
 
 
 class Copy(NamedTuple):
-    """A joint, actuator or mocap body that MuJoCo makes of an element; `twists` marks joints that twist a rod."""
+    """A joint, actuator or mocap body that MuJoCo makes from an element; `twists` marks joints that twist a rod."""
 
     element: Node
     within: Within = ()
@@ -70,12 +70,12 @@ class _Multiplied(Struct):
 
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
-    """Return every actuator of a model in the order of its controls. A multiplied one is returned as its copies."""
+    """Return every actuator of a model in the order of its controls. For a multiplied actuator, return its copies."""
     return in_order(root, "actuator")
 
 
 def in_order(root: Node, section: str) -> list[Node | Copy]:
-    """Return the elements of the section `actuator` or `sensor` as MuJoCo orders them, multiplied ones as copies."""
+    """Return the elements of the section `actuator` or `sensor` in MuJoCo's order, with all copies."""
     elements = root.findall(f"{section}/*")
     if not elements or next(root.iter("replicate"), None) is None:
         return list(elements)
@@ -93,7 +93,7 @@ def in_order(root: Node, section: str) -> list[Node | Copy]:
 
 
 def joints_in_order(unit: Unit) -> list[Holder]:
-    """Return the joints of a model in the order of `qpos`, and the blocks that MuJoCo expands. Measures nothing."""
+    """Return the joints of a model in the order of `qpos`, and the blocks that MuJoCo expands. It measures nothing."""
     layout, block = Layout(), Slot(BLOCK, (0, 0))
     reader = _Reader(unit, dict.fromkeys(unit.root.iter(*BLOCKS), block))
     for worldbody in unit.root.iterchildren("worldbody"):
@@ -165,7 +165,7 @@ def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
 
 
 def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
-    """Return the copies that these replicates, innermost first, make of their content, by the ends of their names."""
+    """Return the copies that these replicates, innermost first, make from their content, by the ends of their names."""
     if not around:
         return {}
     copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
@@ -211,7 +211,7 @@ class Unknown(Exception):
 
 
 class Slot(NamedTuple):
-    """The widths of a joint, an actuator or a block: how many numbers it has in each vector of a key.
+    """The widths of a joint, an actuator or a block: the count of its numbers in each vector of a key.
 
     `free` has the offsets in `qpos` and `qvel` of each free joint. `twists` is the number of joints in which a rod is
     twisted; `widths` does not count them. `controls` and the fields after it are for a model that MuJoCo attaches: the
@@ -246,8 +246,8 @@ _STATELESS = actuator_slot(0)
 class Layout(Struct, frozen=False):
     """The elements of a model in the order of their numbers in a key.
 
-    The widths of `joints` are (nq, nv), those of `actuators` (nctrl, nact). `mocaps` has the number of mocap bodies
-    of each element: one for a body, any number for a model that MuJoCo attaches.
+    The widths of `joints` are (nq, nv), and the widths of `actuators` are (nctrl, nact). `mocaps` has the number of
+    mocap bodies of each element: one for a body, any number for a model that MuJoCo attaches.
     """
 
     joints: dict[Holder, Slot] = field(default_factory=dict)
@@ -256,7 +256,7 @@ class Layout(Struct, frozen=False):
 
     @property
     def in_world_coordinates(self) -> bool:
-        """Whether a key has poses in the world, which are those of free joints and mocap bodies."""
+        """Whether a key has poses in the world, which belong to free joints and mocap bodies."""
         return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
 
     def holders(self, vector: str) -> list[tuple[Holder, int]]:
@@ -338,7 +338,7 @@ class _Reader:
 
     @cached_property
     def influence(self) -> tuple[bool, bool]:
-        """Whether any class sets a joint type other than hinge, and whether any gives actuators a state or inputs."""
+        """Whether a class sets a joint type other than hinge, and whether a class gives actuators a state or inputs."""
         typed = stateful = False
         for section in self.unit.root.iterchildren("default"):
             for element in section.iter("joint", "position", "general", *_STATEFUL):
@@ -399,7 +399,7 @@ class _Reader:
         return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
     def mocaps(self, holder: Node, within: Within) -> Iterator[tuple[Holder, int]]:
-        """Yield the mocap bodies directly in the world, or in a replicate there, and the elements that bring some."""
+        """Yield the mocap bodies directly in the world, or in a replicate there, and the elements that contain some."""
         for child in through_frames(holder):
             if child.tag == "replicate":
                 for number in range(copies_of(child)):

@@ -1,4 +1,4 @@
-"""The keys of all parts, cut by joint and rewritten for the finished model, once its last element is added."""
+"""The keys of all parts, split by joint, and rewritten for the finished model after its last element is added."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BASE = "base"
 
 
 def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
-    """Return the keys of the base, each part and the parts of nested recipes that are kept or used; cached."""
+    """Return the kept or used keys of the base, of each part and of the parts of nested recipes; cached."""
     if linking.keys.by_part is not None:
         return linking.keys.by_part
     found: dict[str, PartKeys] = {}
@@ -76,7 +76,7 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
 def cut_row(
     linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
 ) -> dict[Holder, list[Number]] | None:
-    """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong ones are reported."""
+    """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong rows are reported."""
     row = numbers_of(unit.origins.keys.get(element), element, vector)
     owners = layout.holders(vector)
     total = sum([width for _, width in owners])
@@ -257,7 +257,7 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
 
 
 def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
-    """Warn of numbers for an element that has another number of them, or for other vertices, since an edit."""
+    """Warn about numbers of a key that no longer fit, because an edit changed their count or the vertices of a flex."""
     for vector, element in dict.fromkeys(reference.lost):
         what = f"{element.tag if element.get('name') else f'`<{element.tag}>`'} {shown_name(element)}"
         which = f"`{vector}` of {called(key.element)}"
@@ -270,7 +270,7 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
 
 
 def _merged_keys(linking: Linking) -> dict[str, Key]:
-    """Return the keys of base and parts, equal names joined, and the recipe's keys, which replace others."""
+    """Return the keys of the base and the parts, with equal names joined, and the recipe's keys, which replace them."""
     written = {key.name: key for key in linking.keys.written}
     came: dict[str, Key] = {}
     owners: dict[str, Part | None] = {}
@@ -328,7 +328,7 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
 def _report_same_name(
     linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
 ) -> None:
-    """Report two keys that would have the same name, when at least one of them must not change."""
+    """Report two keys that would have the same name if at least one of them must not change."""
     rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"
     if _policy(linking, second_part) == "prefix":
         apart, other = second_part, its_part

@@ -51,10 +51,10 @@ AT_THE_START = frozenset({Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS})
 class Pass(Struct):
     """A row in the linker's table of passes.
 
-    `words` explain in `mjcompose explain` why an element or a value is as this pass leaves it. The facts in `needs`
-    must hold before the pass runs; afterwards those in `leaves` hold, and those in `ends` no longer do. If `stops`
-    is set, an error in this pass ends the linking, because later passes could not cope with it. If `rewrites` is
-    set, the pass changes only spelling or names, so a value keeps its origin.
+    `words` explain the effect of this pass on an element or a value in `mjcompose explain`. The facts in `needs` must
+    hold before the pass runs. Afterwards the facts in `leaves` hold, and the facts in `ends` no longer hold. If `stops`
+    is set, an error in this pass ends the linking, because later passes could not handle it. If `rewrites` is set, the
+    pass changes only spelling or names, so a value keeps its origin.
     """
 
     run: Callable[[Linking], None]

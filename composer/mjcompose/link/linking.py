@@ -27,11 +27,11 @@ Policy = Literal["error", "base", "mujoco"]
 class Request(Struct):
     """How to join the parts, and the recipe's later changes of the model.
 
-    `conflict` is the policy for options on which two units disagree; `overridden_options` are those (`option/cone`)
-    that the recipe sets itself. `base_keyframes` is the policy for the keys of the base. `requested_keys` has the paths
-    of the parts whose keys the recipe uses in its own, None if it writes none. `isolated_tags` are the tags for which
-    it sets the top default class of the base, which must not reach the parts. `adds_mass` is set if it adds elements
-    that the base's rules for a whole model (`settotalmass`) would reach.
+    `conflict` is the policy for options on which two units disagree; `overridden_options` are the options
+    (`option/cone`) that the recipe sets itself. `base_keyframes` is the policy for the keys of the base.
+    `requested_keys` has the paths of the parts whose keys the recipe uses in its own keys, or None if it writes no
+    keys. `isolated_tags` are the tags for which it sets the top default class of the base, which must not affect the
+    parts. `adds_mass` is set if it adds elements that the base's rules for a whole model (`settotalmass`) would reach.
     """
 
     separator: str = "/"
@@ -46,9 +46,9 @@ class Request(Struct):
 class AttachmentPlace(Struct):
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
-    `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these in the
-    recipe. If `computed` is set, the value was computed for the key `mate`, `mirror` or `replicate`, and the place is
-    the place of this key.
+    `offset` holds the attributes of a `<frame>`: `pos` in meters, `quat`. `written` has the places of these attributes
+    in the recipe. If `computed` is set, the value was computed for the key `mate`, `mirror` or `replicate`, and the
+    place is the key's.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
@@ -60,7 +60,7 @@ class AttachmentPlace(Struct):
 
 
 class Joint(Struct):
-    """A joint between a place and a part: its tag, its attributes, and the places of those that the recipe writes."""
+    """A joint between a place and a part: its tag, its attributes, and the places of written attributes."""
 
     tag: Literal["joint", "freejoint"]
     attributes: Mapping[str, str]
@@ -70,8 +70,8 @@ class Joint(Struct):
 class Sense(Struct):
     """A body between a place and a part, with a site and sensors of the load that the body carries.
 
-    `name` is the name of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
-    `cutoff` is "" for none, and `span` the place in the recipe.
+    `name` is the name of the body and of the site, and `sensors` has the tag and the name of each sensor. All names are
+    final. `cutoff` is "" for none, and `span` is the place in the recipe.
     """
 
     name: str
@@ -86,8 +86,8 @@ class Part:
 
     `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set if
     the part brings its own free joint or is a mocap body. It is then attached to the world, wherever its place is.
-    `mirrors` is the part whose pose it has, reflected. `across` are the numbers of the world's and of the part's axis.
-    `key` is its key in the recipe. `outward` has the final names of the elements that the part refers to outside of
+    `mirrors` is the part whose reflected pose it has. `across` are the numbers of the world's and of the part's axis.
+    `key` is its key in the recipe. `outward` has the final names of the elements that the part refers to outside
     itself, by the text of the reference.
     """
 
@@ -165,10 +165,10 @@ class MemoryRequest(NamedTuple):
 class Notes(Struct, frozen=False, eq=False):
     """The findings of the passes so far.
 
-    `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes` are
+    `aligned`: the model has `alignfree`. `floating` and `planes` must not be attached below a moving body. `flexes` are
     in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
-    `replicates` has the unit of each `<replicate>`, `copied` the element that each one of a written-out replicate is a
-    copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so elements added
+    `replicates` has the unit of each `<replicate>`, `copied` has the original of each element of a written-out
+    replicate, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so elements added
     to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are the requests of the
     sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by their `<model>`.
     `nameless` are bodies whose name is only for the linker.
@@ -189,7 +189,7 @@ class Notes(Struct, frozen=False, eq=False):
 
 
 class WrittenKey(Struct, frozen=False, eq=False):
-    """A key that a recipe writes: the keys that it takes over, its entries by vector, and its holding controls.
+    """A key that a recipe writes: the keys that it starts from, its entries by vector, and its holding controls.
 
     With `forces`, the controls that hold also balance the forces on the model there. `void` has the elements whose
     values earlier edits have made meaningless.
@@ -205,13 +205,13 @@ class WrittenKey(Struct, frozen=False, eq=False):
 class KeyTable(Struct, frozen=False, eq=False):
     """The keys of the units and their layouts.
 
-    `own` holds the keys of the base (under None) and of each part, `by_part` those of every part by path, including the
-    parts of parts, and of the base under `base`; `part_keys` fills both. `written` are the keys of the recipe,
-    `replaced` the keys of parts that these replace. `attached` are the models that MuJoCo attaches to parts and whose
-    keys contain poses in the world.
+    `own` holds the keys of the base (under None) and of each part. `by_part` holds the keys of every part by path,
+    including the parts of parts, and of the base under `base`. `part_keys` fills both. `written` are the keys of the
+    recipe, and `replaced` are the keys of parts that they replace. `attached` are the models that MuJoCo attaches to
+    parts and whose keys contain poses in the world.
 
     `base_layout` and `final_layout` are the layouts of the base alone and of the finished model. `measured` has the
-    widths that only MuJoCo knows, `references` and `mocap_references` the reference configuration.
+    widths that only MuJoCo knows, and `references` and `mocap_references` have the reference configuration.
 
     `edited` is set if there may be edits, `reshaped` are elements whose number of values may have changed, `shapes` has
     the attributes that decided the vertices of each `<flexcomp>`, and `void_keys` are elements whose values in keys
@@ -238,7 +238,7 @@ class KeyTable(Struct, frozen=False, eq=False):
 
 
 class Measure(Protocol):
-    """Compiles a unit alone and returns arrays of `mjModel`; none for a refusal, which is reported unless `attempt`."""
+    """Compiles a unit alone and returns arrays of `mjModel`; none after a refusal, reported unless `attempt`."""
 
     def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]: ...
 
@@ -247,7 +247,7 @@ class LaterPlaces(Protocol):
     """Places that the recipe adds and that parts may be attached to."""
 
     def make(self, kind: str, name: str) -> Iterable[tuple[str, str]]:
-        """Add a place now. Return the new elements: none if the recipe does not add the place, or not yet."""
+        """Add a place now. Return the new elements: none if the recipe does not add it, or not yet."""
         ...
 
     def waits_for(self, kind: str, name: str) -> tuple[str, str] | None:
@@ -264,7 +264,7 @@ class LaterPlaces(Protocol):
 
 
 class FileUse(NamedTuple):
-    """An attribute that names a file of the bundle, with its source; one that is not `shared` keeps its own path."""
+    """An attribute that names a file of the bundle, with its source; a file that is not `shared` keeps its own path."""
 
     element: Node
     attribute: str
@@ -287,7 +287,7 @@ _path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of i
 
 
 def common_angle(units: Iterable[Unit]) -> str:
-    """Return the unit of angle of a model that is made of these: `degree` if all use degrees, else `radian`."""
+    """Return the unit of angle of a model that consists of these units: `degree` if all use degrees, else `radian`."""
     return "degree" if all(unit.settings.angle == "degree" for unit in units) else "radian"
 
 

@@ -1,4 +1,4 @@
-"""Values of a unit that only MuJoCo knows, from compiling the unit alone, and the reference configuration."""
+"""Values of a unit that only MuJoCo knows after compiling the unit alone, and the reference configuration."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _SIZES = ("nq", "nv", "narena")
 def measure_with(
     context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
 ) -> Measure:
-    """Return a function that compiles a unit alone, in the process of a `session`, and reports if that fails."""
+    """Return a function that compiles a unit alone, in the process of a `session`, and reports failures."""
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         if not check_meshes(unit, 0, Sink() if attempt else context.sink):
@@ -76,7 +76,7 @@ def measure_with(
 
 @contextmanager
 def folder_of(unit: Unit) -> Iterator[Path]:
-    """Yield the folder with the unit's files: its own, or a temporary one with the files that are in memory."""
+    """Yield the folder with the unit's files: its own folder, or a temporary one with files in memory."""
     if not unit.contents:
         yield unit.directory
         return
@@ -195,7 +195,7 @@ def _flex_alone(unit: Unit, flex: Node) -> Unit:
 
 
 def strip(flex: Node) -> None:
-    """Remove attributes and plugins that change no number of joints, and may name elements that the model lacks."""
+    """Remove attributes and plugins that do not affect the number of joints but may name missing elements."""
     for attribute in ("material", "class"):
         flex.attrib.pop(attribute, "")
     for plugin in flex.findall("plugin"):
@@ -249,7 +249,7 @@ def _free_inside(
 
 
 def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
-    """Return whether only MuJoCo knows the reference: it expands, aligns with inertia, or copies a floating body."""
+    """Return whether only MuJoCo knows the reference: because MuJoCo expands, aligns or copies a floating body."""
     if slot.kind == BLOCK:
         return slot.widths[0] > 0
     if slot.kind != "free":
@@ -304,7 +304,7 @@ class Unmeasurable(Struct):
 
 
 class KeptSettings(Struct):
-    """Settings of a unit whose effect a composition must keep, by writing out the values that MuJoCo measures."""
+    """Settings of a unit whose effect is kept by writing out the values that MuJoCo measures."""
 
     linking: Linking
     unit: Unit
@@ -332,7 +332,7 @@ class KeptSettings(Struct):
 def compile_unaligned(
     linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
 ) -> Survey | Unmeasurable | None:
-    """Compile the unit alone, without aligning free bodies or fusing `pinned` ones; None after a reported refusal."""
+    """Compile the unit alone, without aligning free bodies or fusing `pinned` bodies; None after a reported refusal."""
     # MuJoCo makes bodies or geoms of these that are elements of no unit.
     opaque = next(unit.root.iter("attach", "composite"), None)
     if opaque is not None:
@@ -391,8 +391,9 @@ class Reference:
     def row(
         self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
     ) -> list[Number]:
-        """Return all numbers of a vector. `values` are the values that a key sets; values of `void` mean nothing
-        now.
+        """Return all numbers of a vector.
+
+        `values` are the values that a key sets; the values of `void` elements no longer have a meaning.
         """
         row: list[Number] = []
         found = self._found(vector, values)
@@ -417,10 +418,10 @@ class Reference:
         return row
 
     def _found(self, vector: str, values: Mapping[Holder, list[Number]]) -> Callable[[Holder], list[Number] | None]:
-        """Return a function for the numbers that a key has for a holder, even if it has another number of copies now.
+        """Return a function for the numbers that a key has for a holder, even if its number of copies has changed.
 
-        Every copy that a replicate makes of a part has the numbers of the part. Copies that are one element now must
-        agree; `disagreeing` gets those that do not.
+        Every copy that a replicate makes of a part has the numbers of the part. Copies that have become one element
+        must agree; `disagreeing` gets the holders whose copies do not.
         """
         others: dict[tuple[Node, bool], list[tuple[Within, list[Number]]]] = {}
 
@@ -482,7 +483,7 @@ def without_void(values: Mapping[str, dict[Holder, list[Number]]], void: Collect
 
 
 def _unset_numbers(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
-    """Return the numbers that no key sets, or that have `lost` their meaning by an edit."""
+    """Return the numbers that no key sets, or that have `lost` their meaning through an edit."""
     first = lost[0] if lost else None
     source = KeySource(
         "reference" if vector in ("qpos", "mpos", "mquat") else "zero",

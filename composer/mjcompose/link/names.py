@@ -1,4 +1,4 @@
-"""Pass: every name of a part gets the part's prefix, and every reference follows."""
+"""Pass: add the part's prefix to every name of a part and to every reference."""
 
 from __future__ import annotations
 
@@ -138,10 +138,11 @@ class _UnitRenaming:
 
 
 class UnitNames:
-    """The names of one unit, as in the model, by namespace, each with the first element that has it.
+    """The names of one unit by namespace, as the model has them, each with its first element.
 
-    `declared` are the names of elements, `referred` the names that elements refer to. `repeated` has the elements that
-    declare a name again. Names get the `prefix`, and `outward` has the names of elements outside of the unit.
+    `declared` are the names of elements, and `referred` are the names that elements refer to. `repeated` has the
+    elements that declare a name again. Names get the `prefix`, and `outward` has the names of elements outside the
+    unit.
     """
 
     def __init__(self, prefix: str, outward: Mapping[str, str]) -> None:
@@ -160,7 +161,7 @@ class UnitNames:
             yield from ((namespace, name, node) for name, node in referred.items() if name not in declared)
 
     def take(self, section: Node) -> None:
-        """Rename all in a section, and collect the names."""
+        """Rename everything in a section, and collect the names."""
         table, prefix, outward = _actions(str(section.tag)), self.prefix, self.outward
         # The references of a class need not exist.
         referred = defaultdict(dict) if section.tag == "default" else self.referred

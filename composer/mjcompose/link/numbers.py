@@ -1,4 +1,4 @@
-"""Numbers and poses of MJCF attributes, to the same bits."""
+"""Numbers and poses of MJCF attributes, bit for bit as in MuJoCo."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
 
 
 def pose_below(element: Node, degrees: bool, sequence: str) -> tuple[Pose, Node, Node | None]:
-    """Return the pose of a frame in the body or the world that holds it, this one, and a `<replicate>` between them."""
+    """Return the pose of a frame in its body or world, that holder, and a `<replicate>` between them."""
     pose, node, copied = Pose(), element, None
     while node.tag in ("frame", "replicate"):
         if node.tag == "frame":

@@ -1,8 +1,9 @@
-"""Bring joints, actuators, sensors or keys of a finished tree into an order of names, as far as MJCF can have it.
+"""Bring joints, actuators, sensors or keys of a finished tree into an order of names, as far as MJCF allows it.
 
-MuJoCo numbers actuators, sensors and keys as they are written. It numbers the joints of a body first, then those of
-each body in it, so the joints inside of a body are together, and so are the copies that a `<replicate>` makes. MuJoCo
-applies the joints of one body one after the other: in another order they are another mechanism, unless they are slides.
+MuJoCo numbers actuators, sensors and keys as they are written. It numbers the joints of a body first, then the joints
+of each body in it, so the joints inside a body are together, and so are the copies that a `<replicate>` makes. MuJoCo
+applies the joints of one body one after the other: a different order gives a different mechanism, unless the joints are
+slides.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ _BODIES = ("body", "worldbody")
 
 
 def elements_in_order(unit: Unit, kind: str) -> list[tuple[Node, str]]:
-    """Return the elements of a kind as MuJoCo numbers them, each copy with its name; blocks of joints have none."""
+    """Return the elements of a kind as MuJoCo numbers them, each copy with its name; blocks of joints have no names."""
     if kind == "key":
         return [(each, str(each.get("name") or "")) for each in keys_of(unit)]
     holders = joints_in_order(unit) if kind == "joint" else in_order(unit.root, kind)
@@ -32,7 +33,7 @@ def elements_in_order(unit: Unit, kind: str) -> list[tuple[Node, str]]:
 
 
 def put_in_order(unit: Unit, kind: str, names: Sequence[str]) -> None:
-    """Move elements so that those with `names` come first and in this order, as far as possible. Others keep theirs."""
+    """Move the elements with `names` to the front in this order, as far as possible. Others keep their order."""
     places = {name: float(number) for number, name in enumerate(names)}
     ranks: dict[Node, float] = {}
     for node, name in elements_in_order(unit, kind):
@@ -48,7 +49,7 @@ def put_in_order(unit: Unit, kind: str, names: Sequence[str]) -> None:
 
 
 def _sort(holder: Node, ranks: Mapping[Node, float], classes: Classes) -> tuple[float | None, float | None]:
-    """Sort the joints of a body, and the bodies in it. Return the lowest rank of both, None if there are none."""
+    """Sort the joints of a body, and the bodies in it. Return the lowest rank of both, or None without ranks."""
     own: dict[Node, float] = {}
     inner: dict[Node, float] = {}
     for child in holder.iterchildren("*"):
@@ -87,10 +88,10 @@ def _permute(nodes: Sequence[Node], ranks: Mapping[Node, float]) -> None:
 
 
 def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
-    """Return why MJCF must have `first` before `second`, given the names before them."""
+    """Return the reason that MJCF must have `first` before `second`, given the names before them."""
     found = {name: node for node, name in reversed(elements_in_order(unit, kind)) if name}
     if kind == "joint" and not first:
-        return "MuJoCo numbers the joints of a body before the joints inside of it, and these one after the other"
+        return "MuJoCo numbers the joints of a body before the joints inside it, and numbers these one after the other"
     if kind != "joint":
         return (
             f"MuJoCo puts the copies that a `<replicate>` makes of {kind}s after all others, one copy after the other"
@@ -101,8 +102,8 @@ def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
     inner = next(each for each in other.iterancestors(*_BODIES))
     if body is not inner and body in around:
         return (
-            f"`{first}` is a joint of {_called(body)}, and `{second}` of {_called(inner)} inside of it: MuJoCo numbers "
-            "the joints of a body before the joints inside of it"
+            f"`{first}` is a joint of {_called(body)}, and `{second}` is a joint of {_called(inner)} inside it: "
+            "MuJoCo numbers the joints of a body before the joints inside it"
         )
     block = one
     for each in one.iterancestors():
@@ -112,12 +113,12 @@ def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
     within = [name for name, node in reversed(found.items()) if block is node or block in node.iterancestors()]
     if body is inner:
         return (
-            f"`{first}` and `{second}` move {_called(body)}: MuJoCo applies them one after the other, and in another "
-            "order they move it in another way"
+            f"`{first}` and `{second}` move {_called(body)}: "
+            "MuJoCo applies them one after the other, and a different order changes the motion"
         )
     return (
-        f"`{within[0]}` and `{first}` are inside of {_called(block)}, and `{second}` is not: MuJoCo numbers all joints "
-        "inside of it one after the other"
+        f"`{within[0]}` and `{first}` are inside {_called(block)}, and `{second}` is not: "
+        "MuJoCo numbers all joints inside it one after the other"
     )
 
 

@@ -1,4 +1,4 @@
-"""Passes: note the unit of each `<replicate>`, write out those that cannot stay, and refuse the others.
+"""Passes: note the unit of each `<replicate>`, write out the replicates that cannot stay, and refuse the others.
 
 MuJoCo (3.12 to 4.0) treats an element as replicated if all names in it still resolve with the copy's number
 appended. That includes a sensor without an object, a tuple of assets, and an element that refers to `j1` if there
@@ -33,7 +33,7 @@ from mjcompose.tree.unit import Unit
 def copy_poses(
     count: int, offset: Vec3, angles: tuple[float, ...], sequence: str, *, degrees: bool = False
 ) -> tuple[Pose, ...]:
-    """Return the poses of all copies. Copy N is turned by N times each angle; the next is at `offset` in its frame."""
+    """Return the poses of all copies. Copy N is turned by N times each angle; the next one is at `offset` in it."""
     made: list[Pose] = []
     pos = ORIGIN
     for number in range(count):
@@ -77,7 +77,7 @@ def multiplied_elements(unit: Unit) -> Iterator[Node]:
 def resolves_in_copies(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
-    """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""
+    """Return whether MuJoCo, when it reads the replicate, also finds the reference with a number appended."""
     names, ends, here = list(references_of(thing)), suffixes(replicate), places.get(replicate, 0)
     if not names or is_made_by(names, ends, linking.names.find, made=made):
         return True
@@ -173,7 +173,7 @@ _IndexOf = Callable[[Unit], NameIndex]
 
 
 def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
-    """Write out the replicates that would change another unit, or turn in another sequence."""
+    """Write out the replicates that would change another unit, or whose sequence of rotations differs."""
     units = linking.units
     index_of = cache(lambda unit: NameIndex.of(unit.root))
     for unit in holding:
@@ -195,7 +195,7 @@ def _outermost(unit: Unit) -> Iterator[Node]:
 
 
 def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Return whether a replicate turns in another sequence than the model's, or rounds otherwise in radians."""
+    """Return whether a replicate's sequence of rotations differs from the model's, or its radians round differently."""
     turning = [angle for angle in numbers.read(str(replicate.get("euler") or "")) if angle]
     if len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq:
         return True
@@ -211,7 +211,7 @@ def _turns_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
 
 
 def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()) -> bool:
-    """Return whether one of the replicates may multiply any element of the unit, except for those that are spared."""
+    """Return whether one of the replicates may multiply any element of the unit, except for spared elements."""
     found = [each for each in multiplied_elements(unit) if each not in spared]
     if not found:
         return False
@@ -231,7 +231,7 @@ def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: 
 
 
 def _is_separate(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node], spared: Collection[Node] = ()) -> bool:
-    """Return whether only its own content is multiplied, so the copies can be written in the tree."""
+    """Return whether the replicate multiplies only its own content, so the copies can be written in the tree."""
     if next(nest.iter(*BLOCKS), None) is not None or scaled_above(nest) is not None:
         return False
     index = index_of(unit)

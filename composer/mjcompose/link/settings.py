@@ -4,8 +4,9 @@
 `<freejoint>` has `align`. If a `<joint type="free">` has other attributes that a `<freejoint>` cannot take, the model
 keeps `alignfree` and all other free joints opt out.
 
-A source's request of memory is for that source alone. For the whole model, `memory="1M"` from a lamp next to 300 boxes
-lets MuJoCo 4.0 drop contacts, and boxes fall through the floor. `njmax`, `nconmax` and `nstack` are older requests.
+A request for memory in a source concerns only that source. For the whole model, `memory="1M"` from a lamp next to 300
+boxes lets MuJoCo 4.0 drop contacts, and boxes fall through the floor. `njmax`, `nconmax` and `nstack` are older
+requests.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ _NOT_KEPT = ("inertiafromgeom", "inertiagrouprange", *MEASURED, "fusestatic", "d
 
 
 def compiler(linking: Linking) -> None:
-    """Write the base's settings once, as they now hold for every part."""
+    """Write the base's settings once, because they now hold for every part."""
     root = linking.base.root
     first = next(root.iterchildren("*"), None)
     at = root.index(first) if first is not None and first.tag == "compiler" else None
@@ -236,7 +237,7 @@ def memory_requests(linking: Linking) -> tuple[MemoryRequest, ...]:
 
 
 def memory_size(linking: Linking) -> None:
-    """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for."""
+    """Remove the memory size if MuJoCo's own for the whole model is larger than any source requests."""
     if not linking.notes.memory or linking.measure is None:
         return
     unit = linking.flat()

@@ -6,8 +6,8 @@ Sections of settings are joined, a part's root is unwrapped, and options give wa
 the file itself is not an error here: `tree/ignored.py` reports it as a warning.
 
 The check takes longer than parsing and linking a file (2 ms for 250 elements, against 1.7 ms). Verified builds run
-it first; other builds run it only after the linker has raised an exception. Even then the fault may not be the
-cause: the work is repeated with the faults corrected, and if it still raises, the exception is a bug and is raised.
+it first. Other builds run it only after the linker has raised an exception. Even then the fault may not be the
+cause: the work is repeated with the faults corrected; if it still raises, the exception is a bug and is raised.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ _PLAIN = re.compile(r"-?[0-9.]+(?: -?[0-9.]+)*", re.ASCII)
 
 
 class _Fault(Struct):
-    """A fault of an element, or of its attribute `name`, which is marked itself (`key`) or by its value.
+    """A fault of an element, or of its attribute `name`; the message marks its name (`key`) or value.
 
     A fault without a `code` is an element or an attribute that MJCF does not have. `first` is the element that it
-    repeats. To repair the element, its attributes become `repaired`, None for each that is removed; without
-    `repaired` the element is removed.
+    repeats. To repair the element, its attributes become `repaired`, with None for each removed attribute; without
+    `repaired`, the element is removed.
     """
 
     node: Node
@@ -88,7 +88,7 @@ class _Fault(Struct):
 
 
 def check_source(unit: Unit, sink: Sink) -> bool:
-    """Report all in a file that MJCF does not have, before it is linked, and return whether there is nothing."""
+    """Report everything in a file that is not MJCF, before it is linked, and return whether the file is valid."""
     faults = list(_faults(unit.root))
     if faults:
         passed_over = set(unread(unit.root))
@@ -106,7 +106,7 @@ def repair(unit: Unit) -> None:
 
 
 def _repeated(root: Node) -> Iterator[_Fault]:
-    """Yield keys and classes with the name of an earlier one. Linking merges keys, and gives `main` another name."""
+    """Yield keys and classes that repeat an earlier name. Linking merges keys and renames `main`."""
     # MuJoCo 4.0: `repeated default class name`. The class at the top is `main`, written or not.
     tops = list(root.iterchildren("default"))
     classes = dict.fromkeys([MAIN], tops[0]) if tops else {}
@@ -168,13 +168,13 @@ def _malformed(node: Node, attribute: Attribute, refusal: Refusal) -> _Fault:
 
 
 def _is_checked(node: Node) -> bool:
-    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body: not in a frame, as of a part."""
+    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body: not in a frame."""
     around = {str(each.tag) for each in node.iterancestors()}
     return "worldbody" in around and around.isdisjoint(BLIND)
 
 
 def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Fault]:
-    """Yield attributes that exclude one another. Which of them counts depends on the reader."""
+    """Yield attributes that exclude one another. The reader determines which of them counts."""
     for rule in kind.constraints:
         names = [name for (name,) in rule.bundles if name in node.attrib] if rule.kind == "exclusive" else []
         if len(names) > 1:

@@ -39,7 +39,7 @@ from mjcompose.tree.xml_text import write
 
 
 def attached_size(unit: Unit) -> Callable[[Node], Weight]:
-    """Return a function for the weight of the model of an `<attach>`, which is nothing if it cannot be read."""
+    """Return a function for the weight of the model of an `<attach>`, which is zero if the model cannot be read."""
     return _sizes_in(unit, {}, 0)
 
 
@@ -76,7 +76,7 @@ _BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write the options that every such unit has alone. MuJoCo itself merges the options of a model of one unit."""
+    """Write the options of units with sub-models. MuJoCo itself merges the options of a model of one unit."""
     for unit in linking.units if linking.parts else ():
         _adopt_options(unit)
 
@@ -169,7 +169,7 @@ class _Bundler(Struct):
     keyed: bool
 
     def bundle(self, unit: Unit, element: Node, file: str, *, folder: str, above: tuple[str, ...] = ()) -> None:
-        """Bundle a model that another one refers to. `above` are the models that lead to it."""
+        """Bundle a model that another model refers to. `above` are the models that lead to it."""
         known = unit.contents.get(file)
         source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
         if isinstance(known, bytes):
@@ -213,7 +213,7 @@ class _Bundler(Struct):
         self.linking.files.append(use)
 
     def _count(self, unit: Unit, element: Node, depth: int) -> None:
-        """Count one more sub-model, because models that each refer to two others would grow without end."""
+        """Count one more sub-model, because models that each refer to two others would grow exponentially."""
         limits = in_force()
         self.linking.submodels += 1
         if depth >= limits.nesting:

@@ -1,4 +1,4 @@
-"""Reduce a unit, before it is linked, to one body and the elements that it needs, and list those dropped."""
+"""Reduce a unit, before it is linked, to one body and the elements that it needs, and list the dropped elements."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ _SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor"
 
 
 class Side(NamedTuple):
-    """Whether an element refers inside the subtree, outside, to both or neither; `lacks` is the first one outside."""
+    """Whether an element refers inside the subtree, outside, both or neither; `lacks` is the first one outside."""
 
     inside: bool = False
     outside: bool = False
@@ -113,7 +113,7 @@ class Side(NamedTuple):
 
 
 def side_of_world(element: Node) -> str | None:
-    """Return which body of a `connect` or a `weld` is the world: the second also if it is not named."""
+    """Return which body of a `connect` or a `weld` is the world; an omitted second body is the world."""
     if element.tag not in ("connect", "weld") or not (first := element.get("body1")):
         return None  # it is about sites
     second = element.get("body2") or WORLD
@@ -123,7 +123,7 @@ def side_of_world(element: Node) -> str | None:
 
 
 class SideFinder:
-    """Finds the side of elements by the names they refer to, directly or, as a sensor of an actuator, by others."""
+    """Finds the side of elements by the names that they refer to, directly or through other elements."""
 
     def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True) -> None:
         self._unit, self._in_world = unit, in_world
@@ -214,7 +214,7 @@ class _Names:
                 self._begun.add(str(element.get("name") or element.get("prefix") or ""))
 
     def makes(self, name: str) -> int:
-        """Return the length of the name's beginning that is the name of something that MuJoCo multiplies, or 0."""
+        """Return the length of the start of the name that names an element that MuJoCo multiplies, or 0."""
         starts = [start for start in self._begun if name.startswith(start)]
         starts += [start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()]
         return max((len(start) + 1 for start in starts), default=0)
@@ -254,8 +254,8 @@ def take_subtree(
 ) -> Subtree | None:  # fmt: skip
     """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.
 
-    The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside of the
-    body are dropped. `measure` gets the values of the whole unit that only MuJoCo knows.
+    The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside the body
+    are dropped. `measure` gets the values of the whole unit that only MuJoCo knows.
     """
     before = sink.error_count
     body = _find(unit, name, sink, span=span)
@@ -322,7 +322,7 @@ def _named(elements: Iterable[Node]) -> Iterator[DroppedElement]:
 
 
 def _cut_in_the_tree(sides: SideFinder, unit: Unit, inside: list[Node]) -> Iterator[DroppedElement]:
-    """Remove and yield the cameras and lights of the subtree that look at a body outside of it."""
+    """Remove and yield the cameras and lights of the subtree that look at a body outside it."""
     for element in inside:
         if element.tag in ("camera", "light"):
             side = sides.of(element, "worldbody")
@@ -370,7 +370,7 @@ def _make_root(unit: Unit, body: Node) -> None:
 
 
 def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElement]:
-    """Remove and yield every element of the other sections that does not belong to the subtree alone."""
+    """Remove and yield every element of the other sections that does not belong only to the subtree."""
     going: list[tuple[Node, DroppedElement]] = []
     staying: list[tuple[Node, str]] = []
     for section in list(unit.root.iterchildren("*")):

@@ -1,7 +1,7 @@
 """The meaning of a unit's keys, and the layouts of units and of the finished model, partly measured with MuJoCo.
 
 `BareModel` has little more than a model's joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
-the same names and addresses as the whole model, so it tells the owner of each number of a key. `KeyNotes` has the
+the same names and addresses as the whole model, so it shows the owner of each number of a key. `KeyNotes` has the
 bare source of every key, and the keys that recipes write and edit: `verify/kept_keys.py` compares the finished keys
 with it.
 
@@ -50,7 +50,7 @@ _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 class BareModel(Struct, frozen=False, eq=False):
     """A model as text, with the element of each name in it. `rows` has the length of each row of each key.
 
-    `moves` are the poses of the parts that it has become part of, innermost first; `file` is its name in messages.
+    `moves` are the poses of the parts that contain it now, innermost first; `file` is its name in messages.
     """
 
     file: str
@@ -61,7 +61,7 @@ class BareModel(Struct, frozen=False, eq=False):
     moves: list[Pose] = field(default_factory=list)
 
     def holder(self, kind: str, name: str, body: str) -> Holder | None:
-        """Return whose a joint or another element of the compiled model is; `body` is the name of its body."""
+        """Return the owner of a joint or another element of the compiled model; `body` is the name of its body."""
         found = self.named.get((kind, name))
         if found is not None:
             return *found, ""
@@ -80,8 +80,8 @@ class KeyNotes(Struct, frozen=False, eq=False):
     """Notes about the keys of a composition.
 
     `sources` has the bare models by the root of the tree that they are in. `written` has the keys of recipes, `edited`
-    the keys with numbers that edits or draws change, `copied` the elements that a replicate which is written out
-    becomes, each with its origin.
+    the keys with numbers that edits or draws change, `copied` has the elements of written-out replicates, each with its
+    origin.
     """
 
     sources: dict[Node, list[BareModel]] = field(default_factory=dict)
@@ -94,7 +94,7 @@ class KeyNotes(Struct, frozen=False, eq=False):
             self.sources[unit.root] = [found]
 
     def note_joined(self, linking: Linking) -> None:
-        """Note that the parts have become part of the base, where their places move the elements of the world."""
+        """Note that the parts have become a part of the base, which moves the elements of their worlds."""
         joined = self.sources.setdefault(linking.base.root, [])
         for part in linking.parts:
             found = self.sources.pop(part.unit.root, [])

@@ -1,4 +1,4 @@
-"""Passes: the part's elements in the world, and its sections outside of the body tree."""
+"""Passes: the part's elements in the world, and its sections outside the body tree."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def check_roots(linking: Linking) -> None:
     for part, geom in linking.notes.planes:
         if _moves(geom):
             why = "MuJoCo allows planes only on static bodies"
-            message = f"`{part.called}` brings a plane and is attached {_place_words(part)}, which moves: {why}"
+            message = f"`{part.called}` contains a plane and is attached {_place_words(part)}, which moves: {why}"
             help = "attach the part to the world or to a static body, or remove the plane from its file"
             notes = (Note("the plane", linking.span(linking.base, geom)),)
             span = part.place.span or part.span or linking.span(part.unit, geom)
@@ -64,7 +64,7 @@ def check_roots(linking: Linking) -> None:
 
 
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
-    """Return whether a unit is one body with a free joint, or with `mocap` a mocap body, and needs no other around."""
+    """Return whether a unit is one body with a free joint, or with `mocap` a mocap body, and needs no other."""
     top = list(_top_level(unit.root))
     if len(top) != 1 or top[0].tag != "body":
         return False
@@ -141,7 +141,7 @@ _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator",
 
 
 def worlds(linking: Linking) -> None:
-    """Replace references to the world of each part by the body that carries it, and move poses in its world.
+    """Make references to the world of each part refer to the body that carries it, and move poses in its world.
 
     MuJoCo's own attach changes none of this: in 4.0 a `<weld body1="b"/>` pulls an attached part back to its pose in
     its file, and on a moving body it fixes the part to the world.
@@ -162,7 +162,7 @@ def worlds(linking: Linking) -> None:
 
 
 class _MovedWorld(NamedTuple):
-    """A part, its world's pose in the body or world that holds it, that one's name, and a `<replicate>` between."""
+    """A part, the pose of its world in its holder, the holder's name, and a `<replicate>` between them."""
 
     part: Part
     pose: Pose
@@ -237,7 +237,7 @@ def _moved_pose(element: Node, pose: Pose) -> str:
 
 
 def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
-    """Report equalities with the world in a model that the part attaches itself: MuJoCo leaves them where they are."""
+    """Report equalities with the world in a model that the part attaches itself: MuJoCo does not move them."""
     models = {str(each.get("name")): each for each in hung.part.unit.root.iterfind("asset/model")}
     assert hung.part.content is not None
     for attach in hung.part.content.iter("attach"):
@@ -254,14 +254,14 @@ def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
             called, subjects = f"the {equality.tag} `{equality.get('name') or ''}`", (hung.part.called,)
             which = f"of a model that `{hung.part.called}` attaches itself"
             message = f"{called} {which} is about the world, and MuJoCo does not carry it along"
-            help = "attach that model in a recipe, or leave the equality out of it"
+            help = "attach that model in a recipe, or remove the equality from it"
             span = linking.span(hung.part.unit, attach)
             linking.sink.error("not-supported", message, span, help=help, subjects=subjects)
             break
 
 
 def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
-    """Warn of cameras and lights that look at the world's origin, which no longer is the part's origin."""
+    """Warn about cameras and lights that look at the world's origin, which no longer is the part's origin."""
     assert hung.part.content is not None
     for element in hung.part.content.iter("camera", "light"):
         if element.get("target") != WORLD:
@@ -275,7 +275,7 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
 
 
 def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
-    """Warn of actuators that push a free body of a turned part along the axes of the world."""
+    """Warn about actuators that push a free body of a turned part along the axes of the world."""
     assert hung.part.content is not None
     found = hung.part.unit.root.findall("actuator/*")
     joints = [each for each in found if each.get("joint") or each.get("jointinparent")]
@@ -292,16 +292,16 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
         # MuJoCo 4.0 turns a free body about its own axes, or about the world's axes with `jointinparent`.
         along = [push, twist] if actuator.get("jointinparent") else [push]
         if any(math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)):
-            what = f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned"
+            what = f"pushes along the axes of the world, which differ for `{hung.part.called}`: it is turned"
             help = "let it act on a site of the body: its `gear` is in the axes of the site"
             _warn(linking, hung.part, actuator, what=what, help=help)
 
 
 def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
-    """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of the part's parent.
+    """Warn about flexes in the world of a moved part that MuJoCo lays out by axes or the origin of the part's parent.
 
-    MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes of them afterwards. Three
-    slides for each vertex (`full`) are the same flex on every axes.
+    MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes from them afterwards. With
+    three slides for each vertex (`full`), the axes do not matter.
     """
     if hung.pose.is_identity:
         return

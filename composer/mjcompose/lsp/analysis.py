@@ -1,4 +1,4 @@
-"""Facts about a recipe, a question about it, and answers as data."""
+"""Facts about a recipe, a question about it, and the answers, as data."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Shelf:
         self._marks: dict[Key, dict[PathlibPath, Mark | int]] = {}
 
     def refresh(self, texts: Entries[str, bytes]) -> None:
-        """Drop the units of which a file has changed. `texts` are the unsaved texts of editors."""
+        """Drop the units whose files have changed. `texts` are the unsaved texts of editors."""
         for key in [key for key, before in self._marks.items() if marks(before, texts) != before]:
             del self._marks[key]
             self.library.pop(key, None)
@@ -78,7 +78,9 @@ _UNITS: dict[str, Callable[[str], int]] = {
 
 
 def units(line: str, column: int, encoding: str = "utf-16") -> int:
-    """Return how many units of an encoding precede a character, counted from 0. Past the end counts as the end.
+    """Return the number of units of an encoding before a character, counted from 0.
+
+    A place past the end counts as the end.
 
     >>> units("🤖: x", 1)
     2
@@ -87,7 +89,7 @@ def units(line: str, column: int, encoding: str = "utf-16") -> int:
 
 
 def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
-    """Return the character, counted from 0, that this many units precede.
+    """Return the index of the character after this many units.
 
     >>> column_of("🤖: x", 2), column_of("ab", 9)
     (1, 2)
@@ -101,7 +103,7 @@ def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
 
 
 def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
-    """Return for the lines of a text where they are in a later text, both counted from 0.
+    """Return the numbers of the lines of a text in a later text, both counted from 0.
 
     Lines that may have changed are left out.
 
@@ -115,7 +117,7 @@ def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
 
 
 def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
-    """Return a place in a later text, of which `lines` are those that `moved` returns; None on another line."""
+    """Return a place in a later text, given the `lines` from `moved`; None for a line that may have changed."""
     line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
     if line is None or (span.end_line is not None and end is None):
         return None
@@ -216,7 +218,7 @@ class Known(Struct):
 
 
 class Names(Struct, slots=False):
-    """The names of a model by namespace, the paths of its parts, and by these their units and prefixes."""
+    """The names of a model by namespace, the paths of its parts, and their units and prefixes by path."""
 
     known: dict[str, dict[str, Known]] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
@@ -326,7 +328,7 @@ def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
 
 
 def _closers(line: str) -> str:
-    """Return the brackets that close those that a line leaves open."""
+    """Return the brackets that close the open brackets of a line."""
     waiting: list[str] = []
     quote = ""
     for character in line:
@@ -355,11 +357,11 @@ class Analysis(Struct, slots=False):
     """The result of analyzing a recipe. It never changes.
 
     `tree`, `plan` and `model` belong to the current text, or to the last text that had one; `is_current` and
-    `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
-    the diagnostics, `files` all files that were read, and `library` the sources as they were read.
+    `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has the
+    diagnostics, `files` has all files that were read, and `library` has the sources as they were read.
 
-    `traced` says where the elements of the model come from. It takes as long as the rest, and no diagnostic needs it,
-    so it is None until `Workspace.traced` computes it.
+    `traced` says where the elements of the model come from. It takes as long as the rest but no diagnostic needs it, so
+    it is None until `Workspace.traced` computes it.
     """
 
     path: PathlibPath
@@ -402,13 +404,13 @@ class Analysis(Struct, slots=False):
         return self.plan.separator if self.plan is not None else "/"
 
     def now(self, span: Span, of: str) -> Span | None:
-        """Return the current place of something in an earlier text, or None if it may have changed since."""
+        """Return the current place of a span in an earlier text, or None if it may have changed."""
         if span.file != self.file or of == self.text:
             return span
         return span_after(span, moved(lines_of(of), self.lines))
 
     def all_now(self, spans: Iterable[Span | None], of: str) -> Iterator[Span]:
-        """Yield the current places, without those that may have changed since."""
+        """Yield the current places, except places that may have changed."""
         for span in spans:
             if span is not None and (now := self.now(span, of)) is not None:
                 yield now

@@ -134,7 +134,7 @@ def offer_parameters(question: Question) -> Iterator[Item]:
 
 
 def _at(path: Path, question: Question) -> dict[str, Settable] | None:
-    """Return the parameters and variants that the mapping at a path can set, or None for any other mapping."""
+    """Return the parameters and variants that the mapping at a path can set, or None for other mappings."""
     if path[-1:] == ("with",):
         return of_nested(path[:-1], question)
     return settables(question.data) if sets(path) and path not in (("params",), ("variants",)) else None

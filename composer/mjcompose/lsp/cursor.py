@@ -220,7 +220,7 @@ class _Scan:
         return self.as_key(self.word(text, line, column, at, max(end, column), role), text)
 
     def as_key(self, cursor: Cursor, text: str) -> Cursor:
-        """Return the cursor, with the information whether the colon of the key is already written."""
+        """Return the cursor, and note whether the colon of the key is already written."""
         return replace(cursor, has_colon=text[cursor.end + len(cursor.quote) :].lstrip().startswith(":"))
 
     def settle(self, indent: int) -> None:

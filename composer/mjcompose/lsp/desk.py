@@ -1,4 +1,4 @@
-"""Open documents, when they are analyzed, and their diagnostics."""
+"""Open documents, their analysis, and their diagnostics."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ T = TypeVar("T")
 
 
 def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:
-    """Return diagnostics of an earlier text at their places in a new one. Those on changed lines are left out."""
+    """Return diagnostics of an earlier text at their places in a new one. Diagnostics on changed lines are left out."""
     if list(old) == list(new):
         return tuple(found)
     lines = moved(old, new)
@@ -71,7 +71,7 @@ def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Seq
 def by_file(
     found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
 ) -> Mapping[str, list[Diagnostic]]:
-    """Return diagnostics by file. A model's are also shown at its place in `uses`: its file may not be open."""
+    """Return diagnostics by file. A model's file may not be open, so they are also shown at its place in `uses`."""
     files: dict[str, list[Diagnostic]] = {own: []}
     for each in found:
         span = each.span
@@ -108,7 +108,7 @@ def _has_errors(found: Iterable[Diagnostic]) -> bool:
 
 
 _MOST_TEXT = 1_000_000
-"""The longest recipe to analyze, in characters: it takes up to 20 seconds for every letter that you type."""
+"""The length of the longest recipe to analyze, in characters: it takes up to 20 seconds for each keystroke."""
 
 
 class Workspace:
@@ -215,7 +215,7 @@ class Workspace:
     def analyze_model(
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> ModelAnalysis:
-        """Return the analysis of an MJCF file. A model that cannot be read at all is that of `before`."""
+        """Return the analysis of an MJCF file. If it cannot be read at all, use the model of `before`."""
         sink, file, content = Sink(), shown(path, self.folder), text.encode("utf-8", "replace")
         with unsaved(texts):
             unit, nodes = read_model(path, text, self.folder)
@@ -261,8 +261,8 @@ PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
 class Document(Struct, frozen=False, slots=False, eq=False):
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
-    The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version`
-    is the editor's own number of the newest text, `seen` of the analyzed text.
+    The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version` is the
+    editor's own number for the newest text, and `seen` its number for the analyzed text.
     """
 
     path: Path
@@ -339,7 +339,7 @@ class Desk:
         return {os.path.realpath(each.path): each.text.encode("utf-8", "replace") for each in others}
 
     async def analyzed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
-        """Return the latest analysis of an open file, with `newest` of the current text, and `traced` on request."""
+        """Return the latest analysis of an open file, with `newest` for the current text, and `traced` if requested."""
         document = self.documents.get(path)
         if document is None or not document.kind:
             return None
@@ -435,7 +435,7 @@ class Desk:
         self._report(document.path, by_file(found, analysis.file, uses))
 
     def _report(self, path: Path, files: Mapping[str, list[Diagnostic]]) -> None:
-        """Publish the diagnostics that changed. Those that several recipes report in one file are merged."""
+        """Publish the diagnostics that changed. Diagnostics that several recipes report in one file are merged."""
         before = self._reported.get(path, {})
         self._reported[path] = dict(files)
         for file in dict.fromkeys([*before, *files]):
@@ -457,6 +457,6 @@ class Desk:
         self.end()
 
     def end(self) -> None:
-        """End the processes that work for this one, and remove their folders."""
+        """End the processes that work for this process, and remove their folders."""
         self.workspace.close()
         self.verifier.close()

@@ -1,4 +1,4 @@
-"""The forms of the language at a place of a recipe: a walk along a path through the JSON Schema of recipes."""
+"""The forms of the language at a place of a recipe, found by following a path through the JSON Schema of recipes."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def forms_at(path: Path, data: Any = None) -> list[Form]:
 
 
 def forms_below(forms: list[Form], step: str | int, data: Any) -> list[Form]:
-    """Return the ways in which a value inside of one of these forms can be written. `data` is the outer value."""
+    """Return the ways in which a value inside one of these forms can be written. `data` is the outer value."""
     below = [found for form in forms for found in _step(form, step)]
     return [each for found in below for each in _spread(found, data)]
 
@@ -130,7 +130,7 @@ def _step(form: Form, step: str | int) -> Iterator[Form]:
 
 
 def _spread(form: Form, data: Any) -> Iterator[Form]:
-    """Yield a form and all that it refers to, without the alternatives that the data excludes."""
+    """Yield a form and everything that it refers to, without the alternatives that the data excludes."""
     waiting, count = [form], 0
     while waiting and count < _MOST:
         each, count = waiting.pop(0), count + 1

@@ -77,8 +77,8 @@ def _blank(text: str) -> str:
 class ModelAnalysis(Analysis, slots=False):
     """The result of reading an MJCF file.
 
-    `unit` is its model; for a file that others include, the model of the first one that does. `nodes` are the elements
-    of the file in the order of their start tags in the text.
+    `unit` is its model; for a file that others include, the model of the first file that includes it. `nodes` are the
+    elements of the file in the order of their start tags in the text.
     """
 
     unit: Unit | None = None
@@ -184,7 +184,7 @@ class ModelQuestion(Question, slots=False):
 
 
 def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
-    """Return the cursor, the start tag that it is in, and how many start tags precede it."""
+    """Return the cursor, the start tag that it is in, and the number of earlier start tags."""
     offset, tags, count = question.offset, list[str](), 0
     for piece in pieces(question.text):
         is_inside = piece.start < offset < piece.end or (offset == piece.end and piece.end == len(question.text))

@@ -1,4 +1,4 @@
-"""Completion, hover, rename, outline and colors of MJCF files, for the providers that recipes use, too."""
+"""Completion, hover, rename, outline and colors of MJCF files, for the providers that recipes also use."""
 
 from __future__ import annotations
 
@@ -244,7 +244,7 @@ def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]
     known = next(iter(named_at(question)), None)
     own = question.analysis.unit
     if renameable(question) is None or known is None or own is None:
-        raise Refused("only names of elements can be renamed, in a file without errors in its XML")
+        raise Refused("only names of elements can be renamed, if the file has no XML errors")
     if not new or new != new.strip() or re.search(r"""["'<>&\n]""", new) or (known.namespace, new) in ALWAYS:
         raise Refused(f"`{new}` cannot be the name of an element")
     every: dict[Change, None] = {}

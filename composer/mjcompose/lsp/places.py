@@ -1,4 +1,4 @@
-"""Which names are allowed at a place, and the matches of a selector."""
+"""The names that are allowed at a place, and the matches of a selector."""
 
 from __future__ import annotations
 
@@ -106,7 +106,10 @@ _PLACES = ("site", "body", "frame")
 
 
 def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """Return which names a value can be, or None. `forms` are the forms of the mapping around it, `around` its data."""
+    """Return the names that a value can have.
+
+    `forms` are the forms of the mapping around it, and `around` are its data.
+    """
     path = without_variant(path)
     if not path:
         return None
@@ -158,7 +161,7 @@ def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[i
 
 
 def without_variant(path: Path) -> Path:
-    """Return the path inside a variant's piece of recipe, or the path itself outside of variants."""
+    """Return the path inside a variant's piece of recipe, or the path itself outside variants."""
     return path[3:] if path[:1] == ("variants",) and len(path) > 3 else path
 
 
@@ -199,7 +202,7 @@ def _fits(row: Path, path: Path) -> bool:
 
 
 def _selector(path: Path, forms: list[Form]) -> Wanted | None:
-    """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
+    """Return the names that fit after a tag of a selector, or after a key that narrows it down; None elsewhere."""
     last = str(path[-1])
     if not any(form.role in ("selector", "Drop") or form.role.endswith("@select") for form in forms):
         return None

@@ -1,7 +1,7 @@
 """Messages of an editor, and the answers of providers as messages.
 
-pygls 2.1 ignores a frame without a valid length, and everything behind it, and never answers a request whose parameters
-it cannot read. From here it gets only messages that it can handle; others are answered with an error.
+pygls 2.1 ignores a frame without a valid length and everything after it, and never answers a request whose parameters
+it cannot read. This module passes only messages that it can handle, and answers others with an error.
 """
 
 from __future__ import annotations
@@ -115,14 +115,14 @@ class Frames:
             return None if "id" in message else (INVALID_REQUEST, "a message has neither a `method` nor an `id`")
         method = message["method"]
         if not isinstance(method, str) or ("id" in message and number is None):
-            return INVALID_REQUEST, "a method is a text, and the `id` of a request a text or a whole number"
+            return INVALID_REQUEST, "a method must be a string, and the `id` of a request a string or an integer"
         if self._is_shut and number is not None:
             return INVALID_REQUEST, "the server is shutting down"
         self._is_shut = self._is_shut or method == "shutdown"
         try:
             self._structure(body)
         except Exception:
-            return INVALID_PARAMS, f"the parameters of `{method}` are not as the protocol says"
+            return INVALID_PARAMS, f"the parameters of `{method}` do not follow the protocol"
         return None
 
 
@@ -150,7 +150,10 @@ _WORD = re.compile(r"\S+|\s")
 
 
 class Converter:
-    """Converts places to the units in which the editor counts. `lines` gives the lines of a file, `uri` its address."""
+    """Converts places to the units in which the editor counts.
+
+    `lines` gives the lines of a file, and `uri` gives its address.
+    """
 
     def __init__(
         self, encoding: str, folder: Path, lines: Callable[[Path], list[str]], uri: Callable[[Path], str]
@@ -193,7 +196,7 @@ class Converter:
         return lsp.Location(self.uri(span), self.range(span))
 
     def diagnostic(self, found: Diagnostic, path: Path) -> lsp.Diagnostic:
-        """Return a diagnostic in a file. One without a place in this file is shown on the first line."""
+        """Return a diagnostic in a file. A diagnostic without a place in this file is shown on the first line."""
         span = found.span if found.span is not None and self.path(found.span) == path else None
         place = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)) if span is None else self.range(span)
         notes = [(note.span, note.message) for note in (*found.notes, *found.others) if note.span is not None]

@@ -1,4 +1,4 @@
-"""A part or parameter gets a new name wherever it is used."""
+"""Give a part or parameter a new name wherever it is used."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def rename(
         return _rename_in_model(question, new, others, models=models)
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
-        raise Refused("only parts, parameters and variants can be renamed, in a recipe without errors in its YAML")
+        raise Refused("only parts, parameters and variants can be renamed, if the recipe has no YAML errors")
     try:
         if at is not None and len(at) == 2:
             changes = _rename_part(str(at[1]), new, question.analysis, others)
@@ -166,7 +166,7 @@ def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analys
 
 
 def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]]:
-    """Yield where another recipe includes this one: path and prefix of the part, both empty if it extends this one."""
+    """Yield path and prefix of the parts that include this recipe, both empty for a recipe that extends it."""
     plan = other.plan
     if other.path == analysis.path:
         return
@@ -180,7 +180,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
 
 
 def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
-    """Yield the changes in one recipe that includes this one as the part `outer`, with names behind `prefix`."""
+    """Yield the changes in one recipe that includes this one as the part `outer`, with names after `prefix`."""
     tree, separator = analysis.mapping, analysis.separator
     if tree is None:
         return
@@ -220,7 +220,7 @@ def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
 
 
 def _written(span: Span, text: str, analysis: Analysis) -> Change:
-    """Return the change that replaces a name. It keeps the quotes, or adds those that the new name needs."""
+    """Return the change that replaces a name. It keeps the quotes, or adds quotes if the new name needs them."""
     lines = analysis.lines if span.file == analysis.file else []
     before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
     return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))

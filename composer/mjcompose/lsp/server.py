@@ -109,7 +109,7 @@ class Server(LanguageServer):
     async def question(
         self, params: Any, newest: bool = True, *, traced: bool = False, position: lsp.Position | None = None
     ) -> Question:
-        """Return the question about a position in a recipe, or about the one in `params`. Raises NotOpen."""
+        """Return the question about a position in a recipe, or about the position in `params`. Raises NotOpen."""
         analysis = await self.analysis(params, newest, traced=traced)
         lines, at = self.document(params).lines, position or params.position
         if isinstance(analysis, ModelAnalysis):
@@ -291,7 +291,7 @@ async def colored(own: Server, params: lsp.DocumentColorParams) -> list[lsp.Colo
 
 @_feature(lsp.TEXT_DOCUMENT_COLOR_PRESENTATION)
 async def presented(own: Server, params: lsp.ColorPresentationParams) -> list[lsp.ColorPresentation]:
-    """Return a color as MJCF writes it, with an opacity if there was one or is one now."""
+    """Return a color as MJCF writes it, with an opacity if the old or the new color has one."""
     lines, place, color = own.document(params).lines, params.range, params.color
     start, end = (own.converter.column(lines, each) for each in (place.start, place.end))
     has_four = len(lines[place.start.line][start:end].split()) == 4 or color.alpha < 1

@@ -36,7 +36,7 @@ class Use(Struct):
 
 
 class Formed(NamedTuple):
-    """A value of a recipe. `forms` are the ways to write it; `above` and `around` are forms and data outside of it."""
+    """A value of a recipe. `forms` are the ways to write it; `above` and `around` are forms and data outside it."""
 
     path: Path
     key: Key | None
@@ -79,7 +79,7 @@ def uses_in(tree: Node | None) -> Iterator[Use]:
 
 
 class Settable(Struct):
-    """A parameter or an axis of variants. `default` is as written; `values` are the allowed ones, if listed."""
+    """A parameter or an axis of variants. `default` is as written; `values` are the allowed values, if listed."""
 
     name: str
     kind: str
@@ -138,7 +138,7 @@ def text(value: Any) -> str:
 
 
 def parameter_at(question: Question) -> tuple[str, Path | None] | None:
-    """Return the parameter or variant at the cursor, and the part to which it belongs where it is set for one."""
+    """Return the parameter or variant at the cursor, and the part for which it is set, if any."""
     cursor = question.cursor
     if cursor.role in ("key", "either") and cursor.whole:
         if cursor.path in (("params",), ("variants",), ("matrix", "axes")) or cursor.path[-1:] == ("when",):
@@ -173,7 +173,6 @@ def sets(path: Path) -> bool:
 
 
 def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
-    """Yield the names in the expressions of a value, each with its place."""
     if node.block is None:
         begin = node.span.column + (0 if node.plain else 1)
         width = (node.span.end_column or node.span.column) - node.span.column
@@ -205,7 +204,7 @@ def wanted_at(question: Question) -> Wanted | None:
 
 
 def named_at(question: Question) -> list[Known]:
-    """Return the elements that the name at the cursor means, of the most likely kind. A pattern means none."""
+    """Return the elements that the name at the cursor refers to, of the most likely kind. A pattern refers to none."""
     wanted, name, analysis = wanted_at(question), question.cursor.whole.strip(), question.analysis
     if wanted is None or not name:
         return []
@@ -252,7 +251,7 @@ def unit_of(known: Known, analysis: Analysis) -> Unit | None:
 
 
 def in_model(known: Known, analysis: Analysis) -> Known:
-    """Return the element in the composed model, given one with a name inside a part."""
+    """Return the element in the composed model for an element with a name inside a part."""
     traced = analysis.traced
     if known.node is None or traced is None or known.node in traced.watch.lives:
         return known

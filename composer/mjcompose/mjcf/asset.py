@@ -75,7 +75,7 @@ def as_files(argument: str, value: object) -> dict[str, bytes]:
 
 
 def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
-    """Return the error that `argument` expects `what` and got something else."""
+    """Return the error that `argument` expects `what` but got something else."""
     return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`")
 
 
@@ -219,8 +219,8 @@ for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
 class Asset:
     """A file that a model needs.
 
-    `path` is where it was read from, None for bytes in memory. `prefix` is the stem of its file name, `extension` its
-    suffix with the dot, as written. Any `file` attribute accepts an `Asset(data, '.stl')`.
+    `path` is where it was read from, None for bytes in memory. `prefix` is the stem of its file name, and `extension`
+    is its suffix with the dot, as written. Any `file` attribute accepts an `Asset(data, '.stl')`.
 
     >>> asset = Asset(b'...', '.png', 'wood')
     >>> asset.path, asset.prefix, asset.extension, asset.contents, asset.bundle_path

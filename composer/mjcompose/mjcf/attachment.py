@@ -80,18 +80,18 @@ class AttachmentFrame(Element):
         super()._write(attributes)
 
     def _check_body_name(self) -> None:
-        """Raise `MjcfError` if another body already has the prefix as its name, which a frame has as a body."""
+        """Raise `MjcfError` if another body already has the prefix as its name, which the frame needs as a body."""
         attachment, model = self._attachment, self._model
         name = attachment.child.prefix
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
         if taken is not None:
-            help = "give it another name, or the attached model: `other.model = '…'`"
+            help = "rename it, or rename the attached model: `other.model = '…'`"
             message = f"another body is already called `{name}`, as the frame would be"
             raise failure("name-clash", message, notes=(is_here(taken),), help=help)
 
     def remove(self, cascade: bool = False) -> None:
         """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""
-        raise failure("not-supported", "an attachment frame goes with its model: `detach()` that")
+        raise failure("not-supported", "an attachment frame is removed with its model: `detach()` the model")
 
     def attach(self, other: RootElement) -> Element:
         """Raise `MjcfError`: attach models to an element of the parent or of the child instead."""

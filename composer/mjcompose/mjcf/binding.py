@@ -296,7 +296,7 @@ class Binding:
             return name, None
         has = getattr(self, name)
         if has.ndim < (1 if self._one else 2):
-            raise failure("wrong-type", f"`{name}` of {self._labelled()} has one number for each, and no columns")
+            raise failure("wrong-type", f"`{name}` of {self._labelled()} has one number per element, and no columns")
         known = column_names(fields(self._kind)[name].array, has.shape[-1])
         try:
             at = number_columns(rest[0], known)

@@ -1,4 +1,4 @@
-"""Values of default classes are written onto elements."""
+"""Write the values of default classes onto elements."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
 
 
 def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False) -> None:
-    """Write attributes onto an actuator so that MuJoCo reads the same with its classes and without them.
+    """Write attributes onto an actuator so that MuJoCo reads the same actuator with and without its classes.
 
     `given` has the attributes from the classes that the actuator's own tag has. If these are not enough, the actuator
     becomes a `general`, which can express everything except a plugin, and an `MjcfWarning` is issued. If that is not
@@ -282,7 +282,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
 
 
 def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
-    """Return the attributes that a class and those above it set for an element; the nearest class wins."""
+    """Return the attributes that a class and the classes above it set for an element; the nearest class wins."""
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
     elements = [each for name in (ACTUATORS if tag in ACTUATORS else (tag,)) for each in found.elements.get(name, ())]

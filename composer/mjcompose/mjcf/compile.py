@@ -1,4 +1,4 @@
-"""A composition is compiled in this process, with the rows of each element."""
+"""Compile a composition in this process, and find the rows of each element."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _Number = TypeVar("_Number", bound=np.generic)
 class Scattered(np.ndarray[Any, np.dtype[Any]]):
     """A copy of some rows of one of MuJoCo's arrays, made when it was read.
 
-    Assigned items and slices, and `+=` and the like, are also written to MuJoCo's array, and only these: values that
-    numpy's functions write (`out=`, `fill`, `sort`) are not. Results computed from it are separate arrays.
+    Assigned items and slices, and `+=` and the like, are also written to MuJoCo's array, but values that numpy's
+    functions write (`out=`, `fill`, `sort`) are not. Results computed from it are separate arrays.
     """
 
     __slots__ = ("home",)
@@ -62,7 +62,7 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
 
 
 def flat_indices(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
-    """Return the flat indices in `of` of the items of a view of it, in the shape of the view. `of` is contiguous."""
+    """Return the flat indices of the items of a view of the array `of`, in its shape. `of` is contiguous."""
     found = np.array((view.ctypes.data - of.ctypes.data) // of.itemsize, dtype=np.intp)
     for length, stride in zip(view.shape, view.strides, strict=True):
         found = found[..., None] + np.arange(length) * (stride // of.itemsize)
@@ -124,7 +124,7 @@ _IN_PYTHON = {
     Topic.FREE_JOINT: "put a body with a free joint into the worldbody",
     Topic.MOCAP: "put a mocap body into the worldbody, without joints",
     Topic.TRANSMISSION: "name the moved element: `joint=…`, or `tendon`, `site` or `body`",
-    Topic.PLUGIN_INSTANCE: "let an actuator have it: `add('plugin', plugin=…, instance=…)`, or take the instance out",
+    Topic.PLUGIN_INSTANCE: "give it to an actuator: `add('plugin', plugin=…, instance=…)`, or remove the instance",
 }
 """Advice that is not about a recipe."""
 
@@ -132,8 +132,8 @@ _IN_PYTHON = {
 class Snapshot(Struct):
     """The elements of a composition when it was compiled, by node, with their rows in the compiled model.
 
-    `known` has every node that existed; `rows` has those that are in MuJoCo's model, each with the number in its
-    kind's arrays.
+    `known` has every node that existed; `rows` has the nodes that are in MuJoCo's model, each with its index in the
+    arrays of its kind.
     """
 
     models: frozenset[Model]
@@ -170,7 +170,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
 
 
 def snapshot(model: Model, roster: NameTable) -> Snapshot:
-    """Find the elements of a composition by their names in a model that was compiled from something else."""
+    """Find the elements of a composition by their names in a model that was compiled from other text."""
     copies = _Copies()
     return _snapshot(model, copies, flatten(model, "base", copies), roster=roster)
 

@@ -75,20 +75,20 @@ def release(model: Model, prefix: str) -> None:
 
 
 class Edit(Struct, frozen=False):
-    """The attributes to write, with None for those to remove, and the bytes of the files they name."""
+    """The attributes to write, with None for attributes to remove, and the bytes of the files that they name."""
 
     texts: dict[str, str | None] = field(default_factory=dict)
     contents: dict[str, bytes | Path] = field(default_factory=dict)
     given: dict[Target, str] = field(default_factory=dict)
-    """Names for elements without one that something refers to."""
+    """Names for unnamed elements that something refers to."""
     awaited: dict[str, tuple[Target, str]] = field(default_factory=dict)
     """References to elements of models that are not in one composition with this one yet, by attribute."""
     skins: Skins = field(default_factory=list)
-    """Skin files that have the name of a body which gets another one."""
+    """Skin files that contain the name of a renamed body."""
     renaming: Renaming[Model] | None = None
     """The references that follow a new name."""
     nameless: bool = False
-    """Whether none of the attributes has to do with names."""
+    """Whether no attribute involves names."""
 
 
 def check(

@@ -349,8 +349,8 @@ class RootElement(RootView, Mujoco):
         """Compile the model and everything attached to it with MuJoCo, and return its `Physics`.
 
         The physics starts in the reference configuration. Later edits of the model do not affect it. `conflict` is
-        described in `to_xml_string`. Raises `MjcfError` with the faults of the model and where each comes from, even if
-        MuJoCo refuses the model.
+        described in `to_xml_string`. Raises `MjcfError` with the faults of the model and the origin of each fault, even
+        if MuJoCo refuses the model.
 
         >>> from mjcompose import mjcf
         >>> model = mjcf.RootElement('ball')
@@ -430,7 +430,7 @@ class ElementList(Sequence[_E]):
         if (found := next((each for each in self._elements if each.name == index), None)) is not None:
             return found
         names = self._ipython_key_completions_()
-        unnamed = Note(f"none of the {len(self)} elements here has a name: take them by number")
+        unnamed = Note(f"none of the {len(self)} elements here has a name: select them by index")
         message = f"the {self.tag} `{index}` does not exist here"
         fault = unknown_name(self.tag, index, names, span=call_site(), message=message)
         raise error_of(fault if names or not self else replace(fault, notes=(unnamed,)), MjcfKeyError)

@@ -112,4 +112,4 @@ TAGS = {
     "attachment_frame": "`get_attachment_frame(model)` is the frame, `enter_scope(name)` the attached model",
     "attached_model": "`enter_scope(name)` is the attached model",
 }
-"""Words that its `find` knows besides tags."""
+"""Words that its `find` knows in addition to tags."""

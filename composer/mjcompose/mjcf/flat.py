@@ -1,4 +1,4 @@
-"""A composition becomes one flat model; the models do not change."""
+"""Turn a composition into one flat model; its models do not change."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def relocated_text(model: Model, label: str) -> str | None:
 
 
 def _plain_files(unit: Unit) -> tuple[int, int] | None:
-    """Return how many files move to the label's folder and how many stay; None if more than the text decides."""
+    """Return the numbers of files that move to the label's folder and that stay, or None if they are unknown."""
     files = list(file_attributes(unit.root))
     odd = any(attribute != "file" or each.tag == "skin" or not is_plain(name) for each, attribute, name in files)
     names = {name[name.rfind("/") + 1 :].lower() for _, _, name in files}
@@ -254,7 +254,7 @@ def label(model: Model) -> str:
 
 
 def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copy_unit) -> Flat:
-    """Link a model with all attached to it, from the units that `copy` returns. Raises `MjcfError` with the faults."""
+    """Link a model and everything attached to it, from units of `copy`. Raises `MjcfError` with the faults."""
     _check(model, conflict)
     return link_checked(model, conflict, copy, check_keys=True)
 
@@ -299,7 +299,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
 
 
 def _check(model: Model, conflict: Policy) -> None:
-    """Raise `MjcfError` if `conflict` is not a policy, or if a reference names nothing."""
+    """Raise `MjcfError` if `conflict` is not a policy, or if the target of a reference does not exist."""
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
         raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`")
@@ -333,7 +333,7 @@ def text(model: Model, conflict: Policy) -> str:
 
 
 def _state(model: Model, conflict: Policy) -> list[object] | None:
-    """Return all on which the text of a composition depends, much faster than linking; None if it has files on disk."""
+    """Return everything that the text of a composition depends on, without linking; None if it has files on disk."""
     state: list[object] = [conflict]
     folders: dict[str, Path] = {}
     for each in model.composition():
@@ -394,7 +394,7 @@ def bundle_paths(model: Model) -> dict[bytes | Path, str]:
 
 
 class _NamesChecked(Sink):
-    """Drops errors about names: the linker checks them unit by unit, but here references cross models."""
+    """Drops errors about names, because the linker checks them unit by unit, but here references cross models."""
 
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code != "unknown-name":

@@ -28,7 +28,7 @@ from mjcompose.tree.values import items, parse_real
 
 
 def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
-    """Return a copy of a model and all attached to it, not attached itself; `memo` gets the copy of each root."""
+    """Return an unattached copy of a model with everything attached to it; `memo` gets the copy of each root."""
     twin = Model(model.unit.copied())
     if memo is not None:
         memo[id(view(model, model.unit.root))] = view(twin, twin.unit.root)
@@ -95,9 +95,9 @@ class _Attached(Struct):
 
 
 class _Composition(Struct):
-    """A model and all its attachments; comments of the model's header are stored by their places below the root.
+    """A model and all its attachments; comments in the model's header are stored by their places below the root.
 
-    `kept` has the fields of its unit that pickle as they are.
+    `kept` has the fields of its unit that can be pickled directly.
     """
 
     tree: _Tree
@@ -164,7 +164,7 @@ def _element(root: Attributed, prefix: str | None, place: int) -> Any:
 
 
 def take_model(model: Model, source: Unit, element: Node) -> None:
-    """Let a moved `<model>` name the same file: one in memory with all in its folder, to which it may refer."""
+    """Let a moved `<model>` name the same file. A file in memory is copied with its folder, to which it may refer."""
     file = join("", str(element.get("file")))
     beside, (stem, suffix) = posixpath.dirname(file), posixpath.splitext(file)
     in_memory = isinstance(source.contents.get(file), bytes)
@@ -227,7 +227,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
             sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
         elif conflict.path[0] in _READ_BY:
             winner = model if conflict.theirs is None else other
-            counts = f"that of `{winner.name}` now counts for the elements of both"
+            counts = f"the setting of `{winner.name}` now applies to the elements of both"
             settled.append(f"`{conflict.attribute}` of `{path}` is not the same in {names}: {counts}")
     _check_names(model, source, other, sink=sink)
     raise_errors(sink)
@@ -264,7 +264,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
 
 
 class _Conflict(NamedTuple):
-    """A setting that differs between two models, with its place in each; None where it is not written."""
+    """A setting that differs between two models, with its place in each, or None if it is not written."""
 
     path: tuple[str, ...]
     attribute: str
@@ -273,7 +273,7 @@ class _Conflict(NamedTuple):
 
 
 def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
-    """Yield the settings that differ, and those that would change the meaning of elements of either model."""
+    """Yield the settings that differ, and the settings that would change the meaning of elements of either model."""
     mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
     theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
     both_have_elements = _has_elements(model.unit.root) and _has_elements(source.unit.root)

@@ -1,4 +1,4 @@
-"""One model of a composition, and how a notebook shows it."""
+"""One model of a composition, and its display in a notebook."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ class Target(NamedTuple):
 class Attachment(Struct, frozen=False, eq=False):
     """A model attached to another: to `host`, a site, body, frame or the worldbody of `parent`.
 
-    `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are those between
+    `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are the joints between
     the two models. Their names get the child's prefix; a joint without a name has just the prefix as its name.
     """
 
     made: ClassVar[int] = 0
-    """How many there have been in this process."""
+    """The number of these in this process so far."""
 
     parent: Model
     child: Model
@@ -135,7 +135,7 @@ class Model:
             yield model
 
     def ways_up(self) -> Iterator[tuple[Model, str]]:
-        """Yield this model and those above it, each with the prefix that this model's names have there."""
+        """Yield this model and the models above it, each with the prefix that this model's names have there."""
         model, prefix = self, ""
         yield model, prefix
         while model.hung is not None:
@@ -143,9 +143,9 @@ class Model:
             yield model, prefix
 
     def levels(self) -> Iterator[tuple[Model, str]]:
-        """Yield this model and those that may refer to it, each with the prefix that this model's names have there.
+        """Yield this model and the models that may refer to it, each with the prefix of this model's names there.
 
-        These are the models above it, and of the others in the composition those that refer to something outside.
+        These are the models above it, and other models of the composition that refer to something outside.
         """
         yield from self.ways_up()
         model = self.top
@@ -183,7 +183,7 @@ class Model:
         return next(each for each in self.attachments.values() if each.frame is frame)
 
     def frame_above(self, node: Node) -> Node | None:
-        """Return the attachment frame that a node is or is in, or None for a node of the model's own tree."""
+        """Return the attachment frame that is or contains a node, or None for a node of the model's own tree."""
         top = [node, *node.iterancestors()][-1] if self.attachments else self.unit.root
         return None if top is self.unit.root else top
 
@@ -205,7 +205,7 @@ class Model:
             at = name.find(SEPARATOR, at + 1)
 
     def lookup(self, namespace: str, name: str) -> Target | None:
-        """Return the element with this name: one of this model, or by prefix one of an attached model. Else None."""
+        """Return the element with this name in this model or, by its prefix, in an attached model, or None."""
         if (node := self.names.find(namespace, name)) is not None:
             return Target(self, node)
         if namespace == "body" and name == WORLD:
@@ -303,7 +303,7 @@ class Model:
         return prefix if self is not other and declared == ("default", MAIN) else prefix + declared[1]
 
     def prefix_of(self, other: Model) -> str | None:
-        """Return the prefix of `other`'s names here, None outside the composition; `../` leads to the model above."""
+        """Return the prefix of `other`'s names here, or None outside the composition; `../` is the model above."""
         down = dict(other.ways_up())
         ways = (UP * depth + down[each] for depth, each in enumerate((self, *self.ancestors())) if each in down)
         return next(ways, None)
@@ -333,7 +333,7 @@ def page(model: Model, node: Node) -> str:
 
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
-    """Append a node and all below it to `lines`, up to `left` elements. Return how many are left, negative if cut."""
+    """Append a node and everything below it to `lines`, up to `left` elements. Return the rest, negative if cut."""
     if left <= 0:
         return left - _count(model, node)
     if depth > _DEEPEST:

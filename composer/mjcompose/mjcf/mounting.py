@@ -1,4 +1,4 @@
-"""Models are read, checked, and become the linker's parts."""
+"""Read and check models, and make them the linker's parts."""
 
 from __future__ import annotations
 

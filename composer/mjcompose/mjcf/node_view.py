@@ -127,7 +127,7 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                 if found is not None:
                     one, other = here.span(node), found.model.span(found.node)
                     message = f"there is a {namespace} `{known}` in `{here.name}`, which would have two"
-                    help = "give one of the two another name, or the model: `other.model = '…'`"
+                    help = "rename one of the two, or rename the model: `other.model = '…'`"
                     notes = (Note("one is here", one), Note("the other is here", other))
                     raise failure("name-clash", message, notes=notes, help=help)
         full = here.prefix + full

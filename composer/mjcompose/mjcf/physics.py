@@ -74,7 +74,7 @@ def _renderer(model: Any, height: int, width: int) -> Any:
         if read_sentence(str(error)).topic is Topic.FRAMEBUFFER:
             message = f"OpenGL has no room for a picture of {width} times {height} pixels: {error}"
             raise failure("out-of-range", message) from error
-        help = "without a display set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
+        help = "without a display, set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
         raise failure("not-supported", f"OpenGL is not available for rendering: {error}", help=help) from error
     finally:
         limits.offwidth, limits.offheight = kept
@@ -121,8 +121,8 @@ class Physics:
     def from_mjcf_model(cls, root: RootView, *, conflict: Policy = "error") -> Physics:
         """Compile a model and everything attached to it. This is the same as `root.compile_model()`.
 
-        `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` with the faults of the model and
-        where each comes from, even if MuJoCo refuses the model.
+        `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` with the faults of the model and the
+        origin of each fault, even if MuJoCo refuses the model.
         """
         compiled, taken = compile_model(model_of(root, "what is compiled"), conflict)
         return cls(compiled, snapshot=taken)
@@ -199,7 +199,7 @@ class Physics:
     def timestep(self, seconds: float) -> None:
         number = _seconds("timestep", seconds)
         if number <= 0:
-            raise failure("out-of-range", f"`timestep` is longer than nothing, got `{number}`")
+            raise failure("out-of-range", f"`timestep` must be greater than zero, got `{number}`")
         self._model.opt.timestep = number
 
     @short_traceback
@@ -291,7 +291,7 @@ class Physics:
         if several is None or not all(isinstance(each, NodeView) for each in several):
             got = next((each for each in several or () if not isinstance(each, NodeView)), elements)
             message = f"elements are bound, or sequences of them, got `{type(got).__name__}`"
-            help = "`find` gives None where no such element exists" if got is None else None
+            help = "`find` returns None if no such element exists" if got is None else None
             raise failure("wrong-type", message, help=help)
         for each in several:
             each._alive()
@@ -347,7 +347,7 @@ class Physics:
             message = f"{what} came after the model was compiled"
             help = "compile it again"
         elif any(above.tag == "replicate" for above in element._node.iterancestors()):
-            message = f"{what} is in a `<replicate>`: MuJoCo has made several of it"
+            message = f"{what} is in a `<replicate>`: MuJoCo has made several copies of it"
             help = f"`physics.model.{kind}(NAME)` has each of them"
         elif element.name is None:
             message = f"{what} has no name, and which {kind} of the compiled model it is cannot be determined"
@@ -356,7 +356,7 @@ class Physics:
             own = str(element.full_identifier)
             names = [name for name in self._roster.names[kind] if name]
             if any(is_copy(name, own) for name in names):
-                message = f"MuJoCo has made several of {what}, which refers to something in a `<replicate>`"
+                message = f"MuJoCo has made several copies of {what}, which refers to something in a `<replicate>`"
                 help = f"`physics.model.{kind}(NAME)` has each of them"
             else:
                 message = f"the compiled model has no {kind} `{own}`"

@@ -163,7 +163,7 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
 def name_for(
     model: Model, attribute: Attribute, target: Target, namespace: str | None, given: dict[Target, str]
 ) -> str:
-    """Return the name that refers to `target` in `model`. Raises `BadValue` if there can be none.
+    """Return the name that refers to `target` in `model`. Raises `BadValue` if no name is possible.
 
     A target without a name gets one in `given`, which the caller must write. The name in a model that is not in the
     same composition yet is provisional, and the caller must note it in `awaited` of the model.
@@ -194,7 +194,6 @@ def name_for(
 
 
 def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
-    """Return an unused name in the style of `dm_control`, such as `unnamed_joint_0`."""
     model, taken = target.model, set(given.values())
     names = (f"unnamed_{namespace}_{number}" for number in count(len(model.names.declared.get(namespace, ()))))
     return next(

@@ -1,1 +1,1 @@
-"""MuJoCo in a child process: compiled models, their arrays and how two of them are compared, meshes, pictures."""
+"""MuJoCo in a child process: compiled models, their arrays and their comparison; meshes and pictures."""

@@ -1,7 +1,7 @@
 """The addresses of an element's numbers in arrays without one row for each element, and the data that it points to.
 
 `RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array
-and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.
+and `qvel`. `rows_of` takes the name of an array, and `span` takes the name of a vector.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ Shape = tuple[int, ...]
 
 
 class Run(Struct):
-    """Consecutive rows of an array for each element: its first row, and how many.
+    """Consecutive rows of an array for each element: its first row, and their number.
 
     `first` is an array of `mjModel` with the first rows, negative if the element has none. With `as_row`, a single
     row is the element's own, as if the array had one for each element. `shape` is the shape of the rows of one
-    element, if it says more than their number.
+    element, if it contains more than their number.
     """
 
     first: str
@@ -80,7 +80,7 @@ def _of_elements(numbers: Mapping[int, int]) -> Callable[[Model, int], int]:
 
 
 def _each(kind: str, names: str) -> dict[str, Run]:
-    """Return runs by size whose first rows and numbers have such names: `mesh_vertadr` and `mesh_vertnum`."""
+    """Return runs by size whose first rows and counts have these names: `mesh_vertadr` and `mesh_vertnum`."""
     return {f"n{kind}{each}": Run(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names.split()}
 
 
@@ -145,7 +145,7 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
     """Return the rows of an element in an array of `mjModel` named after its kind or state.
 
     Most arrays have one row for each element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_`
-    arrays; since MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs
+    arrays; since MuJoCo 4 actuators may have several in the arrays about controls (`actuator_ctrlrange`) and outputs
     (`actuator_gear`).
     """
     run = RUNS.get(kind, {}).get("nv" if array.startswith("dof_") else about(array).rows)
@@ -171,7 +171,7 @@ _KINDS = {**KIND_OF, "flexedge": "flex", "oct": "mesh"}
 
 @cache
 def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
-    """Return the arrays of data of a kind with their runs, and the prefix of the addresses in these."""
+    """Return the arrays of data of a kind with their runs, and the prefix of the addresses in these arrays."""
     found = []
     for name in ARRAYS:
         rows, _, nested = about(name).rows.partition(" ")
@@ -199,7 +199,7 @@ def runs(model: Model, kind: str, index: int) -> Iterator[tuple[str, Array]]:
 
 
 def _without_references(model: Model, index: int, name: str, numbers: Array) -> Array:
-    """Return the data with 0 for each id, which `links` has."""
+    """Return the data with 0 instead of each id, because `links` has the ids."""
     ids: Any = ()
     if name == "wrap_prm":
         first = int(model.tendon_adr[index])

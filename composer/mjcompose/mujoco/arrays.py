@@ -1,7 +1,7 @@
-"""All that is known of each array of `mjModel`: one table, which every comparison reads.
+"""Everything known about each array of `mjModel`, in one table that every comparison reads.
 
-A new array of MuJoCo is one row of it. MuJoCo uses radians and meters; a quaternion has no unit, and its numbers have
-the word for one.
+For a new array of MuJoCo, add one row. MuJoCo uses radians and meters; a quaternion has no unit, so its numbers have
+the unit `quaternion`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class JointType(Struct):
 
     `position_units` has the unit of each number in `qpos`, and `velocity_units` in `qvel`. `range_unit` is the unit of
     `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free joint precede the angular
-    ones; its linear velocity is in the world's frame, its angular velocity in the body's own.
+    ones; its linear velocity is in the world's frame, and its angular velocity is in the body's own frame.
     """
 
     word: str
@@ -118,7 +118,7 @@ AUTHORED_SLEEP = 3
 
 _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
     "address": ("skipped", "an address within the whole model; joints, dofs and geoms are compared by name"),
-    "count": ("skipped", "a count that takes in the geoms others have put there; each geom is matched"),
+    "count": ("skipped", "a count that includes geoms that other parts add; each geom is matched"),
     "tree": ("skipped", "follows from the parents and joints, which are compared, and from the part's place"),
     "shortcut": ("skipped", "a shortcut for bodies whose whole tree is simple; depends on the place of the tree"),
     "volumes": ("skipped", "the bounding volumes of a body's geoms, whose boxes are compared"),
@@ -145,10 +145,10 @@ _BEHAVIOURS: Mapping[str, tuple[str, ...]] = {
     "has state": ("present", "an address in the state of the whole model"),
     "has data": ("present", "the address of data an element may lack"),
     "id": ("linked", "an id"),
-    "control": ("data", "one row a control, not an actuator (in MuJoCo 4)", "plain"),
-    "output": ("data", "one row a force output, not an actuator (in MuJoCo 4)", "plain"),
-    "output length": ("data", "one row a force output, measured in the global frame", "rounded"),
-    "output inertia": ("data", "one row a force output, computed from the inertia of the whole tree", "derived"),
+    "control": ("data", "one row per control, not per actuator (in MuJoCo 4)", "plain"),
+    "output": ("data", "one row per force output, not per actuator (in MuJoCo 4)", "plain"),
+    "output length": ("data", "one row per force output, measured in the global frame", "rounded"),
+    "output inertia": ("data", "one row per force output, computed from the inertia of the whole tree", "derived"),
     "key": ("data", "compared by joint, actuator and mocap body"),
     "user": ("user", "as wide as the widest of the whole model, filled up with zeros"),
     "root pose": ("root pose", "in the frame of the part's world, which the mount moves"),
@@ -489,11 +489,11 @@ _UNRANKED = 1 << 16
 class ArrayInfo(Struct):
     """An array: its row of the table.
 
-    ``treatment`` says how the numbers of a part alone and in a composition are compared, ``single`` how in MuJoCo 3 if
-    that differs, and ``reason`` why. ``rows`` says which rows belong to an element, if there are several. ``version``
-    is the reason why the array is not compared between versions of MuJoCo; ``neutral`` are the numbers that say nothing
-    where only one of two versions has the array. ``unit`` is the unit for slides and for everything except joints,
-    ``angular`` the unit for hinges if it differs. ``rank`` is the position in reports.
+    ``treatment`` is the comparison between the numbers of a part alone and in a composition, ``single`` the comparison
+    in MuJoCo 3 if it differs, and ``reason`` the reason. ``rows`` says which rows belong to an element, if there are
+    several. ``version`` is the reason why the array is not compared between versions of MuJoCo; ``neutral`` are the
+    numbers that have no meaning if only one of two versions has the array. ``unit`` is the unit for slides and for
+    everything except joints, and ``angular`` is the unit for hinges if it differs. ``rank`` is the position in reports.
     """
 
     name: str
@@ -513,7 +513,7 @@ class ArrayInfo(Struct):
 
     @property
     def is_computed(self) -> bool:
-        """Whether MuJoCo computes the array from others that are compared too."""
+        """Whether MuJoCo computes the array from other arrays that are compared."""
         return COMPUTED in self.traits or self.treatment in (Treatment.DERIVED, Treatment.SUBTREE)
 
 
@@ -551,7 +551,7 @@ def _info(array: str, line: str = "", rank: int = _UNRANKED) -> ArrayInfo:
 
 @cache
 def about(field: str) -> ArrayInfo:
-    """Return the row of an array, which may have an index. An array that is not in the table is plain.
+    """Return the row of an array, which may have an index. An array that is not in the table gets a plain row.
 
     >>> about("geom_condim").words, about("jnt_range[1]").unit, about("geom_new").treatment
     ('condim', 'm', <Treatment.PLAIN: 'plain'>)
@@ -574,7 +574,7 @@ ENUMS = frozenset(array for array, (line, _) in ARRAYS.items() if "mjt" in line 
 
 
 def is_place(field: str) -> bool:
-    """Return whether it is a position or a state, for which a relative change has no meaning."""
+    """Return whether the array is a position or a state, for which a relative change has no meaning."""
     return field.endswith(("pos", "qpos0", "quat")) or field.startswith("key_")
 
 

@@ -1,4 +1,4 @@
-"""From an attribute of MJCF to its array of `mjModel`; kinds, names, sizes and positions of a compiled model.
+"""The arrays of `mjModel` for MJCF attributes; kinds, names, sizes and positions of a compiled model.
 
 Everything is read from the arrays of the model object, so MuJoCo itself is never imported here.
 """
@@ -69,19 +69,19 @@ HOLDERS: dict[str, str] = {"body": "body_parentid", **ON_BODIES}
 
 
 def holder(model: Model, kind: str, index: int) -> int:
-    """Return the body of an element of one of the `HOLDERS`; for the world it is the world."""
+    """Return the body of an element of one of the `HOLDERS`; the body of the world is the world."""
     return int(getattr(model, HOLDERS[kind])[index])
 
 
 def names(model: Model, kind: str) -> list[str]:
-    """Return the names of a kind's elements by id, `""` for unnamed ones; bytes that are not UTF-8 are replaced."""
+    """Return the names of a kind's elements by id, with `""` for unnamed elements; invalid UTF-8 is replaced."""
     text: bytes = model.names
     starts = [int(start) for start in getattr(model, KINDS[kind].addresses)]
     return [text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts]
 
 
 class NameTable:
-    """The names of a model's elements, by kind and in the order of their ids; unnamed ones are ``""``."""
+    """The names of a model's elements, by kind and in the order of their ids; unnamed elements are ``""``."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -95,7 +95,7 @@ class NameTable:
         return len(self.names[kind])
 
     def describe(self, kind: str, index: int) -> str:
-        """Return the element's name, or the place of an unnamed one: ``#2 of body `arm```, or ``#5``."""
+        """Return the element's name, or the place of an unnamed element: ``#2 of body `arm```, or ``#5``."""
         if name := self.names[kind][index]:
             return name
         if kind not in ON_BODIES:
@@ -219,7 +219,7 @@ _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inerti
 
 @cache
 def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
-    """Return the arrays that follow from an attribute of an element, or without `tag` the suffixes of their names.
+    """Return the arrays that follow from an attribute of an element, or the suffixes of their names without `tag`.
 
     Arrays computed from the inertia of the whole model, or from a gain, are included, because they follow from
     everything. The array with the attribute itself is always included.
@@ -237,12 +237,12 @@ def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
 
 
 def _own(attribute: str, kinds: Iterable[str]) -> set[str]:
-    """Return the arrays with the value itself; for some kinds they have special names: `tendon_solref_lim`."""
+    """Return the arrays with the value itself, which have special names for some kinds: `tendon_solref_lim`."""
     return {array_of(kind, attribute) for kind in kinds if kind in TAGS and attribute in attributes(kind)}
 
 
 def save_digits(mujoco: Any, count: int = 17) -> None:
-    """Set how many digits MuJoCo saves: six by default, 17 for the same bits. Raises ValueError if it cannot."""
+    """Set how many digits MuJoCo saves: six by default, 17 to preserve every bit. Raises ValueError if it cannot."""
     folder = Path(mujoco.__file__).parent
     for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):
         for library in folder.glob(pattern):
@@ -259,7 +259,7 @@ def sizes(model: Any) -> dict[str, int]:
 
 
 def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
-    """Return the requested arrays that this version has; a size becomes an array of one, text its bytes."""
+    """Return the requested arrays that this version has; a size is an array with one number, a text its bytes."""
     import numpy
 
     found = {}
@@ -277,7 +277,7 @@ _PLACES = ("qpos", "mocap_pos", "mocap_quat")
 
 
 def place(mujoco: Any, model: Any, data: Any) -> None:
-    """Compute positions, and contacts if memory allows: for 10,000 bodies these need 200 MB; MuJoCo 4.0 has 16."""
+    """Compute positions, and contacts if memory allows: 10,000 bodies need 200 MB, but MuJoCo 4.0 reserves 16 MB."""
     try:
         mujoco.mj_forward(model, data)
         return

@@ -1,11 +1,11 @@
 """The child process: MuJoCo with limits, separate from the user's process and folder.
 
 Run as a script by `engine.py`. It reads one JSON object on each line of standard input, first its settings, then
-requests, and answers each with one line on its original standard output. MuJoCo's own prints cannot interfere: file
-descriptor 1 is redirected to the log before MuJoCo is imported. The working directory is a new folder that the
+requests, and answers each request with one line on its original standard output. MuJoCo's own prints cannot interfere:
+file descriptor 1 is redirected to the log before MuJoCo is imported. The working directory is a new folder that the
 parent removes.
 
-MuJoCo's warnings come from the log file that it writes there and not from a Python callback: threads of the mesh
+MuJoCo's warnings come from the log file that it writes there, not from a Python callback: threads of the mesh
 compiler raise some of them while the main thread holds the interpreter lock.
 """
 

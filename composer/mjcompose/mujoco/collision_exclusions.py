@@ -24,8 +24,8 @@ def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any
     """Return the pairs of bodies of different parts that touch or overlap; runs under `mjcompose.mujoco.engine.call`.
 
     This checks the reference configuration and all keys. `prefixes` are the prefixes of the parts. Freely floating
-    bodies are not checked, because they may lie on the other one. Each pair has the names of its `bodies` (empty for
-    unnamed ones), their names for messages, and where they touch.
+    bodies are not checked, because they may lie on the other body. Each pair has the names of its `bodies` (empty for
+    unnamed ones), their names for messages, and the place where they touch.
     """
     _let_collide(mujoco, model)
     explicit = {frozenset(map(int, pair)) for pair in zip(model.pair_geom1, model.pair_geom2, strict=True)}
@@ -44,7 +44,7 @@ def _part(model: Any, body: int, prefixes: list[str]) -> str:
 
 
 def _floats(mujoco: Any, model: Any, pair: Pair) -> bool:
-    """Return whether only a free joint connects the two."""
+    """Return whether only a free joint connects the two bodies."""
     roots = {int(model.body_rootid[body]) for body in pair}
     return len(roots) == 2 and any(_is_free(mujoco, model, root) for root in roots)
 
@@ -74,14 +74,14 @@ def _named(model: Any, body: int) -> str:
 
 
 def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, Any]]:
-    """Return the pairs of bodies that MuJoCo checks and need not; runs under `mjcompose.mujoco.engine.call`.
+    """Return the pairs of bodies that MuJoCo checks unnecessarily; runs under `mjcompose.mujoco.engine.call`.
 
     A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
-    touch in none of the `samples`, which a `seed` draws (`never`): every joint anywhere in its range, whatever
-    equalities say. Bodies of the world itself are not among them, and a body that can move away from the other without
-    a limit is never `never`. Neither are two bodies that actuators move on separate branches, such as the jaws of a
-    gripper, or bodies that a search brings together: samples miss the one pose in which they close. Jaws that touch in
-    a key stay, too, unless they touch in every sample. Each pair has the names of its `bodies`, their names for
+    touch in none of the `samples`, which a `seed` draws (`never`): every joint is drawn from its range, and equalities
+    are ignored. Bodies of the world itself are excluded, and a body that can move away from the other one without a
+    limit never has the reason `never`. Nor do two bodies that actuators move on separate branches, such as the jaws of
+    a gripper, or bodies that a search brings together: samples miss the pose in which they close. Jaws that touch in a
+    key are also excluded, unless they touch in every sample. Each pair has the names of its `bodies`, their names for
     messages, `why` and `where`.
     """
     _let_collide(mujoco, model)
@@ -110,7 +110,7 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
 
 
 def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
-    """The pairs of bodies, without the world, whose geoms MuJoCo checks: as `mj_collision` filters them."""
+    """The pairs of bodies, without the world, whose geoms MuJoCo checks after the filters of `mj_collision`."""
     types = {
         body: [(int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])) for geom in _geoms(model, body)]
         for body in range(1, model.nbody)
@@ -184,7 +184,7 @@ def _between(model: Any, pair: Pair) -> Iterator[int]:
 
 
 def _least(mujoco: Any, model: Any, pair: Pair, random: np.random.Generator) -> float:
-    """Return how near the two come where their joints are turned one after the other, from several poses."""
+    """Return the smallest distance of two bodies that a search finds, moving one joint at a time."""
     geoms = [_geoms(model, body) for body in pair]
     types, affinities = model.geom_contype, model.geom_conaffinity
     meant = [(a, b) for a, b in product(*geoms) if types[a] & affinities[b] or types[b] & affinities[a]]
@@ -232,7 +232,7 @@ def _is_free(mujoco: Any, model: Any, body: int) -> bool:
 
 
 def _is_tied(mujoco: Any, model: Any, pair: Pair, *, sliding: bool) -> bool:
-    """Whether the two cannot move apart freely; `sliding` says that slides without a range do not count."""
+    """Whether the two bodies cannot move apart freely; `sliding` says that slides without a range do not count."""
     one, other = (set(_chain(model, body)) for body in pair)
     free, slide = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
     for body in one ^ other:

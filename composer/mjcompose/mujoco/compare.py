@@ -33,8 +33,9 @@ _NOT_ROWS = (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA)
 class Unequal(Struct, eq=False):
     """The numbers of an array that differ for one element: in its own row, or in several rows.
 
-    ``expected`` are the numbers in the first model as they should be in the second, ``actual`` those in the second.
-    ``different`` says where they differ, or is None if the element has another number of rows there.
+    ``expected`` are the numbers of the first model as they should be in the second model, and ``actual`` are the
+    numbers in the second model. ``different`` marks the differing numbers, or is None if the element has a different
+    number of rows there.
     """
 
     kind: str
@@ -51,7 +52,7 @@ class Rules:
     """The allowed differences: none, bit for bit. Other rules override this."""
 
     def ignores(self, kind: str, array: str, index: int) -> bool:
-        """Return whether an array says nothing of this element of the first model."""
+        """Return whether an array has no information about this element of the first model."""
         return False
 
     def expected(self, array: str, pairs: Pairs, mine: Array, theirs: Array) -> Array:
@@ -59,7 +60,7 @@ class Rules:
         return mine
 
     def bound(self, treatment: Treatment) -> float:
-        """Return how far numbers may be apart, relative to the larger of 1 and the number."""
+        """Return the allowed difference of numbers, relative to the larger of 1 and the number."""
         return 0.0
 
     def excuses(self, treatment: Treatment, kind: str, array: str, pair: tuple[int, int]) -> bool:
@@ -67,12 +68,12 @@ class Rules:
         return False
 
     def run(self, kind: str, array: str, index: int, run: Run) -> tuple[*Run, float] | None:
-        """Return the data of an element that must be equal, and how far apart it may be; None if it need not be."""
+        """Return the data of an element that must be equal, and the allowed difference; None if it may differ."""
         return *run, 0.0
 
 
 def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal]:
-    """Yield where elements of both models differ, by array and kind; not references and keys. Dofs come last."""
+    """Yield differences between elements of both models by array and kind, not references and keys. Dofs come last."""
     for kind in KINDS:
         if kind != "key":
             pairs = matching.pairs(kind)
@@ -92,7 +93,7 @@ def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal
 def _unequal_rows(
     matching: Correspondence, rules: Rules, group: str, pairs: Pairs, rows: list[list[int]]
 ) -> Iterator[Unequal]:
-    """Compare the arrays of a group at these rows of both models, each of which is of one of the pairs."""
+    """Compare the arrays of a group at these rows of both models; each row belongs to one of the pairs."""
     kind = "joint" if group == DOF else group
     if not pairs:
         return
@@ -152,8 +153,8 @@ _OF_THE_PLACE = with_trait("path") | {"paths", "npaths", "nbuffer"}
 def unequal_attributes(a: Model, b: Model) -> Iterator[tuple[str, Any, Any]]:
     """Yield the attributes of `mjModel` that differ, including `opt.timestep` and the like, with both values.
 
-    NaN equals NaN. Both models must come from the same MuJoCo: an attribute that only the first one has counts as
-    different, and is None in the second.
+    NaN equals NaN. Both models must come from the same MuJoCo: an attribute that only the first model has counts as
+    different, and its second value is None.
     """
     for path in ("", "opt", *(f"vis.{group}" for group in sorted(_VISUAL)), "stat"):
         mine, theirs = (attrgetter(path)(model) if path else model for model in (a, b))
@@ -226,7 +227,7 @@ def key_differences(
     matching: Correspondence, transform: Pose | None, keys: Keys, roots: Roots, tolerance: float = 0.0,
     replaced: Collection[str] = (),
 ) -> list[Difference]:  # fmt: skip
-    """Return where a key of the part differs for the part's own joints, actuators and mocap bodies.
+    """Return the differences between keys for the part's own joints, actuators and mocap bodies.
 
     ``transform`` is the pose of the part's world in the composition's; None or the identity moves nothing. Keys of
     the composition that are ``replaced`` are not compared, because their values were written on purpose.
@@ -255,7 +256,7 @@ def key_differences(
 
 
 def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
-    """Yield keys of the part and of the composition; unnamed ones by order among those that no named key takes."""
+    """Yield keys of the part and of the composition; unnamed keys are matched by order."""
     alone, composed = matching.alone, matching.composed
     given = matching.renamed.get("key", {})
     unnamed: list[int] = []
@@ -361,7 +362,7 @@ def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: 
 
 
 def _moved(state: Array, other: Array, transform: Pose) -> tuple[Array, Array]:
-    """Return a pose that is moved, and the other one with its quaternion in the same hemisphere."""
+    """Return the moved pose, and the other pose with its quaternion in the same hemisphere."""
     x, y, z, w, a, b, c = state.tolist()
     pose = transform @ Pose((x, y, z), (w, a, b, c))
     quat = np.asarray(other[3:], dtype=np.float64)
@@ -375,10 +376,10 @@ _MOCAP = {"mpos": 3, "mquat": 4}
 def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]:
     """Compile bare models, and describe them and the keys of the whole model.
 
-    `asked` has the texts of the bare models (the whole model's is the last), the first letter of the names that they
-    give to unnamed elements, and the questions to `hold`. The answer has a description of each bare model, None if
-    MuJoCo refuses it, a description of the whole model, with its reference configuration as another key, and the
-    answers of `hold`. It has `unlike` if the last is not like the whole one.
+    `asked` has the texts of the bare models (the last one is for the whole model), the first letter of the names that
+    they give to unnamed elements, and the questions for `hold`. The answer has a description of each bare model, None
+    if MuJoCo refuses it, a description of the whole model, with its reference configuration as another key, and the
+    answers of `hold`. It has `unlike` if the last bare model does not match the whole model.
     """
     bare: list[dict[str, Any] | None] = []
     refused = ""

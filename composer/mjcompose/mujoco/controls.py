@@ -1,8 +1,8 @@
-"""Controls of a compiled model: their units and gains, and those that hold a pose. Imports no MuJoCo.
+"""Controls of a compiled model: their units and gains, and the controls that hold a pose. Imports no MuJoCo.
 
 MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + biasprm[2] * velocity if the gain is
-fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that. The controls of servos
-that hold a pose produce no force there; those that balance gravity and contacts come from `mj_inverse`.
+fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of this formula. The controls
+of servos that hold a pose produce no force there; controls that balance gravity and contacts come from `mj_inverse`.
 
 As in MuJoCo, angles are in radians and lengths in meters. The unit of a quaternion is the word itself, and `1` is a
 plain number. None means that the unit depends on the model's author.
@@ -34,7 +34,7 @@ GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
 
 
 def is_by_plugin(model: Model, actuator: int) -> bool:
-    """Return whether a plugin computes the force. MuJoCo 4.0 then stores the gain 1 and no bias, which mean nothing."""
+    """Return whether a plugin computes the force. MuJoCo 4.0 then stores the gain 1 and no bias."""
     return len(model.actuator_plugin) > 0 and int(model.actuator_plugin[actuator]) >= 0
 
 
@@ -117,7 +117,7 @@ _WARNINGS = (("QPOS", "qpos", "position"), ("QVEL", "qvel", "velocity"), ("QACC"
 
 
 def steps_in(model: Model, seconds: float) -> int:
-    """Return how many steps a time takes: at least one, and at most `_MOST`."""
+    """Return the number of steps for a time: at least one, and at most `_MOST`."""
     timestep = float(model.opt.timestep)
     return max(1, round(seconds / timestep)) if timestep * _MOST > seconds else _MOST
 
@@ -143,7 +143,7 @@ class Divergence:
 
 
 def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf) -> str | None:
-    """Step until `end` s after `begun`, at most for `most` s of real time. Return why it cannot go on, or None."""
+    """Step until `end` s after `begun`, for at most `most` s of real time. Return the reason if it stops early."""
     if not model.opt.timestep > 0:
         return "the timestep of the model is 0, so no time passes"
     divergence, latest = Divergence(mujoco, model, data), time.monotonic() + most
@@ -165,10 +165,10 @@ _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a vo
 def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     """Return controls and activations that hold the pose of the key `key`; runs under `mjcompose.mujoco.engine.call`.
 
-    With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
-    where nothing holds. `unlike` has the kind of the actuators without such a control, by the address of their control.
-    `unknown` has the controls of actuators whose law only a plugin or a program knows, and `left` the force or torque
-    in N or N m that they cannot balance.
+    With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None if
+    nothing holds. `unlike` has the kind of the actuators without such a control, by the address of their control.
+    `unknown` has the controls of actuators whose law only a plugin or a program knows, and `left` has the force or
+    torque in N or N m that they cannot balance.
     """
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, question["key"])

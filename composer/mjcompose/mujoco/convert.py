@@ -1,4 +1,4 @@
-"""URDF becomes MJCF, and MJCF becomes USD, in the child process."""
+"""Convert URDF to MJCF, and MJCF to USD, in the child process."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ PACKAGE = "package://"
 
 
 class Converted(Struct):
-    """The MJCF text of a URDF file, or why there is none.
+    """The MJCF text of a URDF file, or the reason that there is none.
 
     `meshes` are the files that MuJoCo opens, under its paths: below the URDF's folder and `folder` (its `meshdir`)
     unless absolute, or still `package://…` if the package is unknown. Empty if the file could not be read.
-    `warnings` are about reading only; those about the model are repeated when it is compiled. `error` and `crash`
+    `warnings` are only about reading; warnings about the model are repeated when it is compiled. `error` and `crash`
     are as in `Compiled`.
 
     In `text` each link is a body, with a `<frame>` of its name in it. A link that MuJoCo fused with its parent is a
-    frame around that frame (from MuJoCo 4.0 on; older versions leave nothing of it).
+    frame around that frame (from MuJoCo 4.0 on; older versions remove it).
     """
 
     text: str | None
@@ -46,17 +46,17 @@ def convert_urdf(
     made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
     session: Session,
 ) -> Converted:  # fmt: skip
-    """Convert a file. `packages` has the folders for `package://NAME`, `door` limits the files that it may read.
+    """Convert a file. `packages` has the folders for `package://NAME`, and `door` limits the files that it may read.
 
-    `text`, if given, replaces the file's own content. `made` has the meshes that were made for it, by the
-    name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
-    weigh nothing. Of `shells`, meshes by their names in the text, MuJoCo takes the surface where it needs a volume.
+    `text`, if given, replaces the file's own content. `made` has the generated meshes by their names in the text, which
+    are also their names in the converted text. The shapes of the `massless` links weigh nothing. For `shells`, meshes
+    by their names in the text, MuJoCo uses the surface if it needs a volume.
 
     `is_fixed` decides about the root link: if the robot is fixed in the world, MuJoCo fuses the link with the world,
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
 
     Needs all meshes, because MuJoCo saves only models that compile. Raises Refused for a mesh that the door does not
-    admit, before MuJoCo opens any; for no other faults of the file.
+    admit, before MuJoCo opens any mesh, but not for other faults of the file.
     """
     argument = {
         "path": str(path.absolute()), "is_fixed": is_fixed, "text": text, "massless": list(massless),
@@ -89,7 +89,7 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
-    """Return the text, or why there is none. Runs in the child."""
+    """Return the text, or the reason that there is none. Runs in the child."""
     try:
         text = _saved(mujoco, _read(mujoco, argument), argument["is_fixed"])
         for name, file in argument["made"].items():
@@ -168,7 +168,7 @@ _OWN_AFFAIRS = re.compile(r"deprecated")
 class Exported(Struct):
     """The result of an export: `missing` is set if the converter cannot be imported, `error` if it failed.
 
-    `textures` are images next to a layer, which a package would contain; `warnings` are the converter's messages.
+    `textures` are images next to a layer, which a package would contain, and `warnings` are the converter's messages.
     """
 
     missing: str | None = None
@@ -216,7 +216,7 @@ _SHARED = "Flattened_Prototype_"
 
 
 def _settled(layer: Any, sdf: Any) -> Any:
-    """Return the layer without what differs between runs: its path, and the numbers of shared prims."""
+    """Return the layer without its path and the numbers of shared prims, which differ between runs."""
     numbered: dict[Any, Any] = {}
     waiting = [each for each in layer.rootPrims if not each.name.startswith(_SHARED)][::-1]
     while waiting:

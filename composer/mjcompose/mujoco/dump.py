@@ -1,9 +1,9 @@
-"""Compiles a model and writes down all that is in it, or how it moves. It prints the rest as JSON.
+"""Compiles a model and writes all of its arrays, or its motion, to a file. It prints the rest as JSON.
 
 It runs by itself, in any Python with numpy and a MuJoCo since 3.0. Its arguments are the path of a model, the path of
 the file to write and, for the motion, a request as JSON: the `seconds`, the names of the `trials`, and the `key` to
-start from, if any. Then the file has the positions of all joints and bodies at equal times, as `qpos-N` and `xpos-N`
-for trial N.
+start from, if any. For the motion, the file has the positions of all joints and bodies at equal times, as `qpos-N` and
+`xpos-N` for trial N.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
 
 
 def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
-    """The color of the random marks of each texture, or None for one without: the text alone knows."""
+    """The color of the random marks of each texture, or None for a texture without marks; only the text has it."""
     mujoco.mj_saveLastXML(saved, model)
     parser = ElementTree.XMLParser(encoding="utf-8")  # nosec B314  # MuJoCo wrote the text, without a document type
     textures = ElementTree.parse(saved, parser).iterfind("asset/texture")  # nosec B314

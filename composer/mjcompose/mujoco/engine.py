@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class Limits(Struct):
-    """Limits of one request; the defaults are those in force.
+    """Limits of one request; the defaults are the limits in force.
 
     `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo. `memory` is in
     bytes and applies on POSIX only.
@@ -90,7 +90,7 @@ class Request(Struct):
 
 
 class Compiled(Struct):
-    """A model that compiled, or why it did not.
+    """A model that compiled, or the reason that it did not.
 
     `error` is MuJoCo's own text, or one sentence if MuJoCo gave none. Paths in it are relative to the folder.
     `crash` is set if there is no verdict on the model: `timeout`, `memory`, `signal N`, `exit N`, `missing` (no
@@ -127,7 +127,7 @@ class Measured(Struct):
 
 
 class Called(Struct):
-    """The result of a function in the child, an exception of which is an `error`; `value` is JSON data, if `ok`."""
+    """The result of a function in the child, whose exception is an `error`; `value` is JSON data, if `ok`."""
 
     ok: bool
     value: Any = None
@@ -145,9 +145,9 @@ _LAST_WORDS = 4096
 class Session:
     """Runs MuJoCo in a child process, which starts with the first request and again after a crash.
 
-    Use it as a context manager, from one thread at a time. Nothing in the child reaches the caller except the
-    answer: no exception, no output, no file. `rendering` lets the child use OpenGL. A session that `remembers` gets
-    almost the same model again and again, so it has a persistent folder.
+    Use it as a context manager, from one thread at a time. Nothing in the child reaches the caller except the answer:
+    no exception, no output, no file. `rendering` lets the child use OpenGL. A session that `remembers` repeatedly gets
+    almost the same model, so it has a persistent folder.
     """
 
     def __init__(self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False) -> None:
@@ -178,7 +178,7 @@ class Session:
                 self._spawn()
 
     def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
-        """Return the child's answer, or a failure in its place, and the file of its arrays, if it says there is one."""
+        """Return the child's answer or a failure, and the file of its arrays if there is one."""
         answer = self._start()
         arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
         self._count += 1
@@ -201,8 +201,8 @@ class Session:
     def standing(self, name: str) -> Path:
         """Return the folder for files that `name` identifies by their bytes. Remove the folders of other names.
 
-        Raises OSError. The name is in their paths, by which MuJoCo identifies them. The folder does not exist until
-        it has files.
+        Raises OSError. Their paths contain the name, and MuJoCo identifies files by path. The folder does not exist
+        until it has files.
         """
         if self._shelf is None:
             self._shelf = self._held.enter_context(scratch("standing"))
@@ -224,7 +224,7 @@ class Session:
             process.end()
 
     def _start(self) -> dict[str, Any] | None:
-        """Return None if a child is ready, otherwise the answer that says why there is none."""
+        """Return None if a child is ready, otherwise the answer with the reason."""
         if self._is_over:
             return _failure("MuJoCo was stopped", "stopped")
         if self._process is not None and self._is_greeted:
@@ -278,7 +278,7 @@ class Session:
             self._send(json.dumps(settings))
 
     def _graphics(self) -> str:
-        """Return MuJoCo's graphics backend: none, the user's choice, or one that needs no display."""
+        """Return MuJoCo's graphics backend: none, the user's choice, or a backend that needs no display."""
         if not self.rendering or self.no_opengl is not None:
             return "disable"
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
@@ -302,7 +302,7 @@ class Session:
         process.stdin.flush()
 
     def _receive(self, seconds: float) -> dict[str, Any] | None:
-        """Wait for one line; return None if the child ended. One that takes too long is killed, which is the answer."""
+        """Wait for one line; return None if the child ended. A child that takes too long is killed."""
         latest = time.monotonic() + seconds
         try:
             received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
@@ -433,7 +433,7 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
 
 @lru_cache(maxsize=4)
 def _index(text: str) -> Index:
-    """Return the index for its JSON text. Samples of a model have the same, which is read once."""
+    """Return the index for its JSON text. Samples of a model have the same index, which is read once."""
     from mjcompose.mujoco.index import Index
 
     return Index.from_data(json.loads(text))
@@ -447,7 +447,7 @@ def without_folder(text: str, folder: Path) -> str:
 
 
 def _distinct(warnings: Iterable[str]) -> tuple[str, ...]:
-    """Return each warning once, in order; MuJoCo logs the first line of some that it reports in full elsewhere."""
+    """Return each warning once, in order; MuJoCo also logs the first line of some warnings that it reports in full."""
     found = list(dict.fromkeys(text.strip() for text in warnings if text.strip()))
     return tuple(text for text in found if not any(other.startswith(text + "\n") for other in found))
 

@@ -34,7 +34,7 @@ class OtherError(Exception):
 
 
 class UnknownKeyError(OtherError):
-    """The model has no keyframe of the name that a request says."""
+    """The model has no keyframe with the requested name."""
 
 
 class RejectedError(OtherError):
@@ -42,7 +42,7 @@ class RejectedError(OtherError):
 
 
 class Compiled(Struct):
-    """A compiled model: the file with its arrays, and its names; or the error of MuJoCo."""
+    """A compiled model: its names and the file with its arrays, or the error of MuJoCo."""
 
     version: str
     arrays: Path | None = None
@@ -63,7 +63,7 @@ class Other(Struct):
         return Compiled(self.version, out, answer["names"], words=answer["words"])
 
     def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Simulate a model as `dump.py` says; its arrays go to the file `out`. Raises OtherError."""
+        """Simulate a model with `dump.py`, which writes its arrays to the file `out`. Raises OtherError."""
         return _run(self.python, [str(model), str(out), json.dumps(asked)])
 
 
@@ -107,7 +107,6 @@ def make(
 
 
 def _install(folder: Path, version: str) -> None:
-    """Raises OtherError, and OSError."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
     try:
@@ -144,7 +143,7 @@ def _install_with(command: list[str], version: str) -> None:
 
 
 def _written(process: Process, seconds: float, late: OtherError) -> tuple[bytes, bytes]:
-    """Return the output and the errors of a process at its end. Raises `late` if it takes longer."""
+    """Return the output and the errors of a process at its end. Raises `late` if it takes too long."""
     try:
         return process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
@@ -159,14 +158,13 @@ def _python_of(folder: Path) -> Path:
 
 
 def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
-    """Return the answer of `dump.py` in that Python. Raises OtherError."""
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     try:
         process = Process([str(python), "-B", str(_DUMP), *arguments], env=clean, cwd=_DUMP.parent.parent,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
     except OSError as error:
         raise OtherError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None
-    message = f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds"
+    message = f"the MuJoCo of `{python}` did not answer within {in_force().time:g} seconds"
     out, said = _written(process, in_force().time, OtherError(message, "give it more with `--timeout`"))
     try:
         found = json.loads(out)
@@ -174,7 +172,7 @@ def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
     except (ValueError, TypeError, KeyError):
         lines = said.decode("utf-8", "replace").strip().splitlines()
         why = lines[-1][:_LONGEST] if lines else f"it ended with {process.returncode}"
-        raise OtherError(f"the MuJoCo of `{python}` gave no answer: {why}", None) from None
+        raise OtherError(f"the MuJoCo of `{python}` did not answer: {why}", None) from None
     assert isinstance(found, dict)
     return found
 
@@ -200,7 +198,7 @@ class Moved(Struct):
 
 
 class Motion(Struct):
-    """The motion of a model in all trials; `answer` is that of `dump.py`."""
+    """The motion of a model in all trials; `answer` comes from `dump.py`."""
 
     answer: Mapping[str, Any]
     arrays: Path
@@ -222,7 +220,7 @@ class Motion(Struct):
 def differences(before: Motion, after: Motion, signal: str, tolerance: float) -> list[Moved]:
     """Return the joints (`qpos`) or bodies (`xpos`) that are farther apart than the tolerance, the farthest first.
 
-    Raises OtherError if the two have other joints, bodies or trials, so nothing is left out.
+    Raises OtherError if the two models differ in joints, bodies or trials, so nothing is left out.
     """
     import numpy as np
 

@@ -1,9 +1,9 @@
 """Shapes that replace a mesh: fitted, simplified and measured, in the child process.
 
-`beyond` is how far the shapes reach out of the mesh at most, `short` how far the mesh reaches out of the shapes; the
-greater of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the mesh's surface that is
-outside of all shapes, `volume` the volume of all shapes together divided by the mesh's. All of it is measured at points
-that a fixed seed chooses, and at all vertices.
+`beyond` is the largest distance by which the shapes extend beyond the mesh, and `short` by which the mesh extends
+beyond the shapes; the larger of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the
+mesh's surface that is outside all shapes, and `volume` is the volume of all shapes together divided by the mesh's. All
+of these are measured at points that a fixed seed chooses, and at all vertices.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _POINTS, _ROUNDS = 4000, 20
 
 
 def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
-    """Return this number of balls, or fewer if one would be empty: each is the smallest around its nearest surface."""
+    """Return this number of balls, or fewer if one would be empty, each around its part of the surface."""
     from scipy.spatial import cKDTree
 
     points = numpy.vstack((mesh.vertices, on_surface(mesh.solid, _POINTS, wanted["seed"])))
@@ -37,7 +37,7 @@ def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
 
 
 def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
-    """Return points far from one another: each is the farthest from the points before it."""
+    """Return points far from one another: each one is the farthest point from the earlier points."""
     chosen = [int(numpy.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
     away = numpy.full(len(points), numpy.inf)
     for _ in range(count - 1):
@@ -53,7 +53,7 @@ _LEAST = 1e-4
 
 
 def fit(mesh: Mesh, wanted: str) -> Primitive:
-    """Return the primitive of that type, or with `best` the primitive of the least volume."""
+    """Return the primitive of that type, or with `best`, the primitive of the smallest volume."""
     points = hull_of(mesh.vertices).vertices
     types = PRIMITIVES if wanted == BEST else (wanted,)
     return min((_fitted(each, points) for each in types), key=lambda each: each.volume)
@@ -86,7 +86,7 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
 
 
 def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """The axes of the smallest box around points, as the columns of a rotation, and its two corners along these."""
+    """The axes of the smallest box around points, as the columns of a rotation, and its corners along these axes."""
     from trimesh.bounds import oriented_bounds
 
     into, _ = oriented_bounds(points)
@@ -131,7 +131,7 @@ _PASSES = 3
 
 
 def simplify(mesh: Mesh, faces: int) -> Mesh:
-    """The mesh with at most `faces` faces; itself if it has no more. Raises UnusableError."""
+    """The mesh with at most `faces` faces; the mesh itself if it has no more. Raises UnusableError."""
     if len(mesh.faces) <= faces:
         return mesh
     fewest = len(mesh.faces)
@@ -186,7 +186,7 @@ def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
 
 
 def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
-    """Return the same for a mesh that replaces another: how far each surface is from the other."""
+    """Return the same for a mesh that replaces another mesh: the distances of each surface from the other."""
     points = [numpy.vstack((on_surface(each.solid, _POINTS), _some(each.vertices))) for each in (other, mesh)]
     beyond, short = (float(_to_surface(*each).max()) for each in zip((mesh, other), points, strict=True))
     closed = mesh.is_closed and other.is_closed
@@ -208,7 +208,7 @@ def _some(vertices: numpy.ndarray) -> numpy.ndarray:
 
 
 def _outside(shapes: Sequence[Shape], points: numpy.ndarray) -> numpy.ndarray:
-    """How far points are from the nearest shape; zero where they are in one."""
+    """The distance of points from the nearest shape; zero for points in a shape."""
     found = numpy.zeros(len(points))
     rest = numpy.arange(len(points))
     for shape in shapes:
@@ -221,7 +221,7 @@ def _outside(shapes: Sequence[Shape], points: numpy.ndarray) -> numpy.ndarray:
 
 
 def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
-    """How far the outer surface of the shapes is from a mesh that it is outside of, and at how many points."""
+    """The distance of the outer surface of the shapes from a mesh inside them, and the number of measured points."""
     each = max(_POINTS // len(shapes), 200)
     outer = []
     for number, shape in enumerate(shapes):
@@ -244,7 +244,7 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
 
 
 def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Points on a surface and all its corners, with the directions out of it."""
+    """Points on a surface and all its corners, with the outward directions."""
     points, faces = geometry.with_faces(solid, count)
     corners = _some(solid.triangles.reshape(-1, 3))
     every = _some(numpy.repeat(numpy.arange(len(solid.faces)), 3))
@@ -258,7 +258,7 @@ def _to_surface(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
 
 
 def _winding(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
-    """How often the surface goes around points: one inside, zero outside, between the two near a hole."""
+    """The number of times that the surface surrounds points: one inside, zero outside, and a fraction near a hole."""
     found = numpy.empty(len(points))
     for number, point in enumerate(points):
         one, two, three = (mesh.solid.triangles[:, at] - point for at in range(3))

@@ -102,7 +102,7 @@ class Index(Struct):
 
     @staticmethod
     def from_data(data: Mapping[str, Any]) -> Index:
-        """Return the index for the JSON data of one, `asdict(index)`."""
+        """Return the index from its JSON data, `asdict(index)`."""
         kinds = {"joints": Joint, "actuators": Actuator, "sensors": Sensor, "keyframes": Keyframe, "cameras": Camera}
         rows: dict[str, Any] = {
             name: tuple(kind(**{key: _frozen(value) for key, value in row.items()}) for row in data[name])
@@ -114,7 +114,7 @@ class Index(Struct):
 class Ranged(NamedTuple):
     """A number of a keyframe that has a range.
 
-    `kind` and `number` identify its joint or actuator, `vector` is `qpos`, `ctrl` or `act`. `unit` is the unit of
+    `kind` and `number` identify its joint or actuator, and `vector` is `qpos`, `ctrl` or `act`. `unit` is the unit of
     the value and the range. The value of a ball joint is the angle of its rotation, about any axis.
     """
 
@@ -265,7 +265,7 @@ Order: TypeAlias = "Mapping[str, Sequence[Node | None]]"
 
 
 def compiled_kind(node: Node) -> str | None:
-    """Return the kind of object that an element becomes, such as `mesh` or `plugin`, or None if it becomes none."""
+    """Return the kind of object that an element becomes, such as `mesh` or `plugin`, or None if it does not."""
     if node.tag == WORLD_SECTION:
         return "body"
     family = kind_of(node).family
@@ -274,7 +274,7 @@ def compiled_kind(node: Node) -> str | None:
 
 
 def compiled_name(node: Node) -> str:
-    """Return the name that MuJoCo gives it, empty if it has none."""
+    """Return the name that MuJoCo gives to an element, empty if it has none."""
     if node.tag == WORLD_SECTION:
         return WORLD
     attribute = naming_attribute(kind_of(node))
@@ -322,7 +322,7 @@ def compiled_order(root: Node) -> Order:
 
 
 def rows(order: Order, roster: NameTable) -> dict[Node, int]:
-    """Return each element's number within its kind: all in a stretch of matching names, elsewhere named ones only."""
+    """Return the number of each element within its kind, of unnamed elements only if the names around them match."""
     found: dict[Node, int] = {}
     # If a body is missing, MuJoCo has moved its elements to others.
     whole = None in order["body"] or len(order["body"]) == roster.count("body")

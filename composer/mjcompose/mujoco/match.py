@@ -1,8 +1,8 @@
 """The element of a composition for each element of a part, and elements that are missing or foreign.
 
-Named elements are found by their name with the part's prefix. Unnamed ones are found by order: on a body among the
-unnamed elements of that body, elsewhere among those that refer only to the part. If the composition has more of
-them than the part, the most similar ones are paired first, so a change shows as a change of a field.
+Named elements are found by their name with the part's prefix. Unnamed elements are found by order: on a body among the
+unnamed elements of that body, elsewhere among elements that refer only to the part. If the composition has more of them
+than the part, the most similar elements are paired first, so a change shows as a change of a field.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ EXTRA = "extra"
 class Difference(Struct):
     """A field of an element that differs.
 
-    ``kind`` is MJCF's word for the element, ``name`` its name in the composition. An unnamed element is reported by its
-    place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an element
-    that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part alone,
-    ``actual`` the value in the composition. References are names. ``why`` says in words where MuJoCo itself makes the
-    difference.
+    ``kind`` is MJCF's word for the element, and ``name`` is its name in the composition. An unnamed element is reported
+    by its place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an
+    element that the composition lacks, or ``extra`` for an element that the part lacks. ``expected`` is the value in
+    the part alone, and ``actual`` is the value in the composition. References are names. ``why`` says in words if
+    MuJoCo itself causes the difference.
     """
 
     kind: str
@@ -65,12 +65,12 @@ def _number(value: Value) -> str:
 
 
 def distinguishes(link: Link) -> bool:
-    """Return whether a reference helps to identify an element: not its place, nor elements that are matched later."""
+    """Return whether a reference helps to identify an element; its place and elements matched later do not."""
     return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
 
 
 def raw(model: Model, kind: str, index: int) -> Hashable:
-    """Return the references of an element of the composition, comparable with the translated ones of the part."""
+    """Return the references of an element of the composition, comparable with the translated references of the part."""
     return _comparable(kind, ((each.kind, each.index) for each in links(model, kind, index) if distinguishes(each)))
 
 
@@ -99,8 +99,8 @@ AT_ORIGIN = Pose()
 class Mount(Struct):
     """The body that replaces the part's world in a composition, and the pose of the part in it.
 
-    ``body`` is a name in the composition, the id of an unnamed body, or None for the world. ``pose=None`` means
-    that the pose is unknown: it is then taken from the first element at the part's root, and all others must have
+    ``body`` is a name in the composition, the id of an unnamed body, or None for the world. ``pose=None`` means that
+    the pose is unknown: it is then taken from the first element at the part's root, and all other elements must have
     moved with it.
     """
 
@@ -151,9 +151,9 @@ _SAME_PLACE = 1e-6
 class Correspondence:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
-    With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys
-    are not matched here, because they may be merged, kept apart or left out. With ``cut``, elements
-    that name the world may name it in both.
+    With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys are
+    not matched here, because they may be merged, kept apart or left out. With ``cut``, elements that refer to the world
+    may refer to it in both models.
     """
 
     def __init__(
@@ -274,7 +274,6 @@ class Correspondence:
         self._assign(kind, children, [i for i in unnamed if is_owned(i)], ordered=kind not in UNORDERED)
 
     def _match_plugins(self) -> None:
-        """Match unnamed plugin instances, which belong to the element that uses them."""
         found, names = self.ids["plugin"], self.composed.names["plugin"]
         for kind in ("body", "geom", "actuator", "sensor"):
             for index, target in enumerate(self.ids[kind]):
@@ -290,7 +289,7 @@ class Correspondence:
         self._match_global("plugin")
 
     def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
-        """Pair ``mine`` with ``theirs``: by order if there are as many, else by similarity."""
+        """Pair ``mine`` with ``theirs``: by order if their counts are equal, otherwise by similarity."""
         found = self.ids[kind]
         if ordered and self.by_order and len(mine) == len(theirs):
             for i, j in zip(mine, theirs, strict=True):
@@ -342,7 +341,7 @@ def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
 
 
 def presence_differences(matching: Correspondence, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
-    """Return missing elements; with ``others``, extra ones as well. ``keyframes`` handles keys."""
+    """Return missing elements and, with ``others``, extra elements. ``keyframes`` handles keys."""
     tables = [(prefix, NameTable(model)) for prefix, model in others or ()]
     found: list[Difference] = []
     for kind in KINDS:
@@ -396,7 +395,7 @@ def unequal_references(matching: Correspondence) -> Iterator[tuple[str, int, int
 
 
 def reference_differences(matching: Correspondence) -> list[Difference]:
-    """Return changed references; one whose target is missing is not reported again."""
+    """Return changed references, except references whose target is missing."""
     found = []
     for kind, _, target, mine, other in unequal_references(matching):
         if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine)):
@@ -416,9 +415,9 @@ class Coupling:
     """Bodies of a part, by their ids in the part alone, that the rest of the composition affects.
 
     ``hosts`` carry geoms of other parts, which contribute to their mass and inertia. ``carriers`` have elements of
-    other parts on them or below them. ``trees`` are the root bodies of kinematic trees with fixed elements of other
-    parts, or on a moving body: their own bodies are not all of the inertia at their joints. If the part is ``cut`` out
-    of the other model, this holds for all trees, because a removed tendon may have had an armature.
+    other parts on or below them. ``trees`` are the root bodies of kinematic trees with fixed elements of other parts,
+    or on a moving body, so other bodies contribute to the inertia at their joints. If the part is ``cut`` out of the
+    other model, this holds for all trees, because a removed tendon may have had an armature.
     """
 
     def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:

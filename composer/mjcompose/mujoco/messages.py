@@ -141,7 +141,7 @@ class Fault(Struct):
     """One message of MuJoCo, split into its parts.
 
     `message` is its text without the other fields, which are None if MuJoCo does not name them. `line` (and
-    `column`) count from 1, in the bundle's MJCF. `element` is the tag, `name` the object's name.
+    `column`) count from 1, in the bundle's MJCF. `element` is the tag, and `name` is the object's name.
     """
 
     message: str
@@ -187,7 +187,7 @@ Unread = tuple["Node", str | None]
 
 
 def version_of(found: Iterable[Unread]) -> str | None:
-    """Return a version that reads all of these, as far as one is known: the last one before the first of them ended."""
+    """Return a version that reads all of these, if one is known: the last one before the first of them was removed."""
     known = [span for element, name in found if (span := _span(element, name)) is not None]
     ended = [until for _, until in known if until is not None]
     begun = [since for since, _ in known if since is not None]
@@ -197,7 +197,7 @@ def version_of(found: Iterable[Unread]) -> str | None:
 def of_other_version(
     element: Node, name: str | None, file: str | None, version: str | None = None
 ) -> Diagnostic | None:
-    """Return the error for an attribute, or for the element, that another MuJoCo has in this place, else None.
+    """Return the error for an attribute or an element that another version of MuJoCo has in this place, or None.
 
     `file` is the model in which it is written, and `version` a MuJoCo that reads the whole file. `mjcompose migrate`
     writes it for this MuJoCo.
@@ -240,16 +240,16 @@ _ADVICE = {
     Topic.TRANSMISSION: "name the moved element: `joint: NAME`, or `tendon`, `site` or `body`",
     Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
     Topic.FLEX_UNPINNED: "attach the flex to a fixed body, or give it a `<pin>`",
-    Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    Topic.PLUGIN_INSTANCE: "give it to an actuator: `type: plugin, plugin: …, instance: …`, or remove the instance",
     Topic.DOFS: "spread the joints over several bodies, one inside the other",
-    Topic.FORMAT: "write numbers, parted by spaces",
+    Topic.FORMAT: "write numbers separated by spaces",
 }
 
 
 class Translation(Struct):
     """A diagnostic without its place, and facts about the place.
 
-    `attribute` is the element's faulty attribute, if it is known; with `key` the fault is in its name. `topic` is
+    `attribute` is the element's faulty attribute, if it is known; with `key`, the fault is in its name. `topic` is
     the topic of MuJoCo's message.
     """
 
@@ -260,7 +260,7 @@ class Translation(Struct):
 
 
 def translate(message: str, element: Node | None) -> Translation:
-    """Return what to report if MuJoCo refuses a model with `message`, which is about `element`."""
+    """Return the diagnostic to report if MuJoCo refuses a model with `message`, which is about `element`."""
     said = read_sentence(message)
     advice = None if said.topic is None else _ADVICE.get(said.topic)
     if element is None:
@@ -300,7 +300,7 @@ def unknown_element(element: Node, file: str | None = None, version: str | None 
 
 
 def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
-    """Return which versions of MuJoCo have a word that this one lacks."""
+    """Return the versions of MuJoCo that have a word that this version lacks."""
     note = f"it existed up to MuJoCo {until}" if until else f"it exists since MuJoCo {since}"
     return (Note(note),) if since or until else ()
 
@@ -337,7 +337,7 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
 
 
 def _not_positive(said: Sentence, element: Node) -> str | None:
-    """Return the advice for a size that is written and not positive; a missing size has another advice."""
+    """Return the advice for a size that is written and not positive; a missing size has different advice."""
     if (index := said.size_index) is None:
         return None
     sizes = str(element.get("size") or "").split()

@@ -21,7 +21,7 @@ _STEPS = ("names", "body", "axis", "range", "equality", "force")
 def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
     """Return the `keys` of a model's mirror image, by vector, or a `fault`. Runs under `mjcompose.mujoco.engine.call`.
 
-    `texts` has the bare models of the original and of the image, `axis` is the number of the axis across which they
+    `texts` has the bare models of the original and of the image, and `axis` is the number of the axis across which they
     are symmetric. Elements correspond if they have the same name, or a name with left and right exchanged.
     """
     faults = []
@@ -35,7 +35,7 @@ def mirrored_keys(mujoco: Any, asked: dict[str, Any]) -> dict[str, Any]:
 
 
 class _Unlike(Exception):
-    """The two models are not mirror images; with the facts."""
+    """The two models are not mirror images, with the reason."""
 
 
 def _exchanged(name: str) -> str:
@@ -70,7 +70,7 @@ class _Mirror:
         return {index: theirs.index(name) for index, name in enumerate(wanted)}
 
     def _compare_bodies(self, key: int | None) -> None:
-        """Raise `_Unlike` if a body is not where the mirror image of its counterpart is."""
+        """Raise `_Unlike` if a body is not at the place of its counterpart's mirror image."""
         apart = {body: float(np.linalg.norm(self.flip @ self.data[0].xpos[body] - self.data[1].xpos[other]))
                  for body, other in self.bodies.items()}  # fmt: skip
         worst = max(apart, key=apart.__getitem__)
@@ -194,7 +194,7 @@ class _Mirror:
 
 
 def _strain(data: Any) -> float:
-    """Return how far the worst equality constraint is from being met."""
+    """Return the largest violation of an equality constraint."""
     return float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0))
 
 

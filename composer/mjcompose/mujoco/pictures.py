@@ -1,4 +1,4 @@
-"""Pictures of compiled models: the subject, the parts moved apart, names, camera, lights, background, sheets."""
+"""Pictures of compiled models: subject, exploded view, names, camera, lights, background, sheets."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SHOWN_GROUPS = 3
 
 
 def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = None) -> Any:
-    """Return the corners of the boxes around all drawn geoms, or `some`; the ground counts only if all are ground."""
+    """Return the corners of the boxes around all drawn geoms, or only `some`; the ground counts only if it is alone."""
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)] if some is None else some
     plane, terrain = int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD)
     solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
@@ -49,7 +49,7 @@ def _is_drawn(model: Any, geom: int) -> bool:
 
 
 def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
-    """Return the points around an element, for a camera; for a body also around the bodies on it."""
+    """Return the points around an element, for a camera; for a body, also the points around the bodies on it."""
     at = names(model, kind).index(name)
     geoms = [at] if kind == "geom" else []
     if kind in ("body", "joint"):
@@ -67,7 +67,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
 
 
 def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
-    """Move the parts (bodies with one prefix, or each body) away from those they are on; return lines to there."""
+    """Move the parts (bodies with one prefix, or each body) away from the bodies below; return lines to those."""
     prefixes = [name.rpartition("/")[0] for name in names(model, "body")]
     is_whole = not any(prefixes)
     first = list(range(model.nbody))  # of each body, the first body of its part
@@ -127,13 +127,13 @@ def _new(mujoco: Any, scene: Any, kind: Any) -> Any:
     return geom
 
 
-NEEDS_OPENGL = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
+NEEDS_OPENGL = "without a display, set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
 SKYLESS = (235, 235, 235, 1)
 """The background of a model without a sky. MuJoCo 4.0 leaves it black, which hides dark models."""
 
 
 def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None) -> Any:
-    """Return a picture on black over a background. `drawn` is the share of each pixel; edges are blended already."""
+    """Put a picture on black over a background. `drawn` is the share of each pixel, for blended edges."""
     *color, opacity = SKYLESS if background is None else background
     if opacity:
         return np.clip(np.rint(picture + (1 - drawn)[:, :, None] * np.array(color)), 0, 255).astype(np.uint8)
@@ -154,9 +154,9 @@ _HEADLIGHT = {"ambient": 0.3, "diffuse": 0.6, "specular": 0.3}
 def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subject: Any = None) -> Any:
     """Return the free camera that shows the whole of some models, each with its data.
 
-    It looks in the direction of the first model's `azimuth` and `elevation` in `visual/global`, or obliquely if
-    these are MuJoCo's defaults. `aspect` is the width of the picture divided by its height, `subject` the points to
-    show instead of the whole.
+    It looks in the direction of the first model's `azimuth` and `elevation` in `visual/global`, or obliquely if these
+    have MuJoCo's default values. `aspect` is the width of the picture divided by its height, and `subject` has the
+    points to show instead of the whole.
     """
     model = scenes[0][0]
     free = mujoco.MjvCamera()
@@ -230,8 +230,8 @@ class NoOpenGL(Exception):
 class Look(Struct):
     """The settings of a picture.
 
-    `background` is RGB of 255 and an opacity of 1 or 0; None is the model's sky, or light grey if it has none.
-    `is_tile` says that the picture is one of many: it gets smaller shadows, which take most of the time without a
+    `background` is RGB of 255 and an opacity of 1 or 0; None is the model's sky, or light grey if it has no sky.
+    `is_tile` says that the picture is one of many, so it gets smaller shadows, which take most of the time without a
     GPU.
     """
 
@@ -354,7 +354,7 @@ _RATES = {".gif": 20, ".mp4": 30}
 
 
 class _StoppedError(Exception):
-    """The simulation cannot go on, for the reason that it says."""
+    """The simulation cannot continue, with the reason."""
 
 
 def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -429,8 +429,8 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     """Write `N-a.png` and `N-b.png` below `folder` for each view N.
 
     `views` has their names and the share that differs. Views are the cameras that both models have by name, and one
-    of the whole of both. Both are at their first common keyframe, otherwise at the reference configuration. `no
-    OpenGL` says why there are none.
+    view of both whole models. Both models are at their first common keyframe, or else at the reference configuration.
+    `no OpenGL` is the reason if there are none.
     """
     keys, cameras = ([name for name in names(a, kind) if name and name in names(b, kind)] for kind in ("key", "camera"))
     key, look = next(iter(keys), None), Look()
@@ -470,7 +470,7 @@ def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
 
 
 def columns_of(count: int, aspect: float) -> int:
-    """Return the number of tiles in a row of a sheet that is about as wide as high, or a little wider.
+    """Return the number of tiles in a row of a sheet that is about as wide as it is high, or a little wider.
 
     >>> [columns_of(count, 4 / 3) for count in (1, 2, 6, 16, 100)]
     [1, 2, 3, 4, 11]

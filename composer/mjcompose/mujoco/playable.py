@@ -1,4 +1,4 @@
-"""The files that physics in a page need, without visual meshes and textures."""
+"""The files that the physics of a page needs, without visual meshes and textures."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _ROUNDS, _SAME = 4, 1e-11
 
 
 def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
-    """Write the model with tiny files instead of meshes and textures that only show, and return the path of its MJCF.
+    """Write the model with tiny files instead of purely visual meshes and textures, and return the path of its MJCF.
 
-    ``model`` is the path of the original, ``out`` a new folder. The physics stay the same: a body whose mass comes from
-    such a mesh gets an `inertial`, meshes of colliding geoms stay, and all meshes stay if a sensor looks at geoms.
-    Runs under `mjcompose.mujoco.engine.call`.
+    ``model`` is the path of the original, and ``out`` is a new folder. The physics stay the same: a body whose mass
+    comes from such a mesh gets an `inertial`, meshes of colliding geoms stay, and all meshes stay if a sensor looks at
+    geoms. Runs under `mjcompose.mujoco.engine.call`.
     """
     path = Path(asked["model"])
     spec = mujoco.MjSpec.from_file(str(path))
@@ -65,7 +65,7 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
 def _replaced(
     mujoco: Any, path: Path, model: Any, files: dict[str, bytes], bodies: Mapping[str, Iterable[int]], out: Path
 ) -> Path | None:
-    """Write the model with the files that change no number of the physics; return None if there are none."""
+    """Write the model with the files that do not change the physics; return None if there are none."""
     text, weighed = path.read_text(encoding="utf-8"), set[int]()
     for number in range(_ROUNDS):
         tried = out / str(number) / path.name  # a new path, because MuJoCo keeps meshes by their path

@@ -22,7 +22,7 @@ DOF = "dof"
 
 @cache
 def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
-    """Return the attributes of a class of models by the word they begin with: the word of a kind, or ``dof``."""
+    """Return the attributes of a class of models by their first word: the word of a kind, or ``dof``."""
     words = {kind.arrays: word for word, kind in KINDS.items()} | {DOF: DOF}
     found: dict[str, list[str]] = {}
     for attribute in sorted(dir(model_type)):
@@ -33,10 +33,9 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
 
 
 def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Treatment]]:
-    """Yield the arrays of one kind with one row for each element (or dof), sorted by name, and how they are compared.
+    """Yield the arrays of one kind with one row for each element (or dof), sorted by name, and their comparison.
 
-    The shapes are (n,) or (n, width). An array of data that happens to be as long as the number of elements is
-    included.
+    The shapes are (n,) or (n, width). An array of data whose length happens to be the number of elements is included.
     """
     is_single = not hasattr(model, "actuator_ctrladr")
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
@@ -57,7 +56,7 @@ def row_key(model: Model, kind: str, index: int) -> bytes:
 
 
 def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[np.bool_]:
-    """Return where two arrays of one shape differ, bit for bit; zeros and NaNs are equal whatever their sign.
+    """Return the places where two arrays of one shape differ, bit for bit; zeros and NaNs are equal regardless of sign.
 
     ``tolerance`` is relative to the larger of 1 and the expected value.
     """
@@ -102,8 +101,9 @@ class Link(Struct):
 def links(model: Model, kind: str, index: int) -> list[Link]:
     """Return the references of one element, always the same fields in the same order.
 
-    A material has one for each role of a texture, an actuator one for each id in `actuator_trnid` that its
-    transmission uses. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
+    A material has one reference for each role of a texture, and an actuator has one for each id in `actuator_trnid`
+    that its transmission uses. A geom that was fitted to a mesh has no reference to it, although MuJoCo 3 leaves the id
+    there.
     """
     return [link for reader in _READERS.get(kind, ()) for link in reader(model, index)]
 
@@ -164,7 +164,7 @@ _NO_VERTEX, _TWIST = 3, 7
 
 
 def twists(bending: Array) -> list[int]:
-    """Return the places in a rod's `flex_bending` with the id of a joint: a bend's second twist."""
+    """Return the places in a rod's `flex_bending` that have the id of a joint, which is a bend's second twist."""
     # Their number comes first, then for each bend of three vertices the vertices, -1, a stiffness and two angles, the
     # joint (-1 if the rod is not twisted), and a stiffness and an angle for the twist. Bends of four vertices have no
     # joint: those of `<flexcomp type="circle" count="5 1 1" dim="1" …/>` begin with 3 0 1 2.
@@ -185,7 +185,7 @@ def bending(model: Model, index: int) -> Array | None:
 
 
 def twists_a_rod(model: Model, body: int) -> bool:
-    """Return whether a body is one of those in which a rod is twisted."""
+    """Return whether a rod is twisted in a body."""
     if not model.nflex or model.body_parentid[body] or model.body_jntnum[body] != 1:
         return False
     joint = int(model.body_jntadr[body])
@@ -195,7 +195,7 @@ def twists_a_rod(model: Model, body: int) -> bool:
 
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
-    """Yield materials: the flex's, and since MuJoCo 4 also its elements'."""
+    """Yield the materials of a flex and, since MuJoCo 4, of its elements."""
     several = len(model.flex_matid) == model.nflexelem
     return (_run("flex_matid", "material", "flex_elem") if several else _row("flex_matid", "material"))(model, index)
 

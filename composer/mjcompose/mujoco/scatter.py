@@ -1,7 +1,7 @@
 """Random places for copies on a surface, without overlap, in the child process that has MuJoCo.
 
-Random numbers come from `draw_stream`, and all numbers are rounded before MuJoCo checks them, so a machine whose last
-bits differ finds the same places.
+Random numbers come from `draw_stream`, and all numbers are rounded before MuJoCo checks them, so machines whose results
+differ in the last bits find the same places.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ EDGE, COPY = "edge", "copy"
 
 
 def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
-    """Return the `poses` of the copies of each group in the world, and where their bodies `began`; or a `fault`.
+    """Return the `poses` of the copies of each group in the world, and where their bodies `began`, or a `fault`.
 
-    Runs under `mjcompose.mujoco.engine.call`. Each of the `groups` has `bodies`, a surface `over` by kind and name,
+    Runs under `mjcompose.mujoco.engine.call`. Each of the `groups` has `bodies`, a surface `over` by kind and name, a
     `place`, and the numbers of `language.attach.Scatter`. A fault has its `group`, its reason as `why`, and numbers.
     """
     option = model.opt
@@ -175,7 +175,7 @@ class _Scattering:
         return True
 
     def _inside(self, body: int, clearance: float) -> tuple[float, str]:
-        """Return the depth of a copy in the surface, and the name of an element that is too close, "" for none."""
+        """Return the depth of a copy in the surface, and the name of an element that is too close, or ""."""
         model, data = self.model, self.data
         for stage in ("mj_comPos", "mj_flex", "mj_collision"):
             getattr(self.mujoco, stage)(model, data)
@@ -195,7 +195,7 @@ class _Scattering:
         return depth, blocker
 
     def settle(self, number: int, seconds: float) -> dict[str, Any] | None:
-        """Simulate the copies of a group until they rest, all else fixed. Return the fault if they do not."""
+        """Simulate the copies of a group until they rest, with all else fixed. Return the fault if they do not."""
         mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
         before, time = data.qpos.copy(), data.time
         diverged = Divergence(mujoco, model, data)
@@ -275,7 +275,6 @@ def _are_near(one: Pose, other: Pose) -> bool:
 
 
 def _called(model: Any, geom: int) -> str:
-    """Return the name of a geom, or of its body."""
     return str(model.geom(geom).name or model.body(int(model.geom_bodyid[geom])).name or "world")
 
 
@@ -307,7 +306,7 @@ _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _MESH = 0, 1, 2, 3, 4
 
 
 def _turn(drawn: Any, count: int) -> Quat:
-    """Return a random rotation: about the vertical of 2 numbers, in any direction of 4."""
+    """Return a random rotation: about the vertical from 2 numbers, or in any direction from 4 numbers."""
     while True:  # a point in the unit ball, whose direction is uniform
         point = [2.0 * next(drawn) - 1.0 for _ in range(count)]
         if 1e-6 < sum(each * each for each in point) <= 1.0:

@@ -19,7 +19,7 @@ _DIGITS = 24
 
 
 class Blobs:
-    """Writes each content once to a file of `folder`, named by its hash; those in `known` are not even encoded."""
+    """Writes each content once to a file of `folder`, named by its hash; contents in `known` are not encoded again."""
 
     def __init__(self, folder: Path, known: Collection[str] = ()) -> None:
         self.folder, self.known = folder, set(known)
@@ -49,7 +49,7 @@ def packed(*arrays: Any) -> bytes:
 
 
 def short(values: Any) -> list[Any]:
-    """Return numbers with nine digits, which is all that single precision has, as a flat list."""
+    """Return numbers as a flat list with nine digits, which is the full single precision."""
     flat = np.asarray(values).ravel()
     if flat.dtype.kind != "f":
         return flat.astype(int).tolist() if flat.dtype.kind == "b" else flat.tolist()
@@ -103,7 +103,7 @@ _FLAT_ANGLE, _FLAT_SHARE = 2.5, 0.95
 def encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, of_flat: Any) -> bytes:
     """Return the surface of a mesh in few bytes that compress well. `flat` are its texture coordinates, or None.
 
-    The bytes are a head of three uint32 (vertices, triangles, flags), six float32 (the least vertex and the step of
+    The bytes are a head of three uint32 (vertices, triangles, flags), six float32 (the smallest vertex and the step of
     each axis) and, if `MAPPED`, two float32 of texture coordinates for each vertex. Then come differences in byte
     planes, which means the lowest byte of all numbers, then the next byte:
 
@@ -166,7 +166,7 @@ def octahedral(directions: Any) -> Any:
 
 
 def _morton(whole: Any) -> Any:
-    """Return for each row of three numbers below 2¹⁶ one number with their bits in turns: near places are near."""
+    """Return for each row of three 16-bit numbers one number with their bits interleaved; close places stay close."""
     spread = whole.astype(np.uint64)
     for shift, mask in (
         (32, 0xFFFF00000000FFFF), (16, 0xFF0000FF0000FF), (8, 0xF00F00F00F00F00F), (4, 0xC30C30C30C30C3),
@@ -177,7 +177,7 @@ def _morton(whole: Any) -> Any:
 
 
 def _ordered(triangles: Any, place: Any) -> Any:
-    """Return triangles with their least vertex first, in its order, without those whose corners are in one place."""
+    """Return triangles with their smallest vertex first and sorted by it, without those whose corners coincide."""
     at = place[triangles]
     kept = triangles[(at[:, 0] != at[:, 1]) & (at[:, 1] != at[:, 2]) & (at[:, 0] != at[:, 2])].astype(np.int64)
     turned = np.take_along_axis(kept, (kept.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
@@ -217,7 +217,7 @@ def _mesh(model: Any, number: int, blobs: Blobs) -> str:
 
 
 def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Return each height field: rows times columns of uint16, where 65535 is its full height."""
+    """Return each height field: rows times columns of uint16; 65535 is its full height."""
     found = []
     for number in range(model.nhfield):
         rows, columns, first = (int(each[number]) for each in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr))
@@ -352,9 +352,9 @@ def _rounded(values: Any) -> list[float]:
 
 
 def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
-    """Pull a ``body`` by its point ``at``, in its frame, to the point ``to``, with a spring and a damper.
+    """Pull a ``body`` at its point ``at``, in its frame, to the point ``to``, with a spring and a damper.
 
-    Both suit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
+    Both fit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
     """
     body, points = asked.get("body", 0), [asked.get(name) for name in ("at", "to")]
     if not 0 < body < model.nbody or not all(point is not None and len(point) == 3 for point in points):
@@ -399,8 +399,8 @@ FILE = "scene.json"
 def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Write `scene.json` and its blobs into ``folder``; runs under `mjcompose.mujoco.engine.call`.
 
-    The answer's `blobs` are all that it refers to; those in ``known`` are not written again. Lengths are in meters,
-    angles in radians, quaternions are w x y z, and elements on a body are in its frame, as in `mjModel`. Equal
+    The answer's `blobs` are all blobs that it refers to; blobs in ``known`` are not written again. Lengths are in
+    meters, angles in radians, quaternions are w x y z, and elements on a body are in its frame, as in `mjModel`. Equal
     models give equal bytes.
     """
     folder = Path(asked["folder"])

@@ -22,7 +22,7 @@ _LEAST = 1e-6
 
 
 class Mode(Struct):
-    """A motion that should not grow, and grows from step to step: its largest degree of freedom, the factor of each
+    """A motion that should not grow but grows from step to step: its largest degree of freedom, the factor of each
     step, and the longest time step (s) with which it would not grow, or None.
     """
 
@@ -94,7 +94,7 @@ class Servos:
     def unstable(self) -> Iterator[Mode]:
         """Yield, for each tree that no equality couples, the servos that are too stiff or too damped for the time step.
 
-        The integrator `discrete` is implicit in positions and not looked at.
+        The integrator `discrete` is implicit in positions, so it is skipped.
         """
         model = self.model
         for tree in sorted(set(range(model.ntree)) - self.coupled):
@@ -127,7 +127,7 @@ class Servos:
         return low if low > _LEAST else None
 
     def _step(self, dofs: slice, timestep: float) -> Any:
-        """Return the matrix that a step multiplies positions and velocities with; None for other integrators."""
+        """Return the matrix by which a step multiplies positions and velocities; None for other integrators."""
         integrators, model = self.mujoco.mjtIntegrator, self.model
         kind, mass, spring = int(model.opt.integrator), self.inertia[dofs, dofs], self.stiffness[dofs, dofs]
         passive = np.diag(np.reshape(model.dof_damping, (model.nv, -1))[dofs, 0])
@@ -156,7 +156,7 @@ class Servos:
         return [int(each) for each in np.flatnonzero(self.moment[:, dof])]
 
     def strongest(self, dof: int) -> tuple[float, float] | None:
-        """Return the least and the greatest force on a hinge or slide (N m, N); None if unlimited, shared or none."""
+        """Return the smallest and the largest force on a hinge or slide (N m, N), or None."""
         model, joint = self.model, int(self.model.dof_jntid[dof])
         low = high = 0.0
         for actuator in self.of_dof(dof):

@@ -17,7 +17,7 @@ from mjcompose.base.dataclass import Struct, dataclass
 
 
 class UnusableError(Exception):
-    """Why nothing can be made of a mesh, as the end of a sentence, and the `limit` that it goes beyond, if so."""
+    """The reason that a mesh cannot be used, as the end of a sentence, and the `limit` that it exceeds, if any."""
 
     def __init__(self, why: str, limit: str | None = None) -> None:
         super().__init__(why)
@@ -26,9 +26,9 @@ class UnusableError(Exception):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Vertices in meters and triangles by their numbers. `solid` is the same as trimesh has it.
+    """Vertices in meters and triangles by their numbers. `solid` is the same mesh for trimesh.
 
-    `is_mapped` says whether it says where a texture goes.
+    `is_mapped` says whether the mesh has texture coordinates.
     """
 
     vertices: numpy.ndarray
@@ -38,7 +38,7 @@ class Mesh:
 
     @property
     def is_closed(self) -> bool:
-        """Whether it has an inside: every edge has two triangles, which turn the same way."""
+        """Whether it encloses a volume: every edge has two triangles of the same orientation."""
         return bool(self.solid.is_watertight and self.solid.is_winding_consistent)
 
     @property
@@ -48,7 +48,7 @@ class Mesh:
 
 
 def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
-    """The mesh that an element `<mesh>` with these attributes is. Raises UnusableError."""
+    """The mesh of a `<mesh>` element with these attributes. Raises UnusableError."""
     import trimesh
 
     # As a shell it may be open or flat. A geom that touches nothing needs no hull, which a flat mesh does not have.
@@ -98,7 +98,7 @@ def in_solid(shape: Any, count: int) -> numpy.ndarray:
 
 _ON = 1e-9
 _FINE = 4
-"""How often the triangles of a ball are divided: its surface is off by 0.2 % of the radius then."""
+"""The number of times that the triangles of a ball are divided; its surface is then off by 0.2 % of the radius."""
 
 
 def rounded(number: float) -> float:
@@ -137,7 +137,7 @@ class Hull:
         return numpy.asarray(above.max(axis=1, initial=-numpy.inf) <= _ON)
 
     def distance(self, points: numpy.ndarray) -> numpy.ndarray:
-        """Of points that are outside."""
+        """The distance of points that are outside."""
         from trimesh.proximity import closest_point
 
         return numpy.asarray(closest_point(self.solid, points)[1])
@@ -145,7 +145,7 @@ class Hull:
 
 @dataclass(frozen=True)
 class Primitive:
-    """A box, sphere, capsule or cylinder; `size` is that of MuJoCo's geom, `turn` a matrix."""
+    """A box, sphere, capsule or cylinder; `size` is the size of MuJoCo's geom, and `turn` is a matrix."""
 
     type: str
     size: tuple[float, ...]
@@ -242,7 +242,7 @@ _FACTORS = {"large": (0.001, "its file is in millimeters"), "small": (1000, "it 
 class Measured(Struct):
     """The measurements of a mesh: `size` is the diagonal of the box around it, in meters, in the model.
 
-    It is closed if every edge has two faces. `open_edges` of `edges` have not; None if they are not known.
+    It is closed if every edge has two faces. `open_edges` of the `edges` do not; None if they are not known.
     """
 
     size: float
@@ -253,7 +253,7 @@ class Measured(Struct):
 
 
 class Doubt(Struct):
-    """Why a mesh is hardly intended: `large`, `small`, `flat` or `open`; `what` is the end of a sentence."""
+    """The reason that a mesh may be a mistake: `large`, `small`, `flat` or `open`; `what` is the end of a sentence."""
 
     kind: str
     what: str
@@ -273,10 +273,10 @@ class Doubt(Struct):
 
 
 def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
-    """Yield the doubts about a mesh. `reach` is the greatest distance of neighboring bodies, in meters.
+    """Yield the doubts about a mesh. `reach` is the largest distance between neighboring bodies, in meters.
 
-    A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about its use that needs an
-    inside; without it a mesh may be open, because MuJoCo lets its convex hull collide.
+    A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about a use that needs a volume;
+    without it, a mesh may be open, because MuJoCo lets its convex hull collide.
 
     >>> [each.what for each in doubts(Measured(300.0), 0.4)]
     ['is 300 m from corner to corner, and neighboring bodies are at most 0.4 m apart']
@@ -297,7 +297,7 @@ def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | 
 
 
 def measures(vertices: Any, faces: Any) -> dict[str, Any]:
-    """Return the extents in meters, the volume, whether it is flat, and how many edges have not exactly two faces."""
+    """Return the extents in meters, the volume, whether it is flat, and the number of edges without two faces."""
     extents = vertices.max(axis=0) - vertices.min(axis=0)
     _, same = numpy.unique(vertices, axis=0, return_inverse=True)
     corners = same.ravel()[faces]
@@ -319,7 +319,7 @@ def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
 
 
 def is_flat(vertices: Any) -> bool:
-    """Whether vertices, shape (n, 3), are a point, a line or in a plane, however that is turned."""
+    """Whether vertices, shape (n, 3), form a point or a line, or are in a plane, in any orientation."""
     centered = vertices - vertices.mean(axis=0)
     _, lengths, axes = numpy.linalg.svd(centered, full_matrices=False)
     thick = numpy.ptp(centered @ axes.T, axis=0)

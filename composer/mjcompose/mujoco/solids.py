@@ -88,7 +88,7 @@ def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterat
     mass, moments = float(model.body_mass[body]), sorted(map(float, model.body_inertia[body]))
     if moments[0] + moments[1] < moments[2] * (1 - _ROUNDING):
         shown = ", ".join(f"{each:.4g}" for each in moments)
-        yield f"of its principal moments {shown} kg·m² the two smaller ones do not add up to the largest"
+        yield f"the two smaller of its principal moments {shown} kg·m² add up to less than the largest"
     corners, center = shapes.corners(shapes.of(body)), shapes.data.xipos[body]
     low, high = corners.min(axis=0), corners.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
@@ -100,7 +100,7 @@ def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterat
     radius = float(np.sqrt(moments[2] / mass))
     if radius > gyration * farthest * (1 + _ROUNDING):
         yield (
-            f"its radius of gyration is {radius:.4g} m, and nothing of its geoms is farther than {farthest:.4g} m"
+            f"its radius of gyration is {radius:.4g} m, and no point of its geoms is farther than {farthest:.4g} m"
             " from its center of mass"
         )
 

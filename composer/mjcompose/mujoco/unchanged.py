@@ -1,8 +1,8 @@
 """Compare a part inside a composed model numerically with the part alone.
 
-A part with a damping ratio gets another damping if something heavy is attached to it; it is unchanged as long as
-the ratio is. The compiled model does not store the ratio, but it follows from the gain and the inertia in the same
-model.
+A part with a damping ratio gets another damping if something heavy is attached to it; it is unchanged as long as the
+ratio is unchanged. The compiled model does not store the ratio, but it follows from the gain and the inertia in the
+same model.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ class Placing:
         return pose
 
     def seen_from(self, body: int) -> Pose:
-        """Return the pose of the part's world in a body that holds it; the part's own where nothing says it."""
+        """Return the pose of the part's world in a body that holds it; the part's own pose if it is unknown."""
         return self._frame(body).inverse() @ (self.transform or Pose())
 
     def differences(self, tolerance: float = 0.0) -> list[Difference]:
-        """Return the roots that did not move with the others, for a part that is moved."""
+        """Return the roots of a moved part that did not move with the other roots."""
         found: list[Difference] = []
         bound = max(ROUNDING, tolerance)
         vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
@@ -108,7 +108,7 @@ def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
 
 _WELD = 1  # mjEQ_WELD
 _ONE_POINT = 1e-9
-"""Meters; at this distance the direction between two points is made of rounding errors."""
+"""Meters; at this distance the direction between two points consists of rounding errors."""
 _SHOWN = 12
 """Longer rows are shown by their first differing entry."""
 
@@ -262,7 +262,7 @@ def _sleep(matching: Correspondence) -> list[Difference]:
 
 
 def number_differences(matching: Correspondence, rules: Rules) -> list[Difference]:
-    """Return where the numbers of a part differ in a composition; a long row is shown by its first such number."""
+    """Return the numbers of a part that differ in a composition; a long row is shown by its first differing number."""
     found: list[Difference] = []
     for each in unequal_elements(matching, rules):
         name, field = matching.composed.describe(each.kind, each.target), each.array
@@ -284,7 +284,7 @@ _CLOSE = 1e-6
 
 
 def same_by_inertia(alone: Model, composed: Model, joint: int, target: int, *, array: str) -> bool:
-    """Return whether stiffness or damping times inverse inertia is the same; `springdamper` sets them by it."""
+    """Return whether stiffness or damping times inverse inertia is the same; `springdamper` depends on it."""
 
     def ratio(model: Model, of: int) -> float:
         row = of if array == "jnt_stiffness" else model.jnt_dofadr[of]
@@ -314,7 +314,7 @@ def _is_damped_servo(model: Model, actuator: int) -> bool:
 
 
 def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
-    """Return the damping ratio of a servo by the inverse weight and by the mass matrix, each None if unknown."""
+    """Return the damping ratio of a servo by the inverse weight and by the mass matrix; each is None if unknown."""
     gains = servo(model, actuator) or {}
     stiffness, damping = gains["kp"], gains["kv"]
     gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=actuator).start, 0])
@@ -331,7 +331,7 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
 
 
 def _inertia_along(model: Model, tendon: int) -> float:
-    """Return the inertia that a fixed tendon moves; 0 for a spatial one, whose moments the model does not store."""
+    """Return the inertia that a fixed tendon moves; 0 for a spatial tendon, whose moments the model does not store."""
     inertia = 0.0
     for at in RUNS["tendon"]["nwrap"].rows(model, tendon):
         joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
@@ -350,15 +350,15 @@ def compare(
 ) -> list[Difference]:  # fmt: skip
     """Return the differences between a part compiled alone and the same part in a composition.
 
-    The result is empty if the part is unchanged. ``prefix`` includes its separator, and the base's is empty.
+    The result is empty if the part is unchanged. ``prefix`` includes its separator. The prefix of the base is empty.
     ``hung_on`` is the place of the part's world: the unmoved world by default. ``renamed`` maps names of the part
     to names in the composition, by kind, if they are not simply prefixed. ``ignore`` are arrays (`geom_friction`),
     or attributes of every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the
     composition that replace the part's own. With ``others``, the prefixes and models of all other
     parts, elements with this part's prefix that belong to no part count as differences too.
 
-    ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition
-    can preserve it; the table of arrays says where it cannot, and why. ``cut`` says that ``composed`` is the whole
+    ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition can
+    preserve it; the table of arrays has the exceptions and their reasons. ``cut`` says that ``composed`` is the whole
     that the part was cut out of.
 
     Options, statistics and visual settings belong to the whole model and are not compared here. No I/O. Raises

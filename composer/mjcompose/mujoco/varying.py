@@ -1,4 +1,4 @@
-"""Numbers and settings in which compiled models differ, and whose they are.
+"""Numbers and settings in which compiled models differ, and their owners.
 
 A part is not changed if the `option` and `visual` of its model differ, but its author wrote them for a reason.
 """
@@ -22,7 +22,7 @@ _OWNERS = {"opt": "option", "stat": "statistic"}
 
 
 Rows = dict[int, tuple[int, int, int]]
-"""By row of an array: its element, its place among that element's rows, and how many these are."""
+"""By row of an array: its element, its place among that element's rows, and the number of these rows."""
 
 
 class Whose(NamedTuple):
@@ -87,7 +87,7 @@ _PADDED = 64
 
 
 class Differences:
-    """The differences from the nominal model in this many worlds: by array, the numbers that differ in any of them."""
+    """The differences from the nominal model in this many worlds: by array, the numbers that differ in any world."""
 
     def __init__(self, model: Model, worlds: int) -> None:
         self.worlds = worlds
@@ -135,7 +135,7 @@ class Differences:
 
 
 class Recorder:
-    """Records one model's state world by world, and makes it the nominal one again after each.
+    """Records the state of one model world by world, and restores the nominal model after each world.
 
     MuJoCo keeps all arrays of a model in one buffer, from which they are compared in one step. The options and
     numbers of `stat` are elsewhere.
@@ -236,7 +236,7 @@ class Recorder:
         return rows
 
     def _leave_out_assets(self) -> None:
-        """Compare no more large arrays in which nothing has differed."""
+        """Stop comparing large arrays in which nothing has differed."""
         self._ranges, at = [], 0
         for name, (first, end) in sorted(self._spans.items(), key=lambda each: each[1]):
             is_known = ((self._words * _WORD < end) & (self._words * _WORD + _WORD > first)).any()
@@ -260,7 +260,7 @@ def _span(model: Model, name: str) -> tuple[int, int]:
 
 
 def arrays(model: Model) -> Iterator[str]:
-    """Yield all arrays of a model, its options, and those numbers of `stat` that follow from masses."""
+    """Yield all arrays of a model, its options, and the numbers of `stat` that follow from masses."""
     for holder, start, kinds in ((model, "", np.ndarray), (model.opt, "opt.", np.ndarray | float | int)):
         for name in dir(holder):
             if not name.startswith("_") and isinstance(getattr(holder, name), kinds):

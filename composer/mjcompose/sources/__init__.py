@@ -1,1 +1,1 @@
-"""From a reference to files: kinds of reference, fetching, the store, the lock, licenses."""
+"""The way from a reference to files: kinds of reference, fetching, the store, the lock, licenses."""

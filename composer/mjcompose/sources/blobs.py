@@ -97,7 +97,7 @@ def hold(store: Path, key: str) -> None:
 
 
 def let_go() -> None:
-    """Release all leases of this process, for a program that goes on after a build."""
+    """Release all leases of this process, for a program that continues after a build."""
     for (_, process), (path, file, _) in _OWN.items():
         os.close(file)
         if process == os.getpid():
@@ -148,7 +148,7 @@ else:
     import fcntl
 
     def lock_file(file: int, wait: bool = True) -> bool:
-        """Lock until the file is closed; whether that was possible."""
+        """Lock until the file is closed, and return whether that was possible."""
         try:
             fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except BlockingIOError:
@@ -170,7 +170,7 @@ def digest(content: bytes) -> str:
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
-    """Return an entry and mark it as used now, or None if it does not exist or is damaged, and removed."""
+    """Return an entry and mark it as used now, or None if it does not exist; a damaged entry is removed."""
     path = os.path.join(store, kind, key)
     try:
         content = read(path)
@@ -213,7 +213,7 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
 
 
 def is_left(stage: str | PathLike[str]) -> bool:
-    """Return whether a staged file was left by a killed process. An empty one may not be locked yet."""
+    """Return whether a staged file was left by a killed process. An empty file may not be locked yet."""
     with contextlib.suppress(OSError):
         file = os.open(stage, os.O_RDWR)
         try:
@@ -303,7 +303,7 @@ def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
 
 
 def incomplete_in(store: Path) -> list[Path]:
-    """Return the entries that are being made, or were when their process was killed."""
+    """Return the entries that are being made, or were being made when their process was killed."""
     return [folder for folder in _folders(store) if not is_complete(folder)]
 
 

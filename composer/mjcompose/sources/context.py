@@ -1,4 +1,4 @@
-"""The inputs of a run from outside, passed to every stage, never global."""
+"""The inputs of a run from outside, which are passed to every stage and never global."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class ReadRecipe(Struct):
     """A recipe file that was read, merged over the recipes that it extends, with its diagnostics.
 
-    `extended` are the recipes that it extends, each with the place that names it. `said` has, by file name in
-    messages, the `angle` and `eulerseq` of each of these files. `trust` is the union of their `trust`.
+    `extended` are the recipes that it extends, each with the place that names it. `said` has the `angle` and `eulerseq`
+    of each of these files, by the file's name in messages. `trust` is the union of their `trust`.
     """
 
     node: Node | None
@@ -37,11 +37,11 @@ class ReadRecipe(Struct):
 
 
 class Context(Struct, frozen=False):
-    """The environment variables, the folder that displayed paths start from, the diagnostics, and how to fetch.
+    """The environment variables, the folder that displayed paths start from, the diagnostics, and the fetching rules.
 
     `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with
-    given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are
-    errors. `attaching` says that MJCF attaches the recipe, which may do no more than the MJCF. `timings` has the
+    given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are errors.
+    `attaching` says that MJCF attaches the recipe, which then has no more rights than the MJCF. `timings` has the
     seconds of each stage, in the order in which they ended.
     """
 

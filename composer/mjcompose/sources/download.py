@@ -103,7 +103,7 @@ class _Download(Struct, frozen=False):
 
     @property
     def shown(self) -> str:
-        """The address without secrets, which LFS and registries put into theirs."""
+        """The address without secrets, which LFS and registries put into addresses."""
         return hide(self.url)
 
     def _failed(self, why: str, *notes: str, help: str | None = None, code: str = "source-fetch") -> SourceError:
@@ -141,7 +141,7 @@ class _Download(Struct, frozen=False):
                     help = "name a file with the certificate of its authority in `SSL_CERT_FILE`"
                     why = "cannot be fetched: its server has no certificate that this machine trusts"
                     raise self._failed(why, last, help=help) from None
-        help = "try again later, which goes on from where it broke off; a slow server gets more time with"
+        help = "try again later: the download resumes where it stopped; a slow server gets more time with"
         help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` mjcompose uses the store"
         raise self._failed("cannot be fetched", f"after {counted(attempt, 'try', 'tries')}: {last}", help=help)
 
@@ -195,7 +195,7 @@ class _Download(Struct, frozen=False):
         raise self._failed(f"leads on more than {_HOPS} times", f"last to `{hide(at)}`")
 
     def ask(self, method: str, body: bytes | None) -> Answer:
-        """Ask once, follow no redirect, and return the answer, which must be short."""
+        """Send one request without following redirects, and return the answer, which must be short."""
         from urllib3.exceptions import HTTPError
 
         self._check_reach(self.url)
@@ -258,7 +258,7 @@ class _Download(Struct, frozen=False):
         return version
 
     def _busy(self, response: BaseHTTPResponse) -> Exception:
-        """Return the exception for a server that is busy, with the pause that it asks for."""
+        """Return the exception for a server that is busy, with the pause that it requests."""
         from urllib3 import Retry
         from urllib3.exceptions import HTTPError
 
@@ -304,7 +304,7 @@ class _Download(Struct, frozen=False):
                         more = f" of {total >> 20} MiB" if total else ""
                         self.lookup.fetching.progress(f"  {size >> 20} MiB{more}")
             except HTTPError as error:
-                why = ": it came to a halt" if isinstance(error, TimeoutError) else ""
+                why = ": it stalled" if isinstance(error, TimeoutError) else ""
                 raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
         if total and size != total:
             raise _Broken(f"the transfer broke off after {size} of {total} bytes")

@@ -143,7 +143,7 @@ def _write_archive(stream: Any, partial: Path, url: str) -> None:
 
 def _failed(url: str, error: Exception) -> SourceError:
     said = " ".join(str(error).split()) or type(error).__name__
-    help = "see that your credentials for the store are right; with `--offline` mjcompose uses the store"
+    help = "check your credentials for the store; with `--offline` mjcompose uses the store"
     return SourceError("source-fetch", f"`{url}` cannot be fetched", notes=(hide(said)[:300],), help=help)
 
 
@@ -177,14 +177,14 @@ def _parse_oci(text: str) -> Reference:
     if not is_host or forms.take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
         raise malformed(text, _OCI_FORM, "does not say the registry and the repository")
     if (found := _DIGEST.fullmatch(digest)) is None:
-        raise malformed(text, _OCI_FORM, "does not say the digest, which is sha256: and 64 digits of 0-9 and a-f")
+        raise malformed(text, _OCI_FORM, "does not give the digest, which is sha256: and 64 digits of 0-9 and a-f")
     if not path:
         raise malformed(text, _OCI_FORM, "does not say the file inside the artifact")
     return Reference(text, OCI, address, path=path, revision=found[1])
 
 
 def _resolve_oci(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file, from the store or else from the registry. Raises SourceError."""
+    """Return the file from the store or the registry. Raises SourceError."""
     from mjcompose.sources.store import Store, name_of  # a model that the cache knows is not fetched
 
     id, fetching = reference.id, lookup.fetching
@@ -222,7 +222,7 @@ class _Artifact(Struct):
         return self.store.add("archive", key, self.reference.id, fill=fill, about={})
 
     def _manifest(self, url: str) -> tuple[bytes, dict[str, str]]:
-        """Return the manifest, and the header with the token that anybody gets, if the registry requires a token."""
+        """Return the manifest, and the header with a public token if the registry requires one."""
         from mjcompose.sources.download import ask
 
         headers: dict[str, str] = {}
@@ -394,7 +394,7 @@ def _parse_hf(text: str) -> Reference:
 
 
 def _resolve_hf(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file, from the repository that git fetches: its commit is checked by its hash. Raises SourceError."""
+    """Return the file from the repository that git fetches; git checks the hash of the commit. Raises SourceError."""
     from mjcompose.sources.git_repository import resolve  # a model that the cache knows is not fetched
 
     source = resolve(replace(reference, name=f"{_hub(reference, lookup)}/{reference.name}"), lookup)
@@ -403,7 +403,7 @@ def _resolve_hf(reference: Reference, lookup: Lookup) -> Source:
 
 
 def _hub(reference: Reference, lookup: Lookup) -> str:
-    """Return the address of the hub; a fetched recipe may not reach one in this network."""
+    """Return the address of the hub; a fetched recipe must not use a hub in the local network."""
     from mjcompose.sources.reference import is_private
 
     hub = (lookup.environment.get("HF_ENDPOINT") or _HUB).rstrip("/")

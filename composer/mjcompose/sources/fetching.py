@@ -42,7 +42,7 @@ def patience(environment: Mapping[str, str]) -> float:
 
 
 class Silence:
-    """Measures how long another machine has been silent, over all tries together; `seconds` is the limit."""
+    """Measures the total silence of another machine over all attempts; `seconds` is the limit."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
@@ -55,7 +55,7 @@ class Silence:
 
     @property
     def is_nearly_over(self) -> bool:
-        """Whether too little time is left for another try."""
+        """Whether too little time is left for another attempt."""
         return self.left < self._seconds / 4
 
     @property
@@ -72,7 +72,7 @@ _FIRST, _EVERY = 2.0, 1.0
 
 @contextmanager
 def waiting(progress: Callable[[str], None], what: str) -> Iterator[None]:
-    """Report every second how long the block has taken so far, from the second one on."""
+    """Report the duration of the block every second, from the second one on."""
     done = threading.Event()
     begun = time.monotonic()
 
@@ -98,14 +98,13 @@ def quiet(message: str) -> None:
 class Fetching(Struct, frozen=False):
     """The rules and the memory of one run.
 
-    `offline`: nothing is fetched, and a source that is not in the store is an error. `locked`: a source that the
-    lock does not pin is an error. `remakes_shapes`: the lock is being made, and need not have the shapes of meshes.
-    `lock` is the lock of the recipe, `lock_file` its path, whether it exists or not,
-    `recipe` the recipe's name in messages. `fresh` are the origins whose pin is ignored, None for all of them.
-    `origins` are the origins resolved in this run, by id: all parts see the same commit of a moving branch.
-    `first` has the first file requested from each. `digests` has the sha256 of files, `files` the files of sources,
-    computed once for all cells of a matrix. `outer` is the outermost recipe, `trust` its `trust`, `doors` the
-    doors of models.
+    `offline`: nothing is fetched, and a source that is not in the store is an error. `locked`: a source that the lock
+    does not pin is an error. `remakes_shapes`: the lock is being made, and need not have the shapes of meshes. `lock`
+    is the lock of the recipe, `lock_file` is its path, even if it does not exist, and `recipe` is the recipe's name in
+    messages. `fresh` are the origins whose pin is ignored, or None for all origins. `origins` are the origins resolved
+    in this run, by id: all parts see the same commit of a moving branch. `first` has the first file requested from
+    each. `digests` has the sha256 of files, and `files` has the files of sources; both are computed once for all cells
+    of a matrix. `outer` is the outermost recipe, `trust` is its `trust`, and `doors` has the doors of models.
     """
 
     offline: bool = False
@@ -144,12 +143,12 @@ class Fetching(Struct, frozen=False):
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
 
     def door_of_text(self, folder: Path) -> Door:
-        """Return the door of a recipe in a folder: to anything, or to the files of its origin."""
+        """Return the door of a recipe in a folder, which admits all files, or only the files of its origin."""
         origin = self.around(folder)
         return door_of_user() if origin is None else self.door_of_origin(origin)
 
     def door_of_origin(self, origin: Origin) -> Door:
-        """Return the door of files of an origin: to all files of the origin."""
+        """Return the door of files of an origin, which admits all files of the origin."""
         verb = "fetched" if origin.is_fetched else "installed"
         return Door.of(
             (origin.root, *(self.trust.folders if SERVED is None else ())),
@@ -159,7 +158,7 @@ class Fetching(Struct, frozen=False):
         )
 
     def door_of_model(self, path: Path) -> Door:
-        """Return the door of the model at a path: to its project, the recipe's, and folders that the recipe trusts."""
+        """Return the door of the model at a path, which admits its project, the recipe's, and trusted folders."""
         key = path, self.outer, self.trust
         if key not in self.doors:
             start = None if self.outer is None else os.path.dirname(os.path.abspath(self.outer))
@@ -191,7 +190,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     """Return the file that a reference names in `origin`. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
-        raise SourceError("source-kind", f"the model reference `{reference.text}` leads out of its source")
+        raise SourceError("source-kind", f"the model reference `{reference.text}` leads outside its source")
     existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):

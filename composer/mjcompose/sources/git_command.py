@@ -1,4 +1,4 @@
-"""`git` without a terminal, and the files of a commit byte for byte."""
+"""Running `git` without a terminal, and reading the files of a commit byte for byte."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Git(Struct):
 
     @contextmanager
     def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
-        """Run a command and yield it for reading its output, and with `asked` for writing to its input, too.
+        """Run a command and yield it for reading its output, and with `asked` also for writing to its input.
 
         The command ends with the block. Raises GitFailure if it fails, and SourceError if git is not installed.
         """
@@ -173,7 +173,7 @@ NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NO
 
 
 def _protocols(arguments: tuple[str, ...]) -> str:
-    """Return the transports that git may use, even if its settings redirect it. Never a program (`ext::`).
+    """Return the transports that git may use, even if its settings redirect it. Programs (`ext::`) are never allowed.
 
     >>> _protocols(("ls-remote", "--", "http://localhost/robots"))
     'https:ssh:file:http'
@@ -237,8 +237,8 @@ def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[st
     """Write the files of a commit below `target`, an empty folder.
 
     Return the omitted paths, each with a description. A link to a file or folder of the same commit becomes a copy;
-    other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead out
-    of the folder, GitFailure, and OSError.
+    other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead outside
+    the folder, GitFailure, and OSError.
     """
     packed = sum(path.stat().st_size for _, path in files_below(repository))
     try:
@@ -317,7 +317,7 @@ def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | No
 
 
 def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
-    """Yield the files of a commit until there are too many: a tree may contain itself many times over."""
+    """Yield the files of a commit until there are too many: a tree may contain itself many times."""
     left = b""
     with git.open("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository) as process:
         count = 0

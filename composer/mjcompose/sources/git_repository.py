@@ -1,4 +1,4 @@
-"""The files of a git repository at a revision: fetched, and kept in the store by their commit."""
+"""The files of a git repository at a revision, which are fetched and kept in the store by their commit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
 def resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a revision, whose commit the lock or the repository says. Raises SourceError."""
+    """Return the file at a revision, whose commit the lock or the repository gives. Raises SourceError."""
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         known[id] = _Repository(reference, id, Store.of(lookup.environment), lookup=lookup).origin()
@@ -57,7 +57,7 @@ class _Repository(Struct):
         revision = self.reference.revision
         written = revision if is_commit(revision) else None
         if written and pinned and written != pinned:
-            message = f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…"
+            message = f"`{self.reference.text}` names another commit than the lock, which has {pinned[:12]}…"
             help = "take the lock from version control, or remove it and run `mjcompose lock`"
             raise SourceError("lock-invalid", message, help=help)
         commit = pinned or written
@@ -164,7 +164,7 @@ class _Repository(Struct):
                 what = "is larger than" if limit == "source-size" else "needs more memory than"
                 message = f"the repository `{self.reference.name}` is refused: it {what} {most}"
                 return SourceError("archive-refused", message, notes=words_of(failure), help=advice(limit))
-        help = "see that `git ls-remote` with that address works; with `--offline` mjcompose uses the store"
+        help = "check that `git ls-remote` with that address works; with `--offline` mjcompose uses the store"
         if "@" in self.reference.name.rpartition("/")[2]:
             help = "an `@` in the name of a branch or tag is written `%40`"
         message = f"the repository `{self.reference.name}` cannot be fetched"
@@ -249,8 +249,8 @@ def replace_pointers(folder: Path, url: str, partial: Path, lookup: Lookup) -> N
     """Replace pointers below `folder` by their files from the LFS of the repository at `url`.
 
     A file that the repository's LFS does not have remains a pointer, which is an error for the model that uses it.
-    `partial` is the folder for downloads. Raises SourceError for a network that fails, for other bytes and for files
-    beyond the limits, and OSError.
+    `partial` is the folder for downloads. Raises SourceError for network errors, for wrong bytes and for files beyond
+    the limits; and OSError.
     """
     pointers = list(pointers_in(folder))
     try:
@@ -289,7 +289,7 @@ class _Server(Struct):
                 got.unlink()
 
     def _offered(self, batch: list[Pointer]) -> Iterator[tuple[Pointer, Mapping[str, Any]]]:
-        """Ask the batch API of LFS, and yield the files that it has, each with how to download it."""
+        """Ask the batch API of LFS, and yield the files that it has, each with its download request."""
         from mjcompose.sources.download import post_json
 
         address = f"{self.url.rstrip('/').removesuffix('.git')}.git/info/lfs/objects/batch"

@@ -124,7 +124,7 @@ def kind_called(name: str) -> SourceKind | None:
 def parse(text: str, fetched: str | None = None) -> Reference:
     """Parse a model reference. No I/O, except that it loads the kind of another package.
 
-    `fetched` is the id of the origin if the recipe with the reference was fetched: it may name no such kind.
+    `fetched` is the id of the origin if the recipe with the reference was fetched: it must not name such a kind.
 
     Text without a scheme is a path; a path with a colon in its first component needs `./` before it. Raises
     SourceError (`source-kind`) for a text that has none of the forms.

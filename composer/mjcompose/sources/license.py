@@ -135,7 +135,7 @@ _IN_CARD = re.compile(r"^license:\s*(?:-\s*)?[\"']?([\w.-]+)[\"']?\s*$", re.MULT
 
 
 def of_card(card: Path) -> str | None:
-    """Return the license in the metadata of a model card of Hugging Face; None if it says none that is known."""
+    """Return the license in the metadata of a model card of Hugging Face, or None if it gives no known license."""
     head = _CARD.match(_texts.ask(os.fspath(card)))
     written = None if head is None else _IN_CARD.search(head[1])
     known = {name.casefold(): name for _, name in _PHRASES} | _WRITTEN
@@ -153,9 +153,9 @@ _NOT_TEXT = frozenset({".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", "
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     """Return the license files of the nearest folder that has any: the model's own, or one of the `LEVELS` above it.
 
-    All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`,
-    and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
-    files.
+    All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`, and
+    stops below the folder where Python packages are installed. The result is empty if there are none. It reads only
+    folders, no files.
     """
     folder = Path(real_folder(os.fspath(model.parent)))
     top = Path(os.path.realpath(base)) if base is not None else None

@@ -67,7 +67,7 @@ class LockedName(_Part):
 class Lock(_Part):
     """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
-    `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of the result for
+    `mjcompose` and `mujoco` are the versions that made the lock. `shapes` has the sha256 of the result for
     each mesh that is kept next to the recipe, by its key. `extensions` has the versions of the other packages whose
     words the recipe uses, by their names.
     """
@@ -117,7 +117,7 @@ Disputed = dict[str, tuple[str, str]]
 
 
 def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
-    """Return the lock in a file, or None if there is none or it cannot be read, which goes to `sink`.
+    """Return the lock in a file, or None if it does not exist or cannot be read, which is reported to `sink`.
 
     If `disputes` is given, a lock with merge conflicts becomes the union of both sides; sources that they pin
     differently go into `disputes`.
@@ -265,8 +265,8 @@ def resolve(
 ) -> Source:  # fmt: skip
     """Find the file of a model reference and its licenses; fetch it if necessary.
 
-    `relative_to` is the folder of the file that contains the reference, `environment` replaces the environment of
-    the process, and `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
+    `relative_to` is the folder of the file that contains the reference, `environment` replaces the environment of the
+    process, and `fetching` has the rules and the memory of the run. A reference in a fetched file must not name
     anything on this machine. Without `runs_code`, kinds that run code are refused. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching

@@ -145,7 +145,7 @@ PACKAGE = SourceKind(
 _MENAGERIE_PACKAGE = "mujoco-menagerie"
 _MENAGERIE_FORM = Form(
     "menagerie:ROBOT/ENTRY",
-    "a robot of MuJoCo Menagerie, through the `mujoco-menagerie` package; without `/ENTRY` the robot's own model",
+    "a robot of MuJoCo Menagerie, through the `mujoco-menagerie` package; without `/ENTRY`, the robot's own model",
 )
 _WITHOUT_NETWORK = "without a network, set `MENAGERIE_ROOT` to a folder that holds the robots"
 
@@ -158,7 +158,7 @@ def _parse_menagerie(text: str) -> Reference:
 
 
 def _resolve_menagerie(reference: Reference, lookup: Lookup) -> Source:
-    """Return the model of a robot of Menagerie by its entry; without one the robot's own model, never its scene.
+    """Return the model of a robot of Menagerie by its entry; without an entry, the robot's own model, never its scene.
 
     The package downloads a robot on first use and keeps it. If `MENAGERIE_ROOT` is set in the environment, it is a
     folder with one subfolder for each robot, and nothing is downloaded. `MENAGERIE_CACHE_DIR` and

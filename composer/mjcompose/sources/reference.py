@@ -88,9 +88,8 @@ class Kind(Struct, kw_only=True):
     | `variables` | the environment variables that determine the file of a reference |
     | `libraries` | the Python packages that determine it; they need not be installed |
 
-    A change of one of `variables` or `libraries` makes entries of the build cache outdated. A kind that is not
-    fetched sees no other variables; one that is fetched sees all of them, because its bytes are pinned or requested
-    in every build.
+    A change of one of `variables` or `libraries` makes entries of the build cache outdated. A kind that is not fetched
+    sees no other variables; a fetched kind sees all of them, because its bytes are pinned or requested in every build.
     """
 
     name: str
@@ -124,14 +123,14 @@ class Reference(Struct):
     | kind | `name` | `path` |
     |---|---|---|
     | path | empty | the path as written |
-    | package | the Python package | the file inside of it |
+    | package | the Python package | the file inside it |
     | menagerie | the robot | the entry, empty for the robot's own model |
     | descriptions | the description | empty |
-    | git | the URL of the repository | the file inside of it, at `revision` |
-    | archive | the URL of the archive | the file inside of it (`revision` is its sha256 if it is written) |
+    | git | the URL of the repository | the file inside it, at `revision` |
+    | archive | the URL of the archive | the file inside it (`revision` is its sha256 if it is written) |
     | bucket | the same in an object store | likewise |
-    | oci | the registry and the repository | the file inside of it (`revision` is the sha256 of the manifest) |
-    | hf | the repository | the file inside of it, at `revision` |
+    | oci | the registry and the repository | the file inside it (`revision` is the sha256 of the manifest) |
+    | hf | the repository | the file inside it, at `revision` |
     """
 
     text: str
@@ -189,9 +188,9 @@ def check_secrets(text: str, host: str) -> None:
 class Origin(Struct):
     """A repository at a commit, an archive, a robot of Menagerie, or an installed package.
 
-    `id` is the model reference without the file (`git+https://host/repo@v1`). `root` is the folder that file names
-    are relative to. `commit` and `tree` are git's hashes, `sha256` the hash of an archive. `without` has the paths that
-    were left out when it was fetched, each with a description. `stored` has the sha256 of every file as it was put
+    `id` is the model reference without the file (`git+https://host/repo@v1`). `root` is the folder that file names are
+    relative to. `commit` and `tree` are git's hashes, and `sha256` is the hash of an archive. `without` has the paths
+    that were left out when it was fetched, each with a description. `stored` has the sha256 of every file as it was put
     into the store.
     """
 
@@ -385,7 +384,8 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
 def is_private(host: str, offline: bool = False) -> bool:
     """Return whether a server is on this machine or in its network; a name is resolved unless `offline`.
 
-    So is a server that cannot be checked. A server without an address is not: nothing can be fetched from it.
+    A server that cannot be checked counts as private. A server without an address does not, because nothing can be
+    fetched from it.
 
     >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
     [True, True, True, False, True]

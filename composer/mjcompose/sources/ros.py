@@ -20,7 +20,7 @@ Actuators = Literal["declared", "all", "none"]
 class UrdfChoices(Struct):
     """Settings of a recipe for a URDF: `arguments` of a xacro template, and the choices of `urdf:`.
 
-    None leaves it to the file, and where that says nothing to MuJoCo, which drops visuals and fuses fixed links.
+    None leaves the choice to the file or else to MuJoCo, which drops visuals and fuses fixed links.
     """
 
     arguments: tuple[tuple[str, str], ...] = ()
@@ -46,7 +46,7 @@ def packages_in(text: str) -> tuple[str, ...]:
 
 
 def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """Return the folder of each package: the given one, or the nearest folder of that name above the file.
+    """Return the folder of each package: the given folder, or the nearest folder of that name above the file.
 
     The name in a folder's `package.xml` counts first. ROS keeps the description of a robot in the package that names
     its meshes.
@@ -56,7 +56,7 @@ def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> di
 
 
 def all_folders(urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """Every package that a file may name: those that are given, and the folders above it by all their names."""
+    """Every package that a file may name: given packages, and the folders above the file by all their names."""
     folders = Path(os.path.abspath(urdf)).parents[::-1]
     # A clone may have another name than its package.
     called = {name: folder for folder in folders if (name := _called(folder)) is not None}

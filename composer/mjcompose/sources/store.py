@@ -10,7 +10,7 @@
     locks/                            one for each entry: two processes do not fetch the same thing at once
     leases/                           one for each process that reads entries: these are not pruned
 
-Every other name is a hash, so no reference can lead out of the store.
+Every other name is a hash, so no reference can lead outside the store.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def store_folder(environment: Mapping[str, str]) -> str:
 
 
 class Entry(Struct):
-    """One entry of the store; `content` is the folder with its files, `about` are the fetcher's notes."""
+    """One entry of the store; `content` is the folder with its files, and `about` are the fetcher's notes."""
 
     kind: str
     key: str
@@ -198,7 +198,7 @@ class Store(Struct):
     def prune(self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()) -> list[Kept]:
         """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
 
-        Entries in `keep`, entries used in the last `grace` seconds and those in use by another process stay. Return
+        Entries in `keep`, entries used in the last `grace` seconds and entries in use by another process stay. Return
         the removed entries.
         """
         removed: list[Kept] = []
@@ -263,7 +263,7 @@ class Store(Struct):
         self._remove_useless(folder, folder.name, lambda: self._read(folder.parent.name, folder) is None)
 
     def unfinished(self) -> list[Path]:
-        """Return files that are being created or downloaded, or were when their process was killed."""
+        """Return files that are being created or downloaded, or were left by a killed process."""
         found = blobs.incomplete_in(self.folder)
         for name in ("staging", "partial", blobs.WRITING):
             with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Archives on the web: fetched, unpacked within limits, kept by their sha256."""
+"""Archives on the web: fetched, unpacked within limits, and kept by their sha256."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SMALL = 64 * MIB
 
 
 class Unsafe(Exception):
-    """An archive is broken or may do harm; the text says which entry and why, `help` how to allow it."""
+    """An archive is broken or may do harm; the text names the entry and the reason, and `help` says how to allow it."""
 
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
@@ -73,8 +73,8 @@ _OF_THE_DISK = frozenset({errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.ENXIO, er
 def unpack(archive: Path, target: Path) -> None:
     """Unpack a zip or a tar (plain, gz, bz2 or xz), recognized by its bytes, into `target`, an empty folder.
 
-    Raises Unsafe for an archive that is broken, encrypted or larger than the limits, that leads out of the folder,
-    or that has links, devices or duplicate names; OSError for errors of the disk.
+    Raises Unsafe for an archive that is broken, encrypted or larger than the limits, that leads outside the folder, or
+    that has links, devices or duplicate names; OSError for errors of the disk.
     """
     size = in_force().source_size
     with open_regular(archive, size, is_source=False) as stream:
@@ -107,7 +107,7 @@ def check_name(name: str) -> None:
     """Raise Unsafe for a path that is not below a folder on every system. No I/O."""
     parts = name.split("/")
     if not name or name.startswith("/") or "\\" in name or _DRIVE.match(name) or ".." in parts:
-        raise Unsafe(f"`{name}` leads out of its folder")
+        raise Unsafe(f"`{name}` leads outside its folder")
     if any(character < " " or character == "\x7f" for character in name):
         raise Unsafe(f"{name!r} has a control character in its name")
     sizes = [len(part.encode("utf-8", "surrogateescape")) for part in parts]
@@ -187,7 +187,7 @@ def _read(stream: IO[bytes], name: str) -> bytes:
 
 
 class _Bounded:
-    """A stream that refuses large reads, which only a forged header asks for."""
+    """A stream that refuses large reads, which only a forged header requests."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
@@ -208,8 +208,8 @@ class Download(Protocol):
 def resolve(reference: Reference, lookup: Lookup, download: Download | None = None) -> Source:
     """Return the file in an archive. Raises SourceError.
 
-    Archives that the lock or the reference pins come from the store, or else are fetched. Unpinned ones
-    are fetched again if the server says that they have changed.
+    Archives that the lock or the reference pins come from the store, or else are fetched. Unpinned archives are fetched
+    again if the server says that they have changed.
     """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
@@ -238,7 +238,7 @@ class _Archive(Struct):
         written = self.reference.revision
         locked = self.fetching.pin(self.id)
         if written and locked and written != locked:
-            message = f"`{self.reference.text}` says another sha256 than the lock, which has {locked[:12]}…"
+            message = f"`{self.reference.text}` gives a different sha256 than the lock, which has {locked[:12]}…"
             help = f"run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
             raise SourceError("lock-stale", message, help=help)
         if locked is None and self.fetching.locked:

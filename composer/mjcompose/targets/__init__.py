@@ -1,1 +1,1 @@
-"""Models as other programs read them, and the limits of these programs."""
+"""Models in the form that other programs read, and the limits of these programs."""

@@ -1,4 +1,4 @@
-"""The check `targets`: other programs have everything that the model has, and read it as it is."""
+"""The check `targets`: other programs support everything in the model, and read it correctly."""
 
 from __future__ import annotations
 

@@ -37,8 +37,8 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     """Write the files that the target `name` reads for `model` into the folder `out`.
 
     It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain text and
-    the model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read the files, its
-    index.
+    the model (if there are any, no file is written), the names of the elements by kind, and, if MuJoCo can read the
+    files, its index.
     """
     model, out = Path(argument["model"]), Path(argument["out"])
     try:
@@ -72,7 +72,7 @@ def _put(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def exported(bundle: Bundle, target: str, folder: Path, *, session: Session) -> dict[str, Any] | str:
-    """Return the answer of `export`, which writes into `out` in a folder, or why nothing can be written."""
+    """Return the answer of `export`, which writes into `out` in a folder, or the reason that nothing can be written."""
     source, out = folder / "in", folder / "out"
     source.mkdir()
     out.mkdir()
@@ -109,7 +109,7 @@ def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Contex
         made = {path.relative_to(out).as_posix(): path.read_bytes() for path in files}
     for each in found["differences"]:
         context.sink.error(
-            FAILED, f"MuJoCo reads the plain text of the model back as another one: {each}", at,
+            FAILED, f"MuJoCo reads the plain text of the model back as a different model: {each}", at,
             cause=Cause(f"{FAILED} {target}", each),
         )  # fmt: skip
     losses = [Loss(**each) for each in found["losses"]]
@@ -166,7 +166,7 @@ def _bundle(
 
 
 class _Places(Struct, frozen=False):
-    """Finds where the elements of a compiled model are written."""
+    """Finds the places where the elements of a compiled model are written."""
 
     model: Unit
     names: Mapping[str, Sequence[str]]

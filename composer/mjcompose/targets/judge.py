@@ -1,4 +1,4 @@
-"""Compare a model as a consumer reads it with MuJoCo's. Runs in MuJoCo's child process.
+"""Compare a model as a consumer reads it with MuJoCo's model, in MuJoCo's child process.
 
 Both are facts: numbers of bodies, joints and actuators by name, the count of each kind of shape, poses, and the end
 of a motion. Reported losses of a target are not compared.
@@ -46,7 +46,7 @@ _MOVED = 0.01
 
 
 class Difference(Struct):
-    """Something that a consumer has read as another one: a feature, the kind and the name of the element, and words."""
+    """An element that a consumer has read differently: a feature, the kind and the name of the element, and words."""
 
     feature: str
     kind: str
@@ -285,7 +285,6 @@ def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolera
 
 
 def _motions(mine: dict[str, float], read: dict[str, float], start: Facts) -> Iterator[Difference]:
-    """Yield the joint whose motion differs most."""
     way = max([abs(end - start[name][0]) for name, end in mine.items() if name in start], default=0.0)
     off = {name: abs(read[name] - end) for name, end in mine.items() if name in read}
     name = max(off, key=lambda each: off[each] if np.isfinite(off[each]) else np.inf, default="")

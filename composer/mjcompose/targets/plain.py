@@ -1,7 +1,7 @@
-"""The plainest MJCF of a model, pass by pass.
+"""The plainest MJCF of a model, made by passes.
 
-MuJoCo's compiler moves each mesh into a frame of its own, and its geoms accordingly. Every mesh is written with these
-vertices, so a program that uses files unchanged sees the same surface.
+MuJoCo's compiler moves each mesh into a frame of its own, and moves its geoms accordingly. Every mesh is written with
+these vertices, so a program that uses files unchanged sees the same surface.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def without_frames(root: Node) -> None:
 
 
 def keep_files(root: Node, folder: Path, spec: Any) -> dict[str, bytes]:
-    """Return the content of the files by path. Meshes are not among them: they are written again. Raises OSError."""
+    """Return the content of the files by path. Meshes are excluded, because they are written again. Raises OSError."""
     files: dict[str, bytes] = {}
     for element, attribute, name in list(file_attributes(root)):
         if element.tag == "mesh":

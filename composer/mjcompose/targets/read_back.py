@@ -127,7 +127,7 @@ class Work(Struct):
 
 
 def carry_out(work: Work, asked: dict[str, Any]) -> tuple[Sequence[Fault], dict[str, Any]]:
-    """Return a finding for each target that lacks something of the model, cannot read it, or reads another one.
+    """Return a finding for each target that lacks something of the model, cannot read it, or reads a different model.
 
     `asked` is a check `targets` as a mapping.
     """
@@ -158,7 +158,7 @@ def _about(
         return [_missing(name, reader)], None
     written = exported(work.bundle, name, folder, session=work.session)
     if not isinstance(written, str) and written["differences"]:
-        written = f"MuJoCo reads the plain text of the model back as another one: {written['differences'][0]}"
+        written = f"MuJoCo reads the plain text of the model back as a different model: {written['differences'][0]}"
     if isinstance(written, str):
         return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
     lacked = [loss for each in written["losses"] if not (loss := Loss(**each)).otherwise]
@@ -191,7 +191,7 @@ def _about(
 
 
 def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], dict[str, float]] | Fault:
-    """Return where the joints are after a motion without forces, in MuJoCo and in another program; or a finding."""
+    """Return the joint positions after a motion without forces, in MuJoCo and in another program; or a finding."""
     python = interpreter(READERS[name], work.environment)
     if python is None:
         return _missing(name, READERS[name])

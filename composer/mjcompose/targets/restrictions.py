@@ -1,6 +1,6 @@
 """Limits of targets: trees of bodies, actuators, ignored elements, and MuJoCo's solver.
 
-Options of the solver are reported only if they differ from MuJoCo's defaults, because nobody has chosen the others.
+Options of the solver are reported only if they differ from MuJoCo's defaults, because default options were not chosen.
 """
 
 from __future__ import annotations
@@ -77,7 +77,6 @@ def single_joints(mass: str = "0") -> Limit:
 
 
 def _zeroed(draft: Draft) -> None:
-    """Place bodies where their joints are at zero."""
     for body in draft.root.iterfind(".//body"):
         joints = [each for each in body.iterchildren("joint") if each.get("type") in ("hinge", "slide")]
         if not any(_reference(each) for each in joints):
@@ -148,7 +147,7 @@ def refused(feature: str, path: str, why: str, help: str) -> Limit:
 def without_attribute(
     feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = ()
 ) -> Limit:
-    """Return a limit that removes an attribute, and attributes that mean nothing without it.
+    """Return a limit that removes an attribute, and attributes that have no meaning without it.
 
     A value other than zero is a loss.
     """
@@ -165,7 +164,7 @@ def without_attribute(
 
 
 def no_shapes(*kinds: str) -> Limit:
-    """Return a limit that removes geoms of these types, and the height fields that no geom uses then."""
+    """Return a limit that removes geoms of these types, and the height fields that no other geom uses."""
 
     def apply(draft: Draft) -> None:
         for _, geom in list(draft.of("geom")):
@@ -329,7 +328,8 @@ def _symmetric(draft: Draft) -> None:
 def _reflected(draft: Draft) -> None:
     """Leave out the armature of joints without an actuator.
 
-    Drake 1.51 reads the armature of a joint as the inertia of the rotor of its actuator. It takes one of several.
+    Drake 1.51 reads the armature of a joint as the inertia of the rotor of its actuator. It uses one of several
+    actuators.
     """
     driven = {actuator.get("joint") for actuator in draft.root.iterfind("actuator/*")}
     for joint in draft.root.iterfind(".//joint"):
@@ -338,7 +338,7 @@ def _reflected(draft: Draft) -> None:
 
 
 def _carried(draft: Draft) -> None:
-    """Write the greatest force of a joint's actuators as the joint's own, too."""
+    """Also write the largest force of a joint's actuators as the joint's own limit."""
     for number, joint in draft.of("joint"):
         most = greatest_force(draft.model, number)
         if joint.get("type") in _SINGLE and most is not None and not draft.model.jnt_actgravcomp[number]:

@@ -36,7 +36,7 @@ def shifted(by: Any) -> Pose:
 
 
 def joined(*poses: Pose) -> Pose:
-    """Return the product of poses: each one is in the frame of the one before it."""
+    """Return the product of poses: each pose is in the frame of the previous pose."""
     at, turned = shifted((0, 0, 0))
     for pos, by in poses:
         at, turned = at + turned @ pos, turned @ by
@@ -104,7 +104,7 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
 
 
 def _rows(model: Any, name: str) -> Any:
-    """Return the rows of an array that have a meaning: meshes have no pose, fixed tendons no looks, some no bias."""
+    """Return the rows of an array that have a meaning: for example, fixed tendons have no looks."""
     kind = name.partition("_")[0]
     if name in _POSES:
         return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
@@ -114,7 +114,6 @@ def _rows(model: Any, name: str) -> Any:
 
 
 def _where(model: Any, name: str, before: Any, after: Any) -> str:
-    """Return a description of the first row that differs."""
     if getattr(before, "shape", None) != getattr(after, "shape", None):
         return f" has another length: {np.size(before)}, not {np.size(after)}"
     if not np.shape(before):

@@ -58,7 +58,7 @@ def refused_options(
 ) -> Limit:
     """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
 
-    `together` finds values that are refused only in combination with something else; its numbers mean nothing.
+    `together` finds values that are refused only in combination with something else; its numbers have no meaning.
     """
 
     def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -76,7 +76,7 @@ def refused_options(
 
 
 def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
-    """Whether a flag is on that is off by default; a MuJoCo may not have it."""
+    """Whether a flag is on that is off by default; some versions of MuJoCo do not have it."""
     bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
     return bit is not None and bool(int(model.opt.enableflags) & int(bit))
 
@@ -214,7 +214,7 @@ MJX_MARGINS = refused_elements("margins", "geom", _margins, help="write `set: {m
 
 
 def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Yield the contact sensors that MJX does not support: of a site, a body or a subtree, and sums of forces."""
+    """Yield the contact sensors that MJX does not support: of sites, bodies or subtrees, and sums of forces."""
     kinds = mujoco.mjtObj
     contact = getattr(mujoco.mjtSensor, "mjSENS_CONTACT", None)
     for number in range(model.nsensor):
@@ -263,7 +263,7 @@ WARP_EQUALITY = refused_members(
 
 
 def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Yield options that MuJoCo Warp refuses together with others."""
+    """Yield options that MuJoCo Warp refuses in combination with other options."""
     option, sleeps = model.opt, is_enabled(mujoco, model, "sleep")
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     if option.noslip_iterations > 0 and discrete is not None and option.integrator == int(discrete):
@@ -271,7 +271,7 @@ def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     if option.jacobian == int(mujoco.mjtJacobian.mjJAC_DENSE) and model.nv > _DENSE_DOFS:
         yield 0, f"MuJoCo Warp has no `jacobian` `dense` for more than {_DENSE_DOFS} degrees of freedom"
     if sleeps and option.solver != int(mujoco.mjtSolver.mjSOL_NEWTON):
-        yield 0, "MuJoCo Warp has the flag `sleep` with the solver `Newton` alone"
+        yield 0, "MuJoCo Warp has the flag `sleep` only with the solver `Newton`"
     if sleeps and (model.eq_type == int(mujoco.mjtEq.mjEQ_FLEX)).any():
         yield 0, "MuJoCo Warp has no flag `sleep` with equality constraints of flexes"
 
@@ -317,7 +317,7 @@ WARP_SLEEP = refused_elements("sleep", "body", _sleepers, help="write `set: {sle
 
 
 def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Yield the flexes that it refuses: quadratic and rigid ones, and those with some kinds of contacts."""
+    """Yield the flexes that it refuses: quadratic and rigid flexes, and flexes with some kinds of contacts."""
     nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
     interpolated, rigid, internal, passive = (
         getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")

@@ -28,7 +28,7 @@ _NO_CONTROL_RANGE = limits.without_attribute(
 )  # fmt: skip
 
 DRAKE = Target(
-    "drake", "Drake, by its parser of MJCF", (
+    "drake", "Drake, through its MJCF parser", (
         limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_EMPTY_INERTIA, limits.NO_KEYS, limits.NO_SENSORS,
         limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_PAIRS, limits.NO_SOFT,
         limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS, limits.NO_FRICTION,
@@ -43,7 +43,7 @@ DRAKE = Target(
 
 # Pinocchio. It reads one body in the world, and one joint in each body.
 PINOCCHIO = Target(
-    "pinocchio", "Pinocchio, by its parser of MJCF", (
+    "pinocchio", "Pinocchio, through its MJCF parser", (
         limits.one_root(with_free=True), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
         limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
         limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS,
@@ -56,7 +56,7 @@ PINOCCHIO = Target(
 
 # PyBullet. It reads bodies, joints and geoms, and places a body in the world by its center of mass.
 PYBULLET = Target(
-    "pybullet", "PyBullet, by its parser of MJCF", (
+    "pybullet", "PyBullet, through its MJCF parser", (
         limits.refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF",
         help="convert it to three hinges"), limits.one_root(with_free=False), limits.NO_REFERENCES,
         limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES,
@@ -69,10 +69,10 @@ PYBULLET = Target(
 
 # Newton. It merges several joints of a body into one, and does not read flexes.
 _MASS = "1e-10"
-"""Moving bodies need a mass in the solver of Newton that is MuJoCo."""
+"""Newton's MuJoCo solver needs moving bodies to have mass."""
 
 NEWTON = Target(
-    "newton", "Newton, by its parser of MJCF", (
+    "newton", "Newton, through its MJCF parser", (
         limits.NO_REFERENCES, limits.single_joints(_MASS), limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS,
         limits.NO_YIELD, *limits.unread_in("free", "damping", "armature", "frictionloss"), limits.CARRIED_FORCES,
         limits.GEARS, limits.GRAVITY,
@@ -127,9 +127,9 @@ WARP = Target(
     ), write=write_mjcf, package="mujoco-warp",
 )  # fmt: skip
 
-# Isaac Sim, by its importer of MJCF.
+# Isaac Sim, through its MJCF importer.
 ISAAC = Target(
-    "isaac", "Isaac Sim, by its importer of MJCF",
+    "isaac", "Isaac Sim, through its MJCF importer",
     (limits.NO_KEYS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM), write=write_mjcf,
 )  # fmt: skip
 

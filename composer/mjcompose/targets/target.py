@@ -25,12 +25,12 @@ class Outcome(StrEnum):
 
 
 class Loss(Struct):
-    """An element that a target cannot express, and what happens to it.
+    """An element that a target cannot express, and its treatment.
 
-    `feature` is a row of the table of features. `kind` and `number` identify the element in the compiled model,
-    `tag` and `name` are for messages. `what` names the part of the element that is left out; it is empty for the
-    element itself. `why` is a remark, or, if the element is written otherwise or refused, the sentence about it.
-    With one that is refused, no model is written.
+    `feature` is a row of the table of features. `kind` and `number` identify the element in the compiled model, `tag`
+    and `name` are for messages. `what` names the part of the element that is left out; it is empty for the element
+    itself. `why` is a remark, or the sentence about the element if it is refused or written in another form. If an
+    element is refused, no model is written.
     """
 
     feature: str
@@ -77,7 +77,7 @@ def grouped(losses: Iterable[Loss]) -> Iterator[list[Loss]]:
 
 
 def in_words(title: str, group: list[Loss]) -> str:
-    """Return a sentence about losses of one kind: how many, and the first names.
+    """Return a sentence about losses of one kind: their number, and the first names.
 
     >>> in_words("Pinocchio", [Loss("damping", "joint", n, "joint", f"j{n}", what="damping") for n in range(5)])
     'Pinocchio ignores damping of 5 joints: `j0`, `j1`, `j2` and 2 more'
@@ -127,7 +127,7 @@ class Draft(Struct, frozen=False):
         self, feature: str, node: Node, why: str = "", *, what: str = "", outcome: Outcome = Outcome.LEFT_OUT,
         help: str | None = None,
     ) -> None:  # fmt: skip
-        """Record that the target cannot express an element, or `what` it has."""
+        """Record that the target cannot express an element, or the part `what` of it."""
         row, tag, name = self.rows.get(node, ("", -1)), str(node.tag), str(node.get("name") or "")
         self.losses.append(Loss(feature, *row, tag, name, why=why, what=what, outcome=outcome, help=help))
 
@@ -161,7 +161,7 @@ def write_mjcf(draft: Draft) -> dict[str, bytes]:
 
 
 class Refusal(Struct):
-    """An element of a compiled model that a simulator does not take; the kind of its options is `option`."""
+    """An element of a compiled model that a simulator does not accept; the kind of its options is `option`."""
 
     kind: str
     number: int

@@ -1,1 +1,1 @@
-"""YAML in which every key and value knows its place, its canonical layout, and `${…}`."""
+"""Located YAML (every key and value has its place), its canonical layout, and `${…}`."""

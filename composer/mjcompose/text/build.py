@@ -81,7 +81,7 @@ class Builder:
         return bool(self._stack) and self._stack[-1].flow
 
     def build(self, events: Iterable[Any]) -> Node | None:
-        """Return the tree, or None if a value is missing or a limit exceeded. Raises the exceptions of the reader."""
+        """Return the tree, or None if a value is missing or a limit is exceeded. Raises the reader's exceptions."""
         stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
         for event in events:
             kind = type(event)
@@ -260,7 +260,7 @@ class Builder:
         span = self._marks.span(event)
         anchored = self._anchors.get(name)
         if any(frame.anchor == name for frame in self._stack):
-            message = f"the alias `*{name}` is inside the value that it names, without end"
+            message = f"the alias `*{name}` is inside the value that it names, which would never end"
             self._sink.error("yaml-alias-bomb", message, span)
             return False
         if anchored is None:
@@ -281,7 +281,7 @@ class Builder:
             self._sink.error("yaml-alias-bomb", message, span)
             return False
         if len(self._stack) + anchored.height > self._deepest:
-            message = f"with `*{name}` there are more than {self._deepest} lists and mappings within each other"
+            message = f"with `*{name}` lists and mappings are nested more than {self._deepest} deep"
             self._sink.error("yaml-too-deep", message, span, help=advice("yaml-depth"))
             return False
         # The contents keep their own place; the value itself is placed at the alias.

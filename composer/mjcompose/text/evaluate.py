@@ -1,4 +1,4 @@
-"""Expressions and texts with `${…}` are evaluated in limited time."""
+"""Evaluate expressions and texts with `${…}` in limited time."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ class Template(Struct):
         return cls(tuple(pieces))
 
     def value(self, scope: Mapping[str, Value]) -> Value:
-        """Evaluate the text with these names: a single expression gives a value of any type, anything else a text."""
+        """Evaluate the text with these names: a single expression gives a value of any type, other texts a text."""
         values: list[Value] = []
         for piece in self.pieces:
             if isinstance(piece, str):
@@ -234,7 +234,7 @@ class Template(Struct):
 
 
 def _closing(text: str, start: int) -> int:
-    """Return the position of the brace that closes the one at `start`, ignoring braces in quotes."""
+    """Return the position of the brace that closes the brace at `start`, ignoring braces in quotes."""
     quote = ""
     for at in range(start + len(OPENING), len(text)):
         character = text[at]
@@ -244,4 +244,4 @@ def _closing(text: str, start: int) -> int:
             quote = character
         elif character == "}":
             return at
-    raise ExpressionError("`${` is never closed", (start, len(text)), "put `}` behind the expression")
+    raise ExpressionError("`${` is never closed", (start, len(text)), "put `}` after the expression")

@@ -1,4 +1,4 @@
-"""The text of an expression becomes a tree; the values and types of expressions."""
+"""Parse the text of an expression into a tree; the values and types of expressions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def kind(value: Value) -> str:
 
 
 def shown(value: Value) -> str:
-    """Return a value as text: the shortest one that reads back as the same number.
+    """Return a value as text: the shortest text that reads back as the same number.
 
     >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left")
     ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left')
@@ -130,7 +130,7 @@ class ExpressionError(Exception):
 
 
 class UnknownName(ExpressionError):
-    """A name that the scope does not have; code that knows the existing names can say more."""
+    """A name that the scope does not have; code that knows the existing names can give more details."""
 
     def __init__(self, name: str, at: Range) -> None:
         super().__init__(f"`{name}` does not exist", at)

@@ -1,4 +1,4 @@
-"""Explanations of the YAML parser's errors, and how to fix them."""
+"""Explanations of the YAML parser's errors, with their fixes."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def unquoted_start(text: str, index: int) -> int:
 
 
 def in_flow(text: str, index: int, outer: bool) -> bool:
-    """Return whether `index` is in `[ ]` or `{ }`; `outer` says whether the start of its line is."""
+    """Return whether `index` is in `[ ]` or `{ }`; `outer` says whether the start of its line is in brackets."""
     depth, quote = int(outer), ""
     begin = max(text.rfind("\n", 0, index), text.rfind("\r", 0, index)) + 1
     for character in text[begin:index]:
@@ -96,17 +96,17 @@ _WORD = re.compile(r"[\w${*/.-]+|\S")
 
 
 class SyntaxFault(Struct):
-    """A fault, and the stretch of plain text to `hide` so that reading can find further faults; None ends reading."""
+    """A fault, and the stretch of plain text to `hide` to find further faults; None ends reading."""
 
     diagnostic: Diagnostic
     hide: tuple[int, int] | None = None
 
 
 class ParserStop(Struct):
-    """Where the parser stopped, and its message (`context`, `problem`).
+    """The place where the parser stopped, and its message (`context`, `problem`).
 
-    `at` and `since` are indices into `text`: where it stopped, and where the construct that it was reading starts.
-    `outer` says whether it is inside `[ ]` or `{ }` that began on an earlier line.
+    `at` and `since` are indices into `text`: the place where it stopped, and the start of the construct that it was
+    reading. `outer` says whether it is inside `[ ]` or `{ }` that began on an earlier line.
     """
 
     text: str
@@ -170,7 +170,7 @@ def for_lone_key(text: str, is_quoted: bool, before: str | None) -> str:
             numbers = "…" if len(parts) < 2 else ", ".join(parts)
             return f"put brackets around the numbers: `{before + ': ' if before and len(parts) < 2 else ''}[{numbers}]`"
         if found := _TIGHT.fullmatch(text):
-            return f"put a space behind the colon: `{found[1]}: {found[2]}`"
+            return f"put a space after the colon: `{found[1]}: {found[2]}`"
         if found := _WORDS.fullmatch(text):
             return f"put a colon between them: `{found[1]}: {found[2]}`"
     shown = quoted(text) if is_quoted else text
@@ -257,13 +257,13 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault:
     key, _, value = it.text[start:end].partition(":")
     if _KEY.fullmatch(key) and value[:1] in ("[", "{", '"', "'"):
         colon = it.span(start, start + len(key) + 1)
-        return it.fault(f"a space is missing behind the colon of `{key}`", colon, f"write `{key}: {value}`")
+        return it.fault(f"a space is missing after the colon of `{key}`", colon, f"write `{key}: {value}`")
     message = f"`{it.text[start:end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
     return it.unquoted(start, end, message)
 
 
 def _glob_choice(it: ParserStop) -> SyntaxFault | None:
-    """Handle `{left,right}/*_link`, which YAML reads as a list or mapping with text behind it."""
+    """Handle `{left,right}/*_link`, which YAML reads as a list or mapping with text after it."""
     before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
     if before not in ("]", "}") or not after or after in "[]{},:# \t\r\n":
         return None
@@ -366,7 +366,7 @@ def _block(it: ParserStop) -> SyntaxFault:
         message += " among the keys of a mapping"
         help = "give the list a key of its own, or write `key: value`"
     elif it.text.startswith("-", it.at):
-        message, help = "the `-` of a list item needs a space behind it", "write `- ` and then the item"
+        message, help = "the `-` of a list item needs a space after it", "write `- ` and then the item"
     else:
         message = "a line without `-` is among the items of a list"
         help = "begin it with `- `, or indent it so that it belongs to the item above"

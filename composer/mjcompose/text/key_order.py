@@ -96,7 +96,7 @@ def is_free(path: Path) -> bool:
 
 
 def put_in_order(node: Collection, path: Path = ()) -> None:
-    """Sort the keys in place, with their comments, but not below an anchor: the order may count at its alias."""
+    """Sort the keys in place, with their comments, but not below an anchor: the order may matter at its alias."""
     if "&" in node.properties:
         return
     if node.mapping:

@@ -231,7 +231,7 @@ _HEADER = re.compile(r"([|>])([-+0-9]*)(.*)", re.DOTALL)
 
 
 def lines_of(leaf: Leaf, indent: int) -> list[str]:
-    r"""Return the lines of a value whose collection is at column `indent`; all but the first include their margin.
+    r"""Return the lines of a value whose collection is at column `indent`; all except the first include their margin.
 
     Double quotes are used, and single quotes if they save escapes; unquoted text stays unquoted.
 

@@ -1,4 +1,4 @@
-"""YAML 1.2 becomes a located tree."""
+"""Load YAML 1.2 as a located tree."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def refuse_size(file: str, sink: Sink) -> None:
 
 
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
-    """Return the text without its byte order mark, or None after an error: no UTF-8, control characters, too large."""
+    """Return the text without its byte order mark, or None after an error, such as control characters."""
     if len(source) > in_force().recipe_size:
         refuse_size(file, sink)
         return None
@@ -126,10 +126,10 @@ _MAX_CHARACTERS_READ = 4_000_000
 
 
 def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) -> Node | None:
-    """Return the tree of a YAML file; `file` is its path for the user, `empty` the help for an empty file. No I/O.
+    """Return the tree of a YAML file; `file` is its path for the user, and `empty` is the help for an empty file.
 
-    All faults that can be found in one run go to `sink`. After a fault that leaves the meaning of the rest clear (a
-    duplicate key, a tag, missing quotes) there is still a tree, in which later stages can find more faults.
+    No I/O. All faults that can be found in one run go to `sink`. After a fault that leaves the meaning of the rest
+    clear (a duplicate key, a tag, missing quotes) there is still a tree, in which later stages can find more faults.
     Otherwise return None. Never raises on bad input.
     """
     source = decode(text, file, sink)

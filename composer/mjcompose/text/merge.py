@@ -1,4 +1,4 @@
-"""Located trees merged for `extends` and `variants`; every value keeps its place."""
+"""Merge located trees for `extends` and `variants`; every value keeps its place."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {
 
 
 def merge(lower: Mapping, upper: Mapping, sink: Sink, path: MergePath = ()) -> Mapping:
-    """Merge `upper` over `lower`; a `null` that deletes nothing is reported. No I/O.
+    """Merge `upper` over `lower`; it reports a `null` that deletes nothing. No I/O.
 
     Mappings merge by key. Scalars and lists are replaced, except that `add` and `edit` append, and an item with a
     known `id` replaces the item with that `id` in its place. `null` deletes.
@@ -211,7 +211,7 @@ def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
 
 
 def _replaced(lower: Mapping, upper: Mapping, path: MergePath) -> Collection[str]:
-    """Return the keys of `lower` that become void by another choice in `upper`."""
+    """Return the keys of `lower` that a different choice in `upper` makes void."""
     kind = _pattern(path)
     void: set[str] = set()
     if kind in (("base",), ("attach", "*")) and _differ(lower, upper, "model"):
@@ -229,7 +229,7 @@ def _given(node: Mapping, name: str) -> bool:
 
 
 def without_ids(node: Mapping, sink: Sink, path: MergePath = ()) -> Mapping:
-    """Return the recipe without the `id`s of items, which only serve merging; report those that are not text."""
+    """Return the recipe without the `id`s of items, which only serve merging; report an `id` that is not text."""
     entries = dict(node.entries)
     for name, (key, value) in node.entries.items():
         below = (*path, name)

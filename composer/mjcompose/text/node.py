@@ -1,4 +1,4 @@
-"""YAML as a located tree: every key and value knows its file, line and column. Insertions into its text."""
+"""YAML as a located tree: every key and value knows its file, line and column. It also inserts into the text."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Marks:
         return Span(self.file, line, column, end_line=line, end_column=last)
 
     def block(self, event: Any) -> tuple[int, int] | None:
-        """Return where the text of a literal block begins, as line and column; None for all other scalars."""
+        """Return the line and column where the text of a literal block begins; None for all other scalars."""
         if event.style != "|":
             return None
         written = self.text[event.start_mark.index : event.end_mark.index].splitlines()[1:]
@@ -333,7 +333,7 @@ def _insert(file: str, line: int, column: int, text: str) -> Change:
 
 
 def common_ends(before: Lines[object], after: Lines[object]) -> tuple[int, int]:
-    """Return how many items two lists or texts share at the start, and how many of the others at the end.
+    """Return the number of items that two lists or texts share at the start, and of the other items at the end.
 
     >>> common_ends("abcd", "abxd"), common_ends("aa", "aaa")
     ((2, 1), (2, 0))

@@ -1,4 +1,4 @@
-"""The fixes of diagnostics, applied until there is nothing to fix."""
+"""Apply the fixes of diagnostics until there is nothing left to fix."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Edit(Struct):
 
 
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
-    """Return the change to a file's text for a diagnostic's fix, or None if there is none or it does not fit.
+    """Return the change to a file's text for a diagnostic's fix, or None if there is no fix or it does not fit.
 
     >>> span = Span("a.yaml", 1, 7, 1, 13)
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("arm/tip", "tipp")), 'site: "tipp"')
@@ -58,7 +58,7 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
 
 
 def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
-    """Return the diagnostic with the verbatim text of its fix, including quotes; without a fix that does not fit."""
+    """Return the diagnostic with the verbatim text of its fix, including quotes, or without a fix that does not fit."""
     if diagnostic.fix is None:
         return diagnostic
     edit = edit_of(diagnostic, source)
@@ -70,7 +70,7 @@ def place_of(diagnostic: Diagnostic) -> Span | None:
 
 
 def applied(source: str, edits: Iterable[Edit]) -> str:
-    """Return the text with all changes; if two overlap, with the first.
+    """Return the text with all changes; if two changes overlap, only the first one is made.
 
     >>> applied("a b c", [Edit(0, 1, "x"), Edit(4, 5, "z"), Edit(0, 3, "y")])
     'x b z'
@@ -116,7 +116,7 @@ _ROUNDS = 50
 class Fixed(Struct, frozen=False):
     """The result of fixing a recipe.
 
-    `files` are the texts before and after by path; `fixed` are the fixed diagnostics, `left` the others.
+    `files` has the texts before and after by path. `fixed` has the fixed diagnostics, and `left` has the others.
     """
 
     files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
@@ -174,7 +174,7 @@ class Fixing(Struct, frozen=False):
         return result
 
     def _breaks(self, before: list[Diagnostic], new: list[Diagnostic]) -> bool:
-        """Return whether a file is wrong now that was right: a corrected name may exist already."""
+        """Return whether a correct file has become wrong, because a corrected name may exist already."""
         was_right = not any(each.severity is Severity.ERROR for each in before)
         return any(
             each.code.startswith(("yaml-", "xml-")) or (was_right and each.severity is Severity.ERROR) for each in new
@@ -212,7 +212,7 @@ class Fixing(Struct, frozen=False):
         return self.now[path]
 
     def is_own(self, path: Path) -> bool:
-        """Return whether it is the user's own file, and not one that was fetched or installed."""
+        """Return whether it is the user's own file, not a fetched or installed file."""
         fetching = self.context.fetching
         fetched = fetching is not None and fetching.around(path) is not None
         return path.suffix.lower() in self.suffixes and os.path.isfile(path) and not fetched

@@ -1,4 +1,4 @@
-"""The linter: files become models, rules find their faults, and findings become diagnostics with fixes."""
+"""The linter: it reads files as models, finds faults by rules, and reports them as diagnostics with fixes."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ _HEAD, _MOST_NEAR = 1 << 20, 200
 
 
 class Target(Struct):
-    """A file to lint; the errors of one that `may_be_part` of another file do not count."""
+    """A file to lint. If it `may_be_part` of another file, its errors do not count."""
 
     path: Path
     may_be_part: bool = False
 
 
 def targets_of(paths: Iterable[Path]) -> list[Target]:
-    """Return the models in folders, those that a glob matches, and all other paths as they are.
+    """Return the models in folders, the models that a glob matches, and all other paths unchanged.
 
     A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe.
     A file that another file includes may not be a model by itself.
@@ -119,7 +119,7 @@ def _head(path: Path) -> bytes:
 
 
 class Linted(Struct):
-    """The result for one file: its findings, without those that a comment ignores, and the number of ignored ones."""
+    """The result for one file: its findings, without ignored ones, and the number of ignored findings."""
 
     path: Path
     found: tuple[Diagnostic, ...]
@@ -157,7 +157,7 @@ class _Model(Struct):
     """The model of a file, and its text as MJCF.
 
     `is_part` says whether other files may complete it, `is_compiled` whether the session keeps it, and `is_written`
-    whether it is as the file says, and not linked or converted.
+    whether it matches the file, without being linked or converted.
     """
 
     unit: Unit
@@ -225,7 +225,7 @@ def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> D
 
 
 def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
-    """Return the change of the file's text, or None if the element is not written in a file as it is in the model."""
+    """Return the change of the file's text, or None if the file has the element in another form."""
     owner, line = unit.origins.owner(element, unit.file), line_of(element)
     text = unit.origins.text(owner) if isinstance(owner, str) else None
     if text is None or line is None or element in unit.origins.settings or not isinstance(owner, str):

@@ -41,7 +41,8 @@ def write_lock(
 ) -> tuple[str, list[str]] | None:
     """Write the lock; return its place and its new entries, or None after errors, which are reported.
 
-    `names` are the sources to upgrade: none for None, all for `()`, and with them or with `interface` the interface.
+    `names` are the sources to upgrade: None for none, `()` for all. Either of these, or `interface`, also upgrades the
+    interface.
     """
     if not os.path.isfile(context.folder / recipe):
         make_plan(recipe, context)  # which reports the existing names

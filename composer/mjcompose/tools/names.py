@@ -27,7 +27,7 @@ Address = tuple[str, int, str]
 
 
 class Names(Struct):
-    """The names of a model. `sha256` is the hash of its MJCF text, `keys` has the vectors of each keyframe."""
+    """The names of a model. `sha256` is the hash of its MJCF text, and `keys` has the vectors of each keyframe."""
 
     model: str
     sha256: str
@@ -36,7 +36,7 @@ class Names(Struct):
     keys: Sequence[Mapping[str, Sequence[float]]]
 
     def as_data(self) -> dict[str, Any]:
-        """Return everything in the order of the model; elements without a name have an empty one."""
+        """Return everything in the order of the model; elements without a name have an empty name."""
         rows = asdict(self.index)
         keys = [{**row, **key} for row, key in zip(rows["keyframes"], self.keys, strict=True)]
         for row in rows["joints"]:
@@ -201,7 +201,7 @@ def _array(kind: str, name: str, rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _cpp(value: object) -> str:
-    """Return a value of C++. A pair of numbers or None is a range, and a list the vector of a keyframe."""
+    """Return a value of C++. A pair of numbers or None is a range, and a list is the vector of a keyframe."""
     if value is None:
         return "{}"
     if isinstance(value, str):  # an escape of three octal digits ends by itself

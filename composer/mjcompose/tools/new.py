@@ -69,7 +69,7 @@ _ACTION = ".github/actions/mjcompose/action.yml"
 
 
 def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
-    """Return the files of a project by path. `model` is the name of its first model, `schema` the schema of recipes."""
+    """Return the files of a project by path, with its first model, `model`, and the `schema` of recipes."""
     given = {"PROJECT": title, "VERSION": __version__, "MUJOCO": mujoco}
     files = {}
     for name, path in _FILES.items():
@@ -97,7 +97,7 @@ def lacking(path: str, there: str, own: str) -> list[str]:
 def _template(name: str, given: Mapping[str, str]) -> str:
     """Return a template with all placeholders filled in at once, because values may contain one.
 
-    `MUJOCO_LOG` is another word than `MUJOCO`.
+    `MUJOCO_LOG` is a different word from `MUJOCO`.
     """
     text = resources.files(__package__).joinpath("project", name).read_text(encoding="utf-8")
     return re.sub(rf"\b({'|'.join(given)})\b", lambda found: given[found[0]], text)
@@ -108,7 +108,7 @@ def write_project(
 ) -> tuple[list[str], list[str]]:
     """Write files below `folder`, which may exist; `finish` adds to them before they become visible.
 
-    Return the paths of the written files, and of existing ones that are kept. Raises OutputError, even if a `needed`
+    Return the paths of the written files, and of existing files that are kept. Raises OutputError, even if a `needed`
     file exists with another content; exceptions of `finish` propagate.
     """
     with staged_folder(folder, into=True) as stage:

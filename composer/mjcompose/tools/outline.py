@@ -52,7 +52,7 @@ class Joint(Struct):
 class Place(Struct):
     """A place for attaching a part: `kind` is `site`, `body` or `frame`.
 
-    `pose` is relative to its body, `world` to the world with all joints at their reference; meters.
+    `pose` is relative to its body, and `world` is relative to the world with all joints at their reference; in meters.
     """
 
     kind: str
@@ -89,7 +89,7 @@ class Part(Struct):
 
 
 class Outline(Struct):
-    """A model: `name` is its own, `label` the user's name for it."""
+    """A model: `name` is its own name, and `label` is the user's name for it."""
 
     name: str
     label: str
@@ -174,7 +174,7 @@ class _Outliner:
                     yield from self.members([node], inner, copies * count)
 
     def range(self, node: Node, type: str) -> tuple[float, float] | None:
-        """Return the limits in effect: `limited` decides, and if it is not set, whether a range is written."""
+        """Return the limits in effect. `limited` decides; if it is not set, a written range counts."""
         if type == "free":
             return None
         kind, classes = kind_of(node), self.unit.classes
@@ -288,10 +288,10 @@ _ARCHIVES = (".zip", ".mjz")
 
 
 def outline(text: str, context: Context, given: Given | None = None, sample: int = 0) -> Outline | None:
-    """Return the outline of `text`, or None if `context.sink` says why not.
+    """Return the outline of `text`, or None after errors, which are in `context.sink`.
 
     Nothing is compiled except the units that the linker has to measure. `given` are values of a recipe's parameters and
-    variants, `sample` selects its draws.
+    variants, and `sample` selects its draws.
     """
     path = context.folder / text
     if text == STDIN:

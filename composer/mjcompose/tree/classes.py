@@ -29,7 +29,7 @@ class DefaultClass(Struct, frozen=False):
     elements: dict[str, list[Node]] = field(default_factory=dict)
 
     def line(self) -> Iterator[DefaultClass]:
-        """Yield the class and all that it inherits from, the nearest first."""
+        """Yield the class and all classes that it inherits from, the nearest first."""
         here: DefaultClass | None = self
         while here is not None:
             yield here
@@ -175,8 +175,8 @@ def own(body: Node, *tags: str) -> list[Node]:
 class Level(Struct):
     """One place that may set an attribute, the nearest first.
 
-    `writer` is the element that writes it there, `text` the written text; None if that level does not set it.
-    `taken` is the range of its numbers in effect: a shorter list leaves the remaining ones to the next levels.
+    `writer` is the element that writes it there, and `text` is the written text, or None if that level does not set it.
+    `taken` is the range of its numbers in effect: a shorter list leaves the remaining numbers to the next levels.
     """
 
     kind: Literal["element", "class", "mujoco"]
@@ -237,7 +237,7 @@ def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes
 
 
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
-    """Yield every attribute that some class sets for an element, with the nearest level that does."""
+    """Yield every attribute that some class sets for an element, with the nearest level that sets it."""
     seen = {name for name in map(str, element.keys()) if written(element, name) is not None}
     turned = not seen.isdisjoint(ORIENTATIONS) or element.get("quat") is not None
     for step in chain(element, classes) if kind.takes_class else ():
@@ -298,5 +298,5 @@ def position(node: Node) -> list[int]:
 
 @cache
 def _common() -> frozenset[str]:
-    """Return the attributes that any actuator of a class sets for all: a motor's, because it has none of its own."""
+    """Return the attributes that any actuator of a class sets for all: the attributes of a motor."""
     return frozenset(GRAMMAR.element("actuator/motor").attributes)

@@ -1,4 +1,4 @@
-"""The cost of a model once MuJoCo has expanded it, counted before that."""
+"""The cost of a model after MuJoCo expands it, counted before that."""
 
 from __future__ import annotations
 
@@ -80,11 +80,11 @@ _DOFS = {"free": 6, "ball": 3}
 
 
 class Weight(NamedTuple):
-    """How many elements, bodies and degrees of freedom a piece has, and how many numbers in the mass matrix.
+    """The numbers of elements, bodies and degrees of freedom of a piece, and of its numbers in the mass matrix.
 
-    The matrix has a number for each two degrees of freedom of which one carries the other, and for each with itself.
-    `loose` are the degrees of freedom whose body is around the piece; they have no numbers yet. `points` counts the
-    points of meshes in models that it attaches.
+    The matrix has a number for each degree of freedom, and for each pair of which one carries the other. `loose` are
+    the degrees of freedom whose body is around the piece; they have no numbers yet. `points` counts the points of
+    meshes in models that it attaches.
 
     >>> joint = Weight(elements=1, dofs=1, loose=1)
     >>> link = joint.in_body()
@@ -106,7 +106,7 @@ class Weight(NamedTuple):
         return Weight(*(count * each for each in self))
 
     def in_body(self) -> Weight:
-        """A body with this in it."""
+        """The weight of a body that contains this piece."""
         own, carried = self.loose, self.dofs - self.loose
         matrix = self.matrix + own * (own + 1) // 2 + own * carried
         return self._replace(elements=self.elements + 1, bodies=self.bodies + 1, matrix=matrix, loose=0)
@@ -116,7 +116,7 @@ NOTHING = Weight()
 
 
 def joint_dofs(joint: Node, by_default: int) -> int:
-    """The degrees of freedom of a joint; `by_default` of one that does not say its type.
+    """The degrees of freedom of a joint; `by_default` for a joint that does not set its type.
 
     >>> from lxml import etree
     >>> joint_dofs(etree.fromstring('<joint type="ball"/>'), 1), joint_dofs(etree.fromstring("<freejoint/>"), 1)
@@ -129,7 +129,7 @@ def joint_dofs(joint: Node, by_default: int) -> int:
 
 
 def default_dofs(root: Node) -> int:
-    """Return an upper bound of the degrees of freedom of a joint without a type, whatever its class.
+    """Return an upper bound of the degrees of freedom of a joint without a type, regardless of its class.
 
     >>> from lxml import etree
     >>> default_dofs(etree.fromstring('<mujoco><default><joint type="ball"/></default></mujoco>'))
@@ -161,7 +161,7 @@ _COUNTS = (
 
 
 def written(root: Node) -> int:
-    """Return how many elements a tree has.
+    """Return the number of elements in a tree.
 
     >>> from lxml import etree
     >>> written(etree.fromstring("<mujoco><worldbody><!-- none --><geom/></worldbody></mujoco>"))
@@ -173,7 +173,7 @@ def written(root: Node) -> int:
 def check_size(
     unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lambda _: NOTHING, *, opens_files: bool = True
 ) -> None:
-    """Report a model that is larger than the limits allow, at the element that makes it so; expand nothing.
+    """Report a model that is larger than the limits allow, at the element that causes it; expand nothing.
 
     `attached` has the cost of an `<attach>`. Without `opens_files` the points of mesh files are not counted:
     `all_admitted` does so before MuJoCo opens them.
@@ -222,7 +222,7 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
     """Return whether the expanded model is within the limits; if not, report its largest element.
 
     MuJoCo 4.0 takes four times as long for twice as many bodies or joints, wherever they are: 15 s for 15,000. The
-    matrix takes 5 s where it has two million numbers, and eight times that where each body hangs on twice as many.
+    matrix takes 5 s if it has two million numbers, and eight times that if each body depends on twice as many.
     """
     for limit, count, words in _COUNTS:
         most, needed = getattr(in_force(), limit.replace("-", "_")), getattr(total, count)
@@ -253,7 +253,7 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
 def expanded(
     root: Node, attached: Callable[[Node], Weight] = lambda _: NOTHING, in_file: Callable[[Node], int] = lambda _: 0
 ) -> Weight:
-    """How large a tree is once it is expanded; `in_file` says how many points the file of a `<flexcomp>` has.
+    """The size of a tree after expansion; `in_file` returns the number of points in the file of a `<flexcomp>`.
 
     >>> from lxml import etree
     >>> expanded(etree.fromstring('<body><replicate count="1000"><geom/><site/></replicate></body>')).elements
@@ -267,7 +267,7 @@ def _made(
 ) -> tuple[dict[Node, Weight], Weight]:
     """Return the weight of each expanded element, in the order of the tree, and the weight of the whole tree.
 
-    An expanded element does not count the elements that are written in it. No recursion, however deep a model is.
+    An expanded element does not count the elements that are written in it. It does not recurse, even for a deep model.
     """
     by_default = default_dofs(root)
     nodes = list(root.iter("*"))
@@ -311,7 +311,7 @@ def _expanded(node: Node, inside: Weight, attached: Callable[[Node], Weight], in
 
 
 def _soft(flexcomp: Node, points: int) -> Weight:
-    """The number of bodies of a flex. Pinned vertices have no body, and are counted anyway."""
+    """The number of bodies of a flex. Pinned vertices have no body but are counted anyway."""
     if flexcomp.get("rigid") == "true":
         return NOTHING
     dof = flexcomp.get("dof") or "full"
@@ -385,7 +385,7 @@ def _weight(name: str, elements: int) -> int:
 
 
 def _steps(lengthrange: Node) -> int:
-    """Return how many steps MuJoCo simulates for each actuator whose length range it computes."""
+    """Return the number of steps that MuJoCo simulates for each actuator whose length range it computes."""
     try:
         return int(float(lengthrange.get("inttotal") or 10) / float(lengthrange.get("timestep") or 0.01))
     except (ValueError, OverflowError, ZeroDivisionError):
@@ -399,7 +399,7 @@ _COLUMNS = 10_000
 
 
 def check_text(data: bytes, file: str, sink: Sink) -> bool:
-    """Return whether XML may be parsed: it has not too many elements and no text that is too long. Report it if not."""
+    """Return whether XML is within the limits for elements and long texts, and report it otherwise."""
     limits = in_force()
     tags = _tags(data) if len(data) > limits.elements else 0
     if tags > limits.elements:

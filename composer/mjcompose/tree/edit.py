@@ -1,4 +1,4 @@
-"""Changes of a model: attributes, new names, removal, with all that follows from them."""
+"""Changes of a model: attributes, new names and removal, with all consequences."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def skins(root: Node) -> Iterator[Skin]:
 
 
 def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> bytes | None:
-    """Return the file with renamed bones, or None if none changes. Raises `BadBone`.
+    """Return the file with renamed bones, or None if no bone changes. Raises `BadBone`.
 
     `rename` returns None for a name that stays. An unreadable file stays as it is: it is reported where all files
     are read, or by MuJoCo.
@@ -114,7 +114,7 @@ def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
 def attached_notes(unit: Unit, name: str) -> list[Note]:
     """Return notes on each `<attach>` that may bring a missing name."""
     reach = "to reach into that, attach it in a recipe"
-    message = f"it may be of the model that MuJoCo attaches here, and can only be referred to: {reach}"
+    message = f"it may belong to the model that MuJoCo attaches here, and can only be referred to: {reach}"
     holders = (each for each in unit.root.iter("attach") if name.startswith(str(each.get("prefix") or "")))
     return [Note(message, unit.origins.span(attach, unit.file)) for attach in holders]
 
@@ -146,7 +146,7 @@ class Editable(Lookup, Protocol):
         """The names of its own tree."""
 
     def levels(self) -> Iterator[tuple[Self, str]]:
-        """Yield the model, then those it is attached to, each with the prefix that this model's names have there."""
+        """Yield the model, then the models that it is attached to, each with the prefix of this model's names there."""
 
     def names_of(self, node: Node) -> Iterable[tuple[str, str]]:
         """Return namespace and name of everything that belongs to an element."""
@@ -184,8 +184,8 @@ def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
 def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, str]]:
     """Yield the texts by which models refer to a name: each model, the prefix there, the namespace and the whole text.
 
-    Besides the name itself these are the names of the copies that MuJoCo makes, and of the bodies and joints that it
-    makes of a `<flexcomp>`.
+    These are the name itself, the names of the copies that MuJoCo makes, and the names of the bodies and joints that it
+    makes from a `<flexcomp>`.
     """
     node = model.find_node(namespace, name)
     has_copies = node is not None and multiplies(node)
@@ -201,7 +201,7 @@ def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, 
 
 
 def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
-    """Return whether MuJoCo makes the name of a body or joint for a `<flexcomp>`, and not for another one."""
+    """Return whether MuJoCo makes the name of a body or joint for this `<flexcomp>`."""
     # It calls them `cloth_0`, `rod_twist_0` and `rod_twist`; in a `<replicate>` the number of the copy follows.
     end = used.removeprefix(f"{flex}_")
     longer = (other for other in model.names.declared.get("flex", ()) if len(other) > len(flex))
@@ -251,8 +251,8 @@ def unresolved(
 ) -> Diagnostic:  # fmt: skip
     """Return the error for a missing name: existing names, the likely one, and other kinds with the name.
 
-    `written` is the format of a name in the file, `typed_by` the attribute next to it that sets the kind. `purpose`,
-    `message` and `help` are as in `unknown_name`; `notes` come first.
+    `written` is the format of a name in the file, and `typed_by` is the attribute next to it that sets the kind.
+    `purpose`, `message` and `help` are as in `unknown_name`; `notes` come first.
     """
     others = [kind for kind in model.kinds_of(name) if kind != namespace]
     # A name that exists with another kind is hardly misspelled.
@@ -280,13 +280,13 @@ def changing(model: Editable, node: Node) -> Iterator[None]:
 
 
 def assign(model: Editable, node: Node, texts: Mapping[str, str | None]) -> None:
-    """Write attributes of an element of the model; None removes one."""
+    """Write attributes of an element of the model; None removes an attribute."""
     with changing(model, node):
         replace(node, texts)
 
 
 def replace(node: Node, texts: Mapping[str, str | None]) -> None:
-    """Write attributes that hold no names; None removes one.
+    """Write attributes that hold no names; None removes an attribute.
 
     There are five attributes for an orientation; each replaces the others.
 
@@ -316,15 +316,14 @@ class NewName(NamedTuple, Generic[M]):
 class Renaming(Struct, Generic[M]):
     """Old and new texts of references to renamed elements, by model and namespace.
 
-    It is created before the first name changes, and applied after all have changed: two names can be
-    swapped.
+    It is created before the first name changes, and applied after all names have changed, so two names can be swapped.
     """
 
     followed: dict[tuple[M, str], dict[str, str]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, names: Iterable[NewName[M]]) -> Renaming[M]:
-        """Return the references to these names, including references to the elements that MuJoCo makes of it."""
+        """Return the references to these names, including references to elements that MuJoCo makes from them."""
         renaming: Renaming[M] = cls()
         for model, namespace, old, new in names:
             for here, prefix, kind, used in uses_of(model, namespace, old):
@@ -406,7 +405,7 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
 
 
 def whole(node: Node) -> Node:
-    """Return the smallest meaningful element around a node: a section's child, or itself in the body tree."""
+    """Return the smallest meaningful element around a node: a section's child, or the node itself in the body tree."""
     if section_of(node) == WORLD_SECTION:
         return node
     while (parent := node.getparent()) is not None and not is_section(parent):

@@ -70,7 +70,7 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
 
 def join(folder: str, name: str) -> str:
-    """Return `name` in `folder`, normalized as text (`a/../b` is `b`, whatever exists). Backslashes separate too."""
+    """Return `name` in `folder`, normalized as text (`a/../b` is `b`, even without `a`). Backslashes also separate."""
     if "\\" in name or "\\" in folder:
         name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
     path = name if is_absolute(name) or not folder else f"{folder}/{name}"
@@ -97,7 +97,7 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
 
 
 def is_plain(name: str) -> bool:
-    """Return whether a path needs no normalizing and leads to a file below the folder it is joined to."""
+    """Return whether a path needs no normalizing and leads to a file below the folder that it is joined to."""
     if "/" in name and (_has_empty_steps(name) or is_absolute(name)):
         return False
     return not (name.startswith(".") or "\\" in name or ":" in name)

@@ -45,7 +45,7 @@ WORDS: dict[str, Span] = {
 
 _SPRINGY = ("body/joint", "default/joint", "tendon/spatial", "tendon/fixed", "default/tendon")
 LONGER = {f"{place}@{name}": "3.7.0" for place in _SPRINGY for name in ("stiffness", "damping")}
-"""Numbers of which there may be several since that version."""
+"""Numbers that may be lists since that version."""
 
 
 RELEASED = tuple(
@@ -58,7 +58,7 @@ RELEASED = tuple(
 
 
 def release(text: str) -> str | None:
-    """Return a release: of `3.1` the last; None for a version that does not exist.
+    """Return a release: for `3.1`, the last one; None for a version that does not exist.
 
     >>> release("3.1"), release("3.2.3"), release("4"), release("2.3")
     ('3.1.6', '3.2.3', '4.0.0', None)
@@ -68,7 +68,7 @@ def release(text: str) -> str | None:
 
 
 class Unread(Struct):
-    """Something that a version does not read: an element (`attribute` None), an attribute, or its `value`."""
+    """A feature that a version does not read: an element (`attribute` None), an attribute, or its `value`."""
 
     node: Node
     attribute: str | None
@@ -84,7 +84,7 @@ class Unread(Struct):
         return f"{written} of `<{self.node.tag}>`"
 
     def when(self) -> str:
-        """In which versions it is there."""
+        """The versions that have it."""
         return f"MuJoCo has it since {self.since}" if self.since else f"MuJoCo had it up to {self.until}"
 
 
@@ -96,7 +96,7 @@ def spans() -> dict[str, Span]:
 
 
 def place(node: Node) -> str:
-    """Return the place of an element as the tables say it: `body/geom`, also inside a frame or a replicate."""
+    """Return the place of an element in the form of the tables: `body/geom`, also inside a frame or a replicate."""
     above = [str(each.tag) for each in node.iterancestors() if each.tag != "mujoco"][::-1]
     tags = [*("body" if tag in _BODIES else tag for tag in above), str(node.tag)]
     if tags[0] == "worldbody":
@@ -107,7 +107,7 @@ def place(node: Node) -> str:
 
 
 def unread(root: Node, version: str) -> Iterator[Unread]:
-    """All in a tree that this version of MuJoCo has not, the outermost of elements in one another."""
+    """Everything in a tree that this version of MuJoCo lacks; of nested elements, only the outermost."""
     known, waiting = spans(), list(reversed(list(root.iterchildren("*"))))
     while waiting:
         node = waiting.pop()

@@ -1,4 +1,4 @@
-"""Settings on which parts agree, how their keys are copied, and facts of a source that is not MJCF."""
+"""Settings on which parts agree, the copying of their keys, and facts about a source that is not MJCF."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _NAMED = 4
 class Adopted(NamedTuple):
     """The value of a setting that neither the base nor the recipe writes.
 
-    `path` is the path of the attribute (`option/cone`), `parts` are the prefixes of the parts that write it, and
-    `at` returns where the first of them does. A value equal to MuJoCo's default is not written into the model
+    `path` is the path of the attribute (`option/cone`), `parts` are the prefixes of the parts that write it, and `at`
+    returns the place where the first of them writes it. A value equal to MuJoCo's default is not written into the model
     (`is_written`); it counts only if the composition is itself a part.
     """
 
@@ -31,7 +31,7 @@ class Adopted(NamedTuple):
         return self.at()
 
     def located(self) -> Adopted:
-        """Return the same with a known place, independent of the model's text."""
+        """Return the same setting with a known place, independent of the model's text."""
         return self._replace(at=partial(known, self.span))
 
     @property
@@ -41,12 +41,12 @@ class Adopted(NamedTuple):
 
 
 def known(span: Span) -> Span:
-    """Return the place itself; the counterpart of a function that looks it up."""
+    """Return the place itself; a function that looks up the place is the alternative."""
     return span
 
 
 def in_words(adopted: Iterable[Adopted]) -> Iterator[str]:
-    """Yield the settings that are written into the model, a line for all with the same parts."""
+    """Yield the settings that are written into the model, with one line for all settings with the same parts."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for each in adopted:
         if each.is_written:

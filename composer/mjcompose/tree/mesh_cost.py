@@ -1,4 +1,4 @@
-"""How many points the meshes of a model have, counted before MuJoCo works on them."""
+"""The number of points in the meshes of a model, counted before MuJoCo processes them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FACE, _HEAD = 50, 84
 _PIECE = 1 << 24
 _INDENTED = re.compile(rb"\n +")
 _LONG = 1000
-"""Corners from which on the cutting of a polygon costs more than its points."""
+"""The number of corners above which cutting a polygon costs more than its points."""
 _CUT = 4000
 _SMALL = 1 << 15
 """An OBJ file of at most this many bytes has too few points to matter."""
@@ -50,7 +50,7 @@ def points_in(data: bytes, kind: str) -> int:
 
 
 def most_points(size: int, kind: str) -> int | None:
-    """Return an upper bound of the points of a file of `size` bytes; None if only its bytes can tell.
+    """Return an upper bound of the points of a file of `size` bytes; None if the size does not suffice.
 
     >>> most_points(84 + 50 * 12, "stl"), most_points(1000, "obj")
     (36, 312)
@@ -61,7 +61,7 @@ def most_points(size: int, kind: str) -> int | None:
 
 
 def most_points_in(data: bytes, kind: str) -> int | None:
-    r"""Return an upper bound of the points of a file, much faster than counting them; None if only that can tell.
+    r"""Return an upper bound of the points of a file, much faster than by counting; None if it has to count.
 
     >>> most_points_in(b"v 0 0 0\n" * 10_000, "obj"), most_points_in(b"f" + b" 1" * 20_000, "obj")
     (20000, None)
@@ -92,7 +92,7 @@ def _of_stl(data: bytes) -> int:
 
 
 def _of_obj(data: bytes) -> int:
-    """Polygons count as the triangles that they are cut into; cutting takes the square of their corners."""
+    """Polygons count as the triangles that they are cut into; cutting takes time in the square of the corners."""
     import numpy as np
 
     points = triangles = cutting = 0
@@ -140,7 +140,7 @@ def file_points(element: Node, unit: Unit) -> int:
 
 
 def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
-    """Return the `count` of a file, which `most_points` does not open."""
+    """Return the `count` for a file, without opening it in `most_points`."""
     path = written_path(unit.settings, element, str(element.get("file") or ""))
     # MuJoCo believes `content_type` rather than the name.
     told = str(element.get("content_type") or "").lower().rpartition("/")[2]
@@ -173,9 +173,9 @@ _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
 def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = True) -> bool:
     """Whether the meshes of a model, and `attached` points of models that it attaches, are within the limit.
 
-    Files are read only if their sizes leave that open, and not at all unless `opens_files`: to ask for the sizes of
-    sixty files takes four times as long as to parse the model that names them. Their points are counted only if a quick
-    look leaves it open, too. An excess is reported at the largest mesh.
+    Files are read only if their sizes are not conclusive, and never unless `opens_files`: getting the sizes of sixty
+    files takes four times as long as parsing the model that names them. Points are counted only if a quick look is not
+    conclusive either. An excess is reported at the largest mesh.
     """
     most = in_force().mesh_points
     meshes: list[Node] = (_MESHES if opens_files else _WITHOUT_FILE)(unit.root)  # type: ignore[assignment]
@@ -203,7 +203,7 @@ def mesh_points(unit: Unit) -> int:
 
 
 def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
-    """Return an upper bound of the points of all meshes and of those `attached`, from the sizes of files or a look."""
+    """Return an upper bound of the points of all meshes and of `attached` points, from file sizes or a quick look."""
     by_size = [_points(each, unit, most_points) for each in meshes]
     if None not in by_size and (total := attached + sum(filter(None, by_size))) <= in_force().mesh_points:
         return total
@@ -216,7 +216,7 @@ def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
 
 
 def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
-    """Return the count of each. MuJoCo 4.0 makes a mesh once that several elements describe in the same words."""
+    """Return the count of each mesh. MuJoCo 4.0 makes a mesh that is described twice only once."""
     found: dict[Node, int] = {}
     hulled = _hulled(unit.root) if meshes else None
     seen = set()
@@ -243,7 +243,7 @@ def _has_hull(mesh: Node, hulled: set[str] | None) -> bool:
 
 
 def _hulled(root: Node) -> set[str] | None:
-    """Return the names of the meshes whose hulls MuJoCo computes: those of geoms that may collide; None for any."""
+    """Return the names of the meshes whose hulls MuJoCo computes: those of geoms that may collide; None for all."""
     asks = (*root.iterfind("contact/pair"), *root.iter("distance", "normal", "fromto"))
     is_convex = any(each.get("inertia") == "convex" for each in root.iter("mesh"))
     if asks or is_convex or any(each.get("mesh") for each in root.iterfind("default//geom")):

@@ -150,7 +150,7 @@ MAY_REPEAT = frozenset({"model"})
 ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
 """Names that exist in every model, with their namespace."""
 LEADING_OUT: list[int] = []
-"""Its length is the number of models in this process, so far, that refer to something outside of themselves."""
+"""Its length is the number of models in this process that have referred to something outside themselves."""
 _ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
 
 Use = tuple[Node, str]
@@ -223,7 +223,7 @@ class NameIndex(Names, frozen=False):
         return list(self.uses.get(namespace, {}).get(name, ()))
 
     def follow(self, namespace: str, names: Mapping[str, str]) -> None:
-        """Change all references to these names to the new ones, all at once: two names can swap."""
+        """Change all references to these names to the new names at once, so two names can be swapped."""
         uses = self.uses.get(namespace, {})
         moved = {old: users for old in names if (users := uses.pop(old, None))}
         lists: dict[Use, None] = {}
@@ -241,7 +241,7 @@ class NameIndex(Names, frozen=False):
 
 @cache
 def _rows(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
-    """Return for each tag the attributes that declare names, and then those that refer to names."""
+    """Return for each tag the attributes that declare names, and then the attributes that refer to names."""
     kinds = (DECLARES,), (REFERS, LISTS, REFERS_BY)
     return {
         tag: tuple((name, *each) for of in kinds for name, each in actions.items() if each[0] in of)

@@ -1,4 +1,4 @@
-"""MJCF text becomes a unit, as leniently as in MuJoCo's own reader.
+"""Parse MJCF text into a unit, as leniently as MuJoCo's own reader.
 
 XML that MuJoCo parses differently from an XML parser is refused. MuJoCo 4.0 reads bytes as UTF-8 whatever the
 declaration says, and ends a `<!DOCTYPE` at the first `>`: a comment in a DTD can be a model for MuJoCo.
@@ -35,7 +35,7 @@ from mjcompose.tree.xml_text import take_cdata_in
 
 
 def take_header_in(root: Node) -> tuple[Node, ...]:
-    """Move the comments before a root, such as a license, inside of it: they would be lost when the tree moves."""
+    """Move the comments before a root, such as a license, inside it: they would be lost when the tree moves."""
     found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
     for comment in found:
         comment.tail = None
@@ -68,7 +68,7 @@ def refused(data: bytes, file: str, sink: Sink) -> bool:
     if data.startswith(_WIDE):
         named = "UTF-16"
     if not _ASCII.fullmatch(named):
-        message = f"`{file}` is in the encoding `{named}`, and MuJoCo reads UTF-8 alone"
+        message = f"`{file}` is in the encoding `{named}`, but MuJoCo reads only UTF-8"
         sink.error("xml-syntax", message, Span(file, 1, 1), help="save it as UTF-8")
         return True
     at = data.find(b"<!DOCTYPE")
@@ -136,8 +136,8 @@ def parse_file(
 ) -> Unit | None:
     """Return the unit of an MJCF file, or None after errors, which go to `sink`.
 
-    `file` is its name in messages, `span` where it is requested; `door` limits the files that it may read, by default
-    to its project.
+    `file` is its name in messages, and `span` is the place where it is requested; `door` limits the files that it may
+    read, by default to its project.
     """
     shown, door = file or str(path), door or own_door(path)
     if (data := read_file(path, sink, door, file=shown, span=span)) is None:
@@ -208,8 +208,8 @@ def expand_includes(unit: Unit, sink: Sink) -> None:
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     """Report an unknown section.
 
-    MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else were
-    left, the file is a fragment for `<include>`, and that is an error.
+    MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else is left, the
+    file is a fragment for `<include>`, which is an error.
     """
     tag, known = str(section.tag), list(GRAMMAR.root.children)
     if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
@@ -228,7 +228,7 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
 
 
 def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
-    """Return whether MuJoCo refuses something in a dropped element: it checks names there, but no values."""
+    """Return whether MuJoCo refuses something in a dropped element: it checks names there, but not values."""
     waiting = [(dropped, GRAMMAR.section("worldbody").children[str(dropped.tag)])]
     while waiting:
         node, kind = waiting.pop()
@@ -324,7 +324,6 @@ class _Includes:
         return beside if os.path.lexists(beside) else main
 
     def _shown(self, path: Path) -> str:
-        """Return the file's name in messages: relative to the model's own file."""
         inside = os.path.relpath(path, self.unit.directory)
         return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
 
@@ -370,7 +369,7 @@ def _new_parser(*, recover: bool = False) -> etree.XMLParser:
 
 
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
-    """Return the root of XML that may be as lax as MuJoCo's reader allows; errors go to `sink`."""
+    """Return the root of XML, with the leniency of MuJoCo's reader; errors go to `sink`."""
     if isinstance(data, str):
         data = data.encode(errors="surrogatepass")  # the parser reports invalid text
     if refused(data, file, sink) or not check_text(data, file, sink):

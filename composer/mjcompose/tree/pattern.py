@@ -133,7 +133,7 @@ _MEANT_AS_TEXT = re.compile(r"(\\N\{[^}]*\}|\\.)|(\{(?!\d*,?\d*\})|(?<=\[)\[(?=:
 
 
 class BadPattern(Exception):
-    """An unusable pattern: `message` says why, `help` what to write; `is_slow` says that it took too long."""
+    """An unusable pattern: `message` is the reason, and `help` says what to write; `is_slow` if it took too long."""
 
     def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
         super().__init__(message)
@@ -146,14 +146,14 @@ def is_regular(pattern: str) -> bool:
 
 
 def is_pattern(text: str) -> bool:
-    """Return whether a text is a glob or a regular expression, and not a single name."""
+    """Return whether a text is a glob or a regular expression, not a single name."""
     return is_glob(text) or is_regular(text)
 
 
 def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -> Callable[[str], bool]:
     """Return a function that says whether a name matches a pattern. Raises `BadPattern`.
 
-    A regular expression is matched with all the `names` at once, which have its time together.
+    A regular expression is matched with all the `names` at once, which share its time limit.
 
     >>> pads = fitter("*/pad?", list, "/")
     >>> pads("left/pad1"), pads("pad1")
@@ -165,7 +165,7 @@ def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -
 
 
 def length_fault(pattern: str) -> str | None:
-    """Return that a pattern is too long, or None if it is not.
+    """Return the error that a pattern is too long, or None if it is short enough.
 
     >>> length_fault("{left,right}/*"), length_fault("*" * 10_001)
     (None, 'a pattern of 10001 characters is too long; 10000 are allowed')
@@ -219,9 +219,8 @@ _USUAL = ("worldbody", "asset")
 class Selector(Struct):
     """A tag with a glob for the names, and further conditions. `tag` is a path, a tag or a family.
 
-    `pattern` is a glob, or `/…/` for a regular expression. `where` compares effective values by
-    attribute (`friction[0]` for one number), or is one boolean `${…}`. `at` is the path of the selector in the
-    recipe.
+    `pattern` is a glob, or `/…/` for a regular expression. `where` compares effective values by attribute
+    (`friction[0]` for one number), or is one boolean `${…}`. `at` is the path of the selector in the recipe.
     """
 
     tag: str

@@ -88,7 +88,7 @@ class Query(Struct, eq=False):
     namespaces: tuple[str, ...]
 
     def takes(self, section: str, parent: str, tag: str) -> bool:
-        """Return whether it selects an element of `tag` below one of `parent`; `tag` must be one of `tags`."""
+        """Return whether it selects an element of `tag` below an element of `parent`; `tag` must be one of `tags`."""
         if parent == ROOT:
             return tag in self.paths
         return child_kind(section, parent, tag).path in self.paths
@@ -98,9 +98,9 @@ class Query(Struct, eq=False):
 def query(tag: str, section: str | None) -> Query:
     """Return the elements that `find(tag)` selects, from the root (`section` None) or inside a section.
 
-    A family selects all of its tags, any other tag selects itself. From the root, elements of default classes are
-    not selected, because they are not part of the model. Inside a section, only the section's own elements of that
-    tag are (`joint` in `tendon` is the joint of a fixed tendon).
+    A family selects all of its tags, any other tag selects itself. From the root, elements of default classes are not
+    selected, because they are not part of the model. Inside a section, only the section's own elements of that tag are
+    selected (`joint` in `tendon` is the joint of a fixed tendon).
     """
     sections = _sections() if section is None else (section,)
     reached = {each: _reachable(each) for each in sections}
@@ -193,7 +193,7 @@ def numbered(parent: Node, tag: str) -> dict[Node, int]:
 class Selection:
     """Finds elements in one model.
 
-    `parts` has the part of each element, with `/` for nested ones; other elements belong to the base. `holds`
+    `parts` has the part of each element, with `/` for nested parts; other elements belong to the base. `holds`
     evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`.
     """
 
@@ -216,7 +216,7 @@ class Selection:
         return [node for node in found if self._narrowed(node, selector)]
 
     def of_kind(self, selector: Selector) -> Iterator[Node]:
-        """Yield the elements of that tag, whatever their names."""
+        """Yield all elements of that tag, regardless of their names."""
         paths = paths_of(selector.tag)
         tags = {path.rpartition("/")[2] for path in paths}
         in_classes = any(path.startswith("default") for path in paths)
@@ -260,7 +260,7 @@ class Selection:
         return self._numbers[place].get(node, -1)
 
     def _meant(self, node: Node, selector: Selector) -> bool:
-        """Return whether a selector matches this element, cached because all elements below ask for their ancestors."""
+        """Return whether a selector matches this element, cached because all elements below check their ancestors."""
         known = self._known.setdefault(id(selector), {})
         if node not in known:
             path = "body" if node.tag == "worldbody" else kind_of(node).path

@@ -1,4 +1,4 @@
-"""One source as a tree, with the origin of each element and all that keeps its meaning when it moves."""
+"""One source as a tree, with the origin of each element and the data that keeps its meaning when it moves."""
 
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ class KeySource(Struct):
     - `zero`: no key: the number is 0 (`qvel`, `act`, `ctrl`).
     - `mujoco`: the row of `key` ends in the middle of a joint, and MuJoCo completes it.
 
-    `taken` are the `from` entries of recipes that passed the number on, `moved` the parts whose place changed it,
-    each with the place of its attachment, both in order. `lost` is the first number of a key that an edit has made
+    `taken` are the `from` entries of recipes that passed the number on. `moved` are the parts whose place changed it,
+    each with the place of its attachment. Both are in order. `lost` is the first number of a key that an edit has made
     meaningless here.
     """
 
@@ -104,8 +104,8 @@ class Number(NamedTuple):
 class KeyRecord(Struct):
     """The layout of a `<key>`: the elements that it replaces, and its numbers by attribute, including `time`.
 
-    `void` are the joints and actuators whose numbers in those elements mean nothing any more. The record is valid until
-    the attribute changes, which `numbers_of` checks.
+    `void` are the joints and actuators whose numbers in those elements no longer have a meaning. The record is valid
+    until the attribute changes, which `numbers_of` checks.
     """
 
     keys: tuple[Node, ...] = ()
@@ -141,7 +141,7 @@ def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
 
 
 def _with_sources(numbers: Iterable[Number], change: Callable[[KeySource], KeySource]) -> list[Number]:
-    """Return the numbers with changed sources; numbers that share a source still do."""
+    """Return the numbers with changed sources; numbers that shared a source still share it."""
     numbers = list(numbers)
     sources = {id(number.source): number.source for number in numbers}
     changed = {key: change(source) for key, source in sources.items()}
@@ -186,7 +186,7 @@ class Origins(Struct, frozen=False):
         return default_file if owner is None else owner
 
     def span(self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False) -> Span:
-        """Return the place to show: the start tag, or the value of `attribute`, or with `key` its name, if written."""
+        """Return the place to show: the start tag, or the value of `attribute`, or its name with `key`, if written."""
         if attribute is not None and (found := self.set_at(element, attribute)) is not None:
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key=key)
@@ -311,7 +311,7 @@ _RANK = {tag: rank for rank, tag in enumerate(_SECTIONS)}
 
 
 def place_of(root: Node, tag: str) -> int:
-    """Return the index of a new section among the children of `root`: behind all that conventionally precede it."""
+    """Return the index of a new section among the children of `root`: after the sections that usually precede it."""
     rank = _RANK.get(tag, len(_RANK))
     before = (child for child in root.iterchildren("*", reversed=True) if _RANK.get(str(child.tag), 0) <= rank)
     last = next(before, None)
@@ -322,13 +322,13 @@ def place_of(root: Node, tag: str) -> int:
 class Unit:
     """One parsed `<mujoco>` tree, with includes expanded.
 
-    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model. `label` names
-    the unit's folder in a bundle. `contents` has, by written path, files that are not found under this path on disk:
-    their bytes, or a path that passed a door. `door` limits the other files that the model may read. `part_keys` has
+    `directory` is the folder of the main file, against which MuJoCo resolves every file of the model. `label` names the
+    unit's folder in a bundle. `contents` has, by written path, files that are not found under this path on disk: their
+    bytes, or a path that a door has admitted. `door` limits the other files that the model may read. `part_keys` has
     the keys of each part of a composition, by path (`left/gripper`). `header` are the comments in the root that
     preceded it. `adopted` are the settings that the parts of a composition agree on. `table` lists the elements of a
-    source that is not MJCF: read or not. Edits change a unit in place
-    and the linker consumes it: call `copied()` first to keep it.
+    source that is not MJCF: read or not. Edits change a unit in place and the linker consumes it: call `copied()` first
+    to keep it.
     """
 
     root: Node
@@ -356,7 +356,7 @@ class Unit:
         self.__dict__.pop("classes", None)
 
     def forget_settings(self, *names: str) -> None:
-        """Remove compiler settings from the unit in favor of MuJoCo's defaults, and read the rest again."""
+        """Remove compiler settings from the unit in favor of MuJoCo's defaults, and read the others again."""
         for compiler in self.root.iterchildren("compiler"):
             for name in names:
                 compiler.attrib.pop(name, "")

@@ -23,7 +23,7 @@ WIDTH = 120
 
 @cache
 def attribute_order(kind: ElementType) -> Mapping[str, int]:
-    """Return the place of each attribute: the order of the grammar, with the orientation behind the position."""
+    """Return the place of each attribute: the order of the grammar, with the orientation after the position."""
     names = list(kind.attributes)
     if "pos" in names:
         names = [each for each in names if each not in ORIENTATIONS]
@@ -49,7 +49,7 @@ def outermost(parts: list[Piece]) -> set[str]:
 
 
 class Unusual(Exception):
-    """Something that has no place in the layout, at a character of the text."""
+    """A piece of text that has no place in the layout, at a character of the text."""
 
     def __init__(self, message: str, at: int) -> None:
         super().__init__(message)
@@ -95,7 +95,7 @@ class _Layout:
         self.lines.append("  " * len(self.kinds) + text)
 
     def start(self, piece: Piece, at: int) -> int:
-        """Write a start tag, and the rest of its element if that has no elements. Return how many pieces that are."""
+        """Write a start tag, and the rest of its element if it has no children. Return the number of pieces."""
         around = self.kinds[-1] if self.kinds else {"mujoco": GRAMMAR.root}
         rest = (each for each in range(at + 1, len(self.parts)) if self.parts[each].kind not in ("text", "cdata"))
         inner = next(rest, len(self.parts))
@@ -164,8 +164,8 @@ class _Layout:
 def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
     """Return the file in its canonical layout, or None if it is not MJCF or would lose something.
 
-    Attributes are sorted, and sections parted by blank lines. Comments, the text of values, a byte order mark and
-    the line breaks (as in the first line) are kept. The result is parsed again and compared. No I/O.
+    Attributes are sorted, and sections are separated by blank lines. Comments, the text of values, a byte order mark
+    and the line breaks (as in the first line) are kept. The result is parsed again and compared. No I/O.
     """
     if (tree := parse_xml(source, file, sink)) is None:
         return None

@@ -1,4 +1,4 @@
-"""XML as written, piece by piece, with start tags by the line that lxml keeps, their last, and trees as text."""
+"""XML as written, piece by piece, with start tags by their last line, which lxml keeps, and trees as text."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class SourceText:
 
     @property
     def text(self) -> str:
-        """All of it, with one kind of line end."""
+        """The whole text, with one kind of line end."""
         return self._text
 
     def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
@@ -164,14 +164,14 @@ class SourceText:
     def attribute(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
     ) -> Stretch | None:
-        """Return an attribute's value without quotes, or with `key` its name; None if it is on no single line."""
+        """Return an attribute's value without quotes, or its name with `key`; None if it is not on a single line."""
         if (found := self._attribute(name, self._find(tag, line, attributes))) is None:
             return None
         start, end = (found.at, found.at + len(name)) if key else (found.start, found.end)
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
-        """Return the ends of an element, of whole lines if it is alone on them; None if it does not end."""
+        """Return the ends of an element, of whole lines if it is alone on them; None if it has no end."""
         if (found := self._find(tag, line, attributes)) is None:
             return None
         start, last, depth = found.start, found.end, 0 if found.closed else 1
@@ -269,7 +269,7 @@ def take_cdata_in(root: Node, data: bytes) -> None:
 
 
 def write(root: Node) -> bytes:
-    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, an element a line, a final newline."""
+    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, one element per line."""
     return to_text(root).encode()  # writing bytes directly is slower in lxml
 
 
@@ -279,5 +279,5 @@ def to_text(root: Node) -> str:
 
 
 def as_it_is(node: Node) -> bytes:
-    """Return the text of a tree without a new line or space: two trees with the same text say the same."""
+    """Return the text of a tree without added space; two trees with the same text have the same meaning."""
     return etree.tostring(node, encoding="utf-8", with_tail=False)

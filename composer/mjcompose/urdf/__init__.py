@@ -1,1 +1,1 @@
-"""URDF and xacro become units."""
+"""Convert URDF and xacro to units."""

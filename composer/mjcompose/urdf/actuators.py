@@ -83,7 +83,7 @@ def _of_transmissions(root: Node) -> Iterator[Drive]:
 
 
 def _element(drive: Drive, joint: Node) -> Node:
-    """Return a servo if the URDF has its gains, else a motor with the effort of the joint as range.
+    """Return a servo if the URDF has its gains, or else a motor with the effort of the joint as its range.
 
     All act on the joint itself, as the interfaces of ROS do: `effort` includes any reduction.
     """
@@ -114,7 +114,7 @@ def _ordered(low: float | None, high: float | None) -> tuple[float, float] | Non
 
 
 def _joint_range(joint: Node) -> tuple[float, float] | None:
-    """Return the soft limits of a joint, else its limits, if it has any."""
+    """Return the soft limits of a joint, or else its limits, if it has any."""
     soft, hard = joint.find("safety_controller"), joint.find("limit")
     places = ((soft, "soft_lower_limit", "soft_upper_limit"), (hard, "lower", "upper"))
     found = (_ordered(*(parse(each.get(end)) for end in ends)) for each, *ends in places if each is not None)
@@ -245,8 +245,8 @@ _UNREAD = {
     "gazebo/kp": "a stiffness of Gazebo's contacts; for MuJoCo write `solref`",
     "gazebo/kd": "a damping of Gazebo's contacts; for MuJoCo write `solref`",
     "gazebo/mu1": "the link has no shape that collides",
-    "gazebo/gravity": "the link is part of another link, which has its weight",
-    "gazebo/turnGravityOff": "the link is part of another link, which has its weight",
+    "gazebo/gravity": "the link is part of another link, which includes its weight",
+    "gazebo/turnGravityOff": "the link is part of another link, which includes its weight",
     "gazebo/mu2": "friction in a second direction; MuJoCo has the same in both",
     "gazebo/fdir1": "a direction of friction; MuJoCo has the same friction in all",
     "gazebo/minDepth": "a number of Gazebo's contacts; for MuJoCo write `solimp`",
@@ -255,7 +255,7 @@ _UNREAD = {
     "gazebo/material": "a material of Gazebo, whose files are not here",
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
     "gazebo/plugin": "a program of Gazebo",
-    "gazebo/implicitSpringDamper": "a way of Gazebo to integrate; MuJoCo's damping is implicit",
+    "gazebo/implicitSpringDamper": "a setting of Gazebo's integrator; MuJoCo's damping is implicit",
     "transmission": "mjcompose reads only a SimpleTransmission of one moving joint",
     "transmission/mechanicalReduction": "actuators command the joint; to command the motor, write `gear`",
     "gazebo/provideFeedback": "a setting of Gazebo's joints",

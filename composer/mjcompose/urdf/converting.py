@@ -24,7 +24,7 @@ _FEWEST = 4
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the parts of each file, or why there are none: `missing` (a package), `error`, `refused`."""
+    """Return the parts of each file, or the reason that there are none: `missing` (a package), `error`, `refused`."""
     door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
     return [_one(path, door) for path in argument["files"]]
 
@@ -65,7 +65,7 @@ def _one(path: str, door: Door) -> dict[str, Any]:
 
 
 def _without_textures(data: bytes) -> bytes | None:
-    """Collada whose effects are plain: a picture that is not declared makes pycollada lose the mesh with it."""
+    """Read Collada without textures, because pycollada loses a mesh whose picture is not declared."""
     from lxml import etree
 
     root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True))

@@ -1,7 +1,8 @@
 """Expressions of xacro templates, evaluated step by step over their syntax tree.
 
-In xacro they are Python. Here they are only the operators, functions and methods of this file, on numbers, texts, lists
-and mappings; Python runs nothing of them. Every other step or value is refused. Sizes are bounded before the work.
+In xacro they are Python. This module supports only the operators, functions and methods of this file, on numbers,
+texts, lists and mappings; Python does not run any of them. Every other step or value is refused. Sizes are bounded
+before the work.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ Names = Callable[[str], Any]
 
 
 class Stopped(Exception):
-    """Something that a template may not do: `code` as the parent reports it, and its `subject`."""
+    """A forbidden step of a template: the `code` that the parent reports, and its `subject`."""
 
     def __init__(self, code: str, message: str, subject: str = "") -> None:
         super().__init__(message)
@@ -41,11 +42,11 @@ class Function(Struct, frozen=False, eq=False):
     kind: type | None = None
 
     def __repr__(self) -> str:
-        raise Stopped("unsafe", f"`{self.name}` is a function, and no value for a model", self.name)
+        raise Stopped("unsafe", f"`{self.name}` is a function, not a value for a model", self.name)
 
 
 class Space(Struct, frozen=False, eq=False):
-    """Names behind a name, such as `math.`."""
+    """The names after a name such as `math.`."""
 
     name: str
     entries: Mapping[str, Any]
@@ -87,7 +88,7 @@ _SEPARATORS = re.compile(r"[^\\\[\]^-]+")
 class Evaluator:
     """Evaluates the expressions of one template, which share a number of steps.
 
-    `mappings` and `lists` are the classes that xacro makes of YAML; `is_namespace` recognizes the properties of an
+    `mappings` and `lists` are the classes that xacro makes from YAML; `is_namespace` recognizes the properties of an
     included file.
     """
 
@@ -148,7 +149,7 @@ class Evaluator:
         return value
 
     def admitted(self, value: Any) -> Any:
-        """Return a value that is not too large, and known with all its items."""
+        """Return a value after checking its size and the kinds of all its items."""
         if type(value) not in (Function, Space) and not self._is_namespace(value):
             self.spend(self.weight(value) // 8)
         return value
@@ -458,7 +459,7 @@ class Evaluator:
         return start
 
     def tokenized(self, text: Any, sep: Any = ",; ", skip_empty: Any = True) -> list[str]:
-        """Split as xacro's `tokenize`, which makes a regular expression of the separators."""
+        """Split as xacro's `tokenize`, which makes a regular expression from the separators."""
         if _SEPARATORS.fullmatch(sep) is None:
             raise Stopped("unsafe", "`tokenize` takes characters without `\\`, `[`, `]`, `^` and `-`")
         found = re.split(f"[{sep}]", text)

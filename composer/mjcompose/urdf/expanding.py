@@ -1,4 +1,4 @@
-"""Runs in a confined process: xacro makes the text of a URDF, reads files through the door, and evaluates nothing.
+"""Runs in a confined process: xacro makes the text of a URDF and reads files through the door, but evaluates nothing.
 
 xacro evaluates `${…}` as Python without builtins, which does not confine it: attributes lead from any value to all of
 Python. So each expansion replaces this evaluation by `evaluating.py`, and closes all other ways of xacro to evaluate
@@ -62,7 +62,7 @@ _HOOKS = tuple(
     " abs_filename_spec parse_macro_arg re_macro_arg YamlDictWrapper YamlListWrapper NameSpace".split()
 )
 _SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_value")
-"""Names that are used or replaced in xacro: a version without one of them may evaluate in another way."""
+"""Names that are used or replaced in xacro: a version without one of them may evaluate differently."""
 
 
 class _Work:
@@ -78,7 +78,7 @@ class _Work:
         self.count = 0
 
     def take_over(self, substitution: Any) -> str | None:
-        """Replace the functions of xacro that evaluate or reach outside; return the name of one that it lacks."""
+        """Replace the functions of xacro that evaluate or reach outside; return the name of a missing one."""
         xacro = self.xacro
         for module, names in ((xacro, _HOOKS), (substitution, _SUBSTITUTIONS)):
             for name in names:
@@ -258,7 +258,7 @@ class _Work:
         return _parsed(data, path)
 
     def globbed(self, pattern: str) -> list[str]:
-        """Return the files of a pattern; a pattern outside of the readable folders is an error."""
+        """Return the files of a pattern; a pattern outside the readable folders is an error."""
         try:
             return self.door.search(os.path.abspath(pattern))
         except Refused as refused:

@@ -1,4 +1,4 @@
-"""Impossible inertias: found before MuJoCo refuses them, and repaired if the recipe says so."""
+"""Impossible inertias: found before MuJoCo refuses them, and repaired if the recipe requests it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Matrix = list[list[float]]
 
 
 class Bad(Struct):
-    """A link with an impossible inertia, and why; `inertial` is None if the link needs one and has none."""
+    """A link with an impossible inertia, and the reason; `inertial` is None if it is required but missing."""
 
     link: Node
     inertial: Node | None
@@ -69,7 +69,7 @@ def _span(robot: Robot, bad: Bad) -> Span:
 
 
 def repair(robot: Robot, sink: Sink) -> list[str]:
-    """Change each as little as MuJoCo allows, with a warning; return the links whose mass and inertia are zero."""
+    """Change each inertia as little as possible, with a warning; return the links whose mass and inertia are zero."""
     massless, weightless = [], list(_weightless(robot.root))
     for each in list(bad_inertias(robot)):
         robot.changed = True

@@ -45,7 +45,7 @@ class Meshes(Struct, frozen=False):
     """Meshes whose mass is not used: MuJoCo may weigh them as shells, which need no volume."""
 
     def prepare(self) -> None:
-        """Convert meshes that MuJoCo does not read, and check all."""
+        """Convert meshes that MuJoCo does not read, and check all meshes."""
         wanted: dict[str, list[Node]] = {}
         for mesh in self._used():
             written = str(mesh.get("filename") or "")
@@ -72,7 +72,7 @@ class Meshes(Struct, frozen=False):
             self._replace(Path(path), wanted[path], result)
 
     def report_flat(self) -> None:
-        """Warn of flat meshes that MuJoCo accepts; for others, MuJoCo reports an error."""
+        """Warn about flat meshes that MuJoCo accepts; for other meshes, MuJoCo reports an error."""
         for doubt, message, span in self.flat:
             self.sink.warning(doubt.code, message, span, help=FLAT_HELP)
 
@@ -214,7 +214,7 @@ def _suffix(path: str) -> str:
 
 
 def _reach(root: Node) -> float:
-    """Return the largest distance of two consecutive joints, in meters."""
+    """Return the largest distance between two consecutive joints, in meters."""
     origins = (each.get("xyz") for each in root.iterfind("joint/origin"))
     return max((dist((0, 0, 0), _numbers(each, (0.0, 0.0, 0.0))) for each in origins), default=0.0)
 

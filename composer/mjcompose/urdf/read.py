@@ -99,7 +99,6 @@ class UrdfReader(Struct, frozen=False):
         return self._completed(robot, converted.text)
 
     def _robot(self) -> Robot | None:
-        """Return the tree of the URDF, or of the expanded template."""
         source, sink = self.source, self.sink
         shown = self.shown(source.path)
         if (data := read_file(source.path, sink, source.door, file=shown, span=self.asked)) is None:
@@ -139,7 +138,7 @@ class UrdfReader(Struct, frozen=False):
     def _converted(
         self, robot: Robot, shells: Collection[str], stack: ExitStack, massless: Sequence[str] = ()
     ) -> Converted | None:
-        """Return MuJoCo's conversion, or None if a mesh is outside of the readable folders."""
+        """Return MuJoCo's conversion, or None if a mesh is outside the readable folders."""
         text = robot.text()
         assert self.session is not None
         try:
@@ -220,7 +219,7 @@ class UrdfReader(Struct, frozen=False):
             self.sink.warning("mujoco-warning", message, self._span(mimic, "joint"), notes=(note,), help=help)
 
     def _report_joints(self, robot: Robot) -> None:
-        """Warn of joints with the name of another joint: MuJoCo drops their names."""
+        """Warn about joints with the name of another joint: MuJoCo drops their names."""
         seen: dict[str, Node] = {}
         for joint in robot.root.iterchildren("joint"):
             name = joint.get("name")
@@ -231,7 +230,7 @@ class UrdfReader(Struct, frozen=False):
                 self.sink.warning("name-clash", message, span, notes=notes, help=help)
 
     def _report_roots(self, robot: Robot) -> None:
-        """Warn of several links without a parent: MuJoCo puts each in the world."""
+        """Warn about several links without a parent: MuJoCo puts each of them in the world."""
         children = {str(each.get("link")) for each in robot.root.iterfind("joint/child")}
         roots = [link for link in robot.root.iterchildren("link") if str(link.get("name")) not in children]
         if len(roots) > 1:
@@ -241,7 +240,7 @@ class UrdfReader(Struct, frozen=False):
             self.sink.warning("urdf-roots", message, self._span(roots[1], "name"), help=help)
 
     def _report_unread(self, robot: Robot) -> None:
-        """Warn of everything that MuJoCo ignores in `<mujoco>`, including typing errors."""
+        """Warn about everything that MuJoCo ignores in `<mujoco>`, including typing errors."""
         for section in robot.root.iterfind("mujoco/*"):
             tag = str(section.tag)
             if tag not in _READ:

@@ -1,4 +1,4 @@
-"""A URDF on its way to MuJoCo and back: places of its elements, and faults reported there."""
+"""Converting a URDF for MuJoCo: the places of its elements, and the faults reported there."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node
 
 
 def locate_as(unit: Unit, element: Node, source: Node, written: Origins) -> None:
-    """Give an element of `unit` the place of the one in the URDF that it comes from."""
+    """Give an element of `unit` the place of the URDF element that it comes from."""
     unit.origins.own(element, partial(_place, written, unit.file, source, _VALUES.get(str(element.tag), {})))
 
 
@@ -116,7 +116,7 @@ class _Sources:
                 yield section, found
 
     def _held(self, holder: Node, link: Node) -> Iterator[tuple[Node, Node]]:
-        """Yield the contents of a body, a frame or the world that was `link`."""
+        """Yield the contents of the body, the frame or the world that replaced `link`."""
         geoms = list(holder.iterchildren("geom"))
         yield from zip(geoms, _shapes(link, len(geoms)), strict=True)
         for child in holder.iterchildren("body", "frame", "inertial", "joint"):
@@ -159,10 +159,10 @@ class Look(Struct):
 
 
 class Robot(Struct, frozen=False):
-    """`unit` has the tree of the URDF, `packages` the folders of the packages that it names.
+    """`unit` has the tree of the URDF, and `packages` has the folders of the packages that it names.
 
     While nothing is `changed`, MuJoCo reads the file itself. `made` has converted meshes by their names in the tree,
-    and `looks` their colors and pictures.
+    and `looks` has their colors and pictures.
     """
 
     unit: Unit
@@ -336,7 +336,7 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
             closing = ", ".join(f"`{joints[name].get('name')}`" for name in ring)
             help = f"remove {'one of the joints' if len(ring) > 1 else 'the joint'} {closing}"
             link = next((each for each in robot.iterchildren("link") if each.get("name") == ring[0]), element)
-            return _error(f"links are in a ring: {links}", place(link, "name"), help)
+            return _error(f"links form a loop: {links}", place(link, "name"), help)
     return None
 
 
@@ -347,14 +347,13 @@ def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     message = f"the link `{name}` is the child of several joints: {' and '.join(named)}"
     last = joints[-1]
     if end_of(last, "parent") == name:
-        message = f"the joint {named[-1]} connects the link `{name}` with itself"
+        message = f"the joint {named[-1]} connects the link `{name}` to itself"
     note = Note(f"{named[0]} is written here", place(joints[0], "name"))
     help = f"remove {named[-1]}, or give it another child"
     return _error(message, place(next(last.iterchildren("child")), "link"), help, note)
 
 
 def _mass(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """Report a written mass that is not positive."""
     mass = element.find("inertial/mass") if element.tag == "link" else None
     if mass is None or not _is_none(str(mass.get("value"))):
         return None
@@ -381,7 +380,7 @@ def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 
 def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """Find the geom, which has no name: MuJoCo does not tell which it is."""
+    """Find the geom, which has no name: MuJoCo does not identify it."""
     keeps_visuals = last_setting(robot, "discardvisual") == "false"
     for each in robot.iterfind("link/*/geometry/*"):
         shape = each.iterancestors("collision", "visual")

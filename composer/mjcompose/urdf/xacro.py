@@ -44,7 +44,7 @@ _DEFINE = {
 class Expanded(Struct):
     """The text, the places of its elements in the template, the files that were read, and diagnostics.
 
-    Without a text, `found` has an error. `package` is an unknown package, and `at` its place.
+    Without a text, `found` has an error. `package` is an unknown package, and `at` is its place.
     """
 
     text: bytes | None

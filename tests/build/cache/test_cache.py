@@ -130,7 +130,7 @@ def test_known_models_need_no_heavy_library(store: Path, folder: Path) -> None:
 
 def test_why(store: Path, folder: Path) -> None:
     out = ("cell.yaml", "-o", "a.zip")
-    assert built(*out)[0] == ["it was not built before, or nothing of that was kept"]
+    assert built(*out)[0] == ["it was not built before, or its result was not kept"]
     assert built(*out) == ([], ["nothing that it depends on changed"])
     mesh = folder / "models" / "meshes" / "cover.obj"
     before = mesh.read_text()
@@ -139,7 +139,7 @@ def test_why(store: Path, folder: Path) -> None:
     mesh.write_text(before)
     assert built(*out)[0] == []  # as it was before
     (folder / "models" / "NOTICE").write_text("more\n")
-    assert built(*out)[0] == ["the licenses in `models` are others"]
+    assert built(*out)[0] == ["the licenses in `models` differ"]
     assert built(*out, "--dedup")[0] == ["`--dedup` is given"]
     assert run("build", *out, "--no-cache", "--why").stdout.splitlines()[2] == "  built: the cache is not used"
 
@@ -151,9 +151,9 @@ def test_why_of_the_first_license_of_a_folder(store: Path, folder: Path) -> None
     out = ("here/cell.yaml", "-o", "a.zip")
     built(*out)
     (folder / "LICENSE").write_text("Do as you please.\n")
-    assert built(*out)[0] == ["the licenses in `.` are others"]
+    assert built(*out)[0] == ["the licenses in `.` differ"]
     (folder / "LICENSE").rename(folder / "here" / "LICENSE")
-    assert built(*out)[0][1:] == ["the licenses in `here` are others", "the licenses in `.` are others"]
+    assert built(*out)[0][1:] == ["the licenses in `here` differ", "the licenses in `.` differ"]
 
 
 def test_why_of_a_license_as_far_above_as_licenses_are_looked_for(store: Path, folder: Path) -> None:
@@ -164,7 +164,7 @@ def test_why_of_a_license_as_far_above_as_licenses_are_looked_for(store: Path, f
     out = ("far.yaml", "-o", "a.zip")
     built(*out)
     (folder / "LICENSE").write_text("Do as you please.\n")
-    assert built(*out)[0] == ["the licenses in `.` are others"]
+    assert built(*out)[0] == ["the licenses in `.` differ"]
 
 
 @pytest.mark.slow
@@ -174,10 +174,10 @@ def test_why_of_a_license_in_a_folder_of_licenses(store: Path, folder: Path) -> 
     out = ("cell.yaml", "-o", "a.zip")
     built(*out)
     (folder / "models" / "LICENSES" / "Zlib.txt").write_text("altered\n")
-    assert built(*out)[0] == ["the licenses in `models/LICENSES` are others"]
+    assert built(*out)[0] == ["the licenses in `models/LICENSES` differ"]
     assert built(*out)[0] == []
     (folder / "models" / "LICENSES" / "arm" / "LICENSE").write_text("mine\n")
-    assert built(*out)[0] == ["the licenses in `models/LICENSES/arm` are others"]
+    assert built(*out)[0] == ["the licenses in `models/LICENSES/arm` differ"]
     (folder / "models" / "LICENSES" / "MIT.txt").write_text("freer\n")
     assert built(*out)[0] == ["`models/LICENSES/MIT.txt` changed"]
 
@@ -214,9 +214,11 @@ def test_why_of_a_file_of_values(store: Path, folder: Path) -> None:
         "`tool` in `values.yaml` is palm, is new",
     ]
     file.write_text("load: 3\ntool: palm\n" + "# more\n" * 10_000)
-    assert built(*out, "--set-file", "values.yaml")[1] == ["the recipe changed, in nothing that this model is made of"]
+    assert built(*out, "--set-file", "values.yaml")[1] == ["the recipe changed, but nothing that this model uses"]
     file.write_text("load: 4\n")
-    assert built(*out, "--set-file", "values.yaml")[0] == ["`values.yaml` changed; which of its values is not known"]
+    assert built(*out, "--set-file", "values.yaml")[0] == [
+        "`values.yaml` changed, but it is unknown which of its values"
+    ]
     assert built("matrix.yaml", "-o", "b.zip", "--set", "load=5")[0] == [
         "`--set-file values.yaml` is no longer given",
         "`load` is 5",
@@ -302,7 +304,7 @@ def test_only_the_cells_that_a_change_concerns(store: Path, folder: Path) -> Non
     recipe.write_text(recipe.read_text().replace("site: flange}", "site: flange, pos: [0, 0, 0.1]}"))
     new, known = built(*out)
     assert new == ["`matrix.yaml` changed"] * 2
-    assert known == ["the recipe changed, in nothing that this model is made of"] * 2
+    assert known == ["the recipe changed, but nothing that this model uses"] * 2
     recipe.write_text(recipe.read_text() + "# a line more\n")
     assert built(*out)[0] == []
     recipe.write_text("# now the check stands one line lower, and the manifests say where\n" + recipe.read_text())

@@ -57,7 +57,7 @@ def test_a_package_of_another_version_is_a_change(tmp_path: Path) -> None:
     cache = Cache(Store(tmp_path), print)
     assert cache._changes(Answer("", (), (found,))) == []
     other = (found[0], "0.1", found[2].replace(found[1], "0.1"))
-    assert cache._changes(Answer("", (), (found, other))) == ["the package `lxml` was 0.1, and is another version now"]
+    assert cache._changes(Answer("", (), (found, other))) == ["the package `lxml` was 0.1, and its version has changed"]
 
 
 def variables_in_key(environment: dict[str, str], store: Path) -> dict[str, str]:

@@ -215,7 +215,7 @@ def test_a_stream_that_is_full_is_told(recipes: Path) -> None:
     entry = [sys.executable, "-m", "mjcompose", *BUILD]
     with open("/dev/full", "w") as full:
         done = subprocess.run(entry, env=environment(), stdout=full, stderr=subprocess.PIPE, text=True)
-    assert (done.returncode, done.stderr) == (1, "cannot go on: no space left on device\n")
+    assert (done.returncode, done.stderr) == (1, "cannot continue: no space left on device\n")
 
 
 def test_the_folder_of_the_store_is_the_systems(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -58,7 +58,7 @@ def test_a_version_in_which_it_moves_differently(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(environments, "make", make)
     ((code, message),), (outcome,) = checked(tmp_path, "{as: mujoco==3.12, seconds: 0.5}")
     assert code == "check-failed" and made == [("3.12.0", False)]
-    assert message.startswith("check `moves`: the model moves in another way in MuJoCo 3.12.0: joint j: ")
+    assert message.startswith("check `moves`: the model moves differently in MuJoCo 3.12.0: joint j: ")
     assert outcome.values["apart"] > 1e-3
 
 

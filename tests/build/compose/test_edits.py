@@ -104,7 +104,7 @@ def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) 
         ("{select: {geom: '*'}, rename: x}", "35 name-clash", "would both be called `x`"),
         ("{select: {geom: upper}, rename: lower}", "37 name-clash", "cannot be called `lower`"),
         ("{select: {geom: upper}, set: {material: stel}}", "45 unknown-name", "did you mean `material: steel`"),
-        ("{select: {geom: upper}, set: {pos: [0, 0, 1]}}", "40 wrong-type", "`fromto` says where it is"),
+        ("{select: {geom: upper}, set: {pos: [0, 0, 1]}}", "40 wrong-type", "`fromto` sets it"),
         ("{select: {geom: upper}, set: {group: '${vlue}'}}", "42 unknown-name", "did you mean `value`"),
         ("{select: {geom: base_geom}, scale: {mass: 2}}", "41 wrong-type", "change that, or the whole mass"),
         ("{select: {geom: upper}, set: {rgba: null}}", "35 unknown-attribute", "written on none"),

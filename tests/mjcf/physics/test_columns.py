@@ -55,8 +55,8 @@ def test_what_a_binding_cannot_be_indexed_by_is_reported(model: RootElement, phy
         (geom, ("friction", "x"), "`friction` has no column `x`"),
         (geom, 0, "indexed by the name of a field, got `0`"),
         (geom, ("pos", 0, 0), "indexed by the name of a field"),
-        (geom, ("type", 0), "has one number for each, and no columns"),
-        (joints, ("qpos", 0), "has one number for each, and no columns"),
+        (geom, ("type", 0), "has one number per element, and no columns"),
+        (joints, ("qpos", 0), "has one number per element, and no columns"),
     ):
         with pytest.raises(MjcfError, match=said):
             bound[key]

@@ -75,6 +75,6 @@ def test_advice_is_for_those_who_write_python() -> None:
         "put a body with a free joint into the worldbody",
         "put a mocap body into the worldbody, without joints",
         "name the moved element",
-        "let an actuator have it",
+        "give it to an actuator",
     ]
     assert "joint=…" in helps[2] and "add('plugin'" in helps[3]

@@ -93,7 +93,7 @@ def test_beside_what_mujoco_generates(tmp_path: Path) -> None:
     assert physics.bind(model.find("key")).element_id == physics.model.key("k").id  # 3.12 copies keys, too
     assert physics.bind(model.find("flex", "cloth")).vertnum == 9
     inside = model.find("replicate") or model.find_all("replicate")[0]
-    with pytest.raises(MjcfError, match=r"`<body>` is in a `<replicate>`: MuJoCo has made several of it"):
+    with pytest.raises(MjcfError, match=r"`<body>` is in a `<replicate>`: MuJoCo has made several copies of it"):
         physics.bind(inside.find("body"))
 
 
@@ -102,7 +102,7 @@ def test_what_refers_to_something_in_a_replicate_is_made_several_of() -> None:
         "<mujoco><worldbody><replicate count='3' euler='0 0 20'><body name='b'><joint name='j'/><geom size='1'/></body>"
         "</replicate></worldbody><actuator><motor name='m' joint='j'/></actuator></mujoco>"
     )
-    with pytest.raises(MjcfError, match=r"has made several of `<motor>` `m`, which refers to something in"):
+    with pytest.raises(MjcfError, match=r"has made several copies of `<motor>` `m`, which refers to something in"):
         model.compile_model().bind(model.find("motor", "m"))
 
 

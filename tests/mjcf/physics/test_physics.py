@@ -194,7 +194,7 @@ def test_the_world_of_what_is_attached_is_no_body(arm: RootElement, gripper: Roo
 
 
 def test_nothing_is_not_bound(arm: RootElement) -> None:
-    with pytest.raises(MjcfError, match="`find` gives None where no such element exists"):
+    with pytest.raises(MjcfError, match="`find` returns None if no such element exists"):
         arm.compile_model().bind(arm.find("joint", "wirst"))
 
 
@@ -312,7 +312,7 @@ def test_only_a_model_is_compiled(root: RootElement) -> None:
         (lambda physics: physics.step(-1), "`n` is a number of steps, got `-1`"),
         (lambda physics: setattr(physics, "time", "now"), "`time` expects a number of seconds, got `'now'`"),
         (lambda physics: setattr(physics, "time", math.nan), "`time` expects a number of seconds, got `nan`"),
-        (lambda physics: setattr(physics, "timestep", 0), "`timestep` is longer than nothing"),
+        (lambda physics: setattr(physics, "timestep", 0), "`timestep` must be greater than zero"),
         (lambda physics: setattr(physics, "timestep", math.inf), "`timestep` expects a number of seconds"),
         (lambda physics: mjcf.Physics(None), "`model` expects an `MjModel`, got `NoneType`"),
         (lambda physics: mjcf.Physics(physics.model, 3), "`data` expects an `MjData`, got `int`"),

@@ -162,7 +162,7 @@ def test_parts_beside_the_repository_are_those_of_the_work_tree(repository: Path
     assert found is not None, context.sink.errors
     assert [str(each.kind) for each in found.contrast.changes] == ["site"]
     assert found.a.outside == ("../models/arm/arm.xml", "../models/arm/meshes/m.obj") and found.b.outside == ()
-    assert "`../models/arm/arm.xml`, `../models/arm/meshes/m.obj`: outside of the repository" in render(found)
+    assert "`../models/arm/arm.xml`, `../models/arm/meshes/m.obj`: outside the repository" in render(found)
     assert as_data(found)["a"]["outside"] == [*found.a.outside]
     assert "as now in the work tree" in markdown(found)
     assert (models / "meshes" / "m.obj").read_text() == shape

@@ -141,7 +141,7 @@ def test_a_gimbal_lock_and_a_form_that_cannot_say_it(tmp_path: Path, session: Se
     assert "zaxis: [0, -0.479426, 0.877583]" in page.text and "quat" not in tilted["said"]
     turned = page.move("b", Pose(quat=normalize((1, 0, 0, 1))))
     assert "b: {model: ./ball.xml, quat: [0.707107, 0, 0, 0.707107]}" in page.text
-    assert "`zaxis` cannot say this rotation" in turned["said"]
+    assert "`zaxis` cannot express this rotation" in turned["said"]
     page.load()
 
 
@@ -409,7 +409,7 @@ attach:
   right: {model: ./ball.xml, mirror: {of: left, across: y}}
 """
     page = Page(tmp_path, session, recipe)
-    assert page.move("right", PLACE)["refused"] == "`mirror` says this place: change that"
+    assert page.move("right", PLACE)["refused"] == "`mirror` sets this place: change it there"
     assert page.text == recipe and "refused" not in page.move("left", PLACE)
 
 

@@ -146,7 +146,7 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
     shutil.copy(tmp_path / "study.npz", tmp_path / "old.npz")
     other = run(tmp_path, MATRIX, "--worlds", "study.npz", "-o", "out/", model=MODEL.replace("0.05 0.2", "0.06 0.2"))
     assert other.exit_code == 0
-    with pytest.raises(mjcompose.LoadError, match="are of another model") as caught:
+    with pytest.raises(mjcompose.LoadError, match="belong to another model") as caught:
         worlds.load(tmp_path / "out", tmp_path / "old.npz")
     assert caught.value.diagnostics[0].code == "bundle-changed"
     worlds.load(tmp_path / "out", tmp_path / "study.npz")
@@ -163,7 +163,7 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
         (MATRIX, ("--sample-table", "s.csv"), 2, "--sample-table is not for --worlds"),
         (MATRIX, ("--as", "worlds"), 1, "error[missing-key]: `r.yaml` has no `randomize`, so it has no worlds"),
         (MATRIX + DRAWN.format(samples=2, field=PARAM), ("--as", "worlds"), 1, "error[draw-at-run-time]"),
-        (MATRIX, ("--as", "worlds", "--sample", "1"), 2, "with --as worlds all samples are in one"),
+        (MATRIX, ("--as", "worlds", "--sample", "1"), 2, "with --as worlds, all samples are in one"),
         (MATRIX.replace("0.1, 0.2", "-1, 0.2"), (), 1, "error["),
     ],
 )  # fmt: skip

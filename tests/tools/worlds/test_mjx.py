@@ -65,8 +65,8 @@ def test_playground_and_brax_take_them(mjx: Any) -> None:
 @pytest.mark.parametrize(
     ("arrays", "said"),
     [
-        ({"geom_contype": (0, [1, 3])}, r"has `geom_contype` once for all worlds"),
-        ({"dof_frictionloss": (0, [0.0, 1.0])}, r"has `_impl.dof_hasfrictionloss` once for all worlds, computed"),
+        ({"geom_contype": (0, [1, 3])}, r"shares `geom_contype` among all worlds"),
+        ({"dof_frictionloss": (0, [0.0, 1.0])}, r"shares `_impl.dof_hasfrictionloss` among all worlds, computed"),
     ],
 )
 def test_what_is_once_for_all_worlds(mjx: Any, arrays: dict[str, Any], said: str) -> None:

@@ -39,9 +39,9 @@ def test_options_per_world(mujoco_warp: Any) -> None:
 @pytest.mark.parametrize(
     ("arrays", "said"),
     [
-        ({"geom_contype": (0, [1, 3])}, r"has `geom_contype` once for all worlds"),
-        ({"opt_impratio": (0, [5.0, 10.0])}, r"has `opt.impratio_invsqrt` once for all worlds, computed"),
-        ({"tendon_stiffness": (0, [0.0, 10.0])}, r"has `has_tendon_stiffness` once for all worlds, computed"),
+        ({"geom_contype": (0, [1, 3])}, r"shares `geom_contype` among all worlds"),
+        ({"opt_impratio": (0, [5.0, 10.0])}, r"shares `opt.impratio_invsqrt` among all worlds, computed"),
+        ({"tendon_stiffness": (0, [0.0, 10.0])}, r"shares `has_tendon_stiffness` among all worlds, computed"),
     ],
 )
 def test_what_is_once_for_all_worlds(mujoco_warp: Any, arrays: dict[str, Any], said: str) -> None:

@@ -46,7 +46,7 @@ _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 
 
 def written_in(model: Unit, index: Index, place: Callable[[Span], str]) -> dict[tuple[str, int], tuple[str, str]]:
-    """Return tag and place by kind and number, without copies that MuJoCo made and the unnamed elements among them."""
+    """Return the tag and the place by kind and number, without copies that MuJoCo made."""
     kinds = {
         "joint": index.joints, "actuator": index.actuators, "sensor": index.sensors, "camera": index.cameras,
         "key": index.keyframes,
@@ -91,7 +91,7 @@ Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
 
 
 def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
-    """Return the elements that edits renamed, traced back through later prefixes; without elements removed since."""
+    """Return the elements that edits renamed, traced back through later prefixes, without those removed later."""
     by_prefix = {member.prefix: member.part for member in reversed(list(members))}
     found: dict[str, dict[str, dict[str, str]]] = {}
     for node, steps in model.origins.renamed.items():
@@ -133,7 +133,7 @@ class Portable:
         )
 
     def name(self, path: Path) -> str:
-        """Return the name of a file: `models/arm.xml`, `menagerie:panda/panda.xml`, or by the nearest model."""
+        """Return the name of a file, such as `models/arm.xml` or `menagerie:panda/panda.xml`."""
         if path not in self.named:
             real = Path(real_path(path))
             if (origin := self.origin_of(real)) is not None:
@@ -190,7 +190,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 
 class ManifestInput(Struct):
-    """How a model was made; `compiled` is None without MuJoCo, `pictured` says that it has a picture."""
+    """The origin of a model. `compiled` is None without MuJoCo, and `pictured` says whether it has a picture."""
 
     plan: Plan
     composed: Composed
@@ -305,7 +305,7 @@ def _licenses(named: Iterable[tuple[str, Source]]) -> Licenses:
 
 
 def _as(of: type[_Model], record: object, **changed: Any) -> _Model:
-    """Return an entry of the manifest: the attributes of a record that have the names of its fields, some changed."""
+    """Return an entry of the manifest: the attributes of a record with the names of its fields, after some changes."""
     return of(**{name: getattr(record, name) for name in of.model_fields if name not in changed}, **changed)
 
 

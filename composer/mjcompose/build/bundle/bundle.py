@@ -77,7 +77,7 @@ def moment_of(environment: Mapping[str, str]) -> Moment:
     epoch, seconds = environment.get("SOURCE_DATE_EPOCH"), _FIRST_SECOND
     if epoch:
         if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
-            message = f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds"
+            message = f"the variable `SOURCE_DATE_EPOCH` is `{epoch}`, which is not a whole number of seconds"
             raise OutputError("output-unwritable", message, "unset it, or give it the seconds since 1970-01-01")
         seconds = min(max(int(epoch[:20]), _FIRST_SECOND), _LAST_SECOND)
     moment = time.gmtime(seconds)
@@ -138,7 +138,7 @@ _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://")
 
 
 def is_address(text: object) -> bool:
-    """Return whether a text is an address and not a path.
+    """Return whether a text is an address, not a path.
 
     >>> is_address("s3://bucket/a.zip"), is_address("build/a.zip"), is_address("c:/a.zip")
     (True, False, False)
@@ -147,7 +147,7 @@ def is_address(text: object) -> bool:
 
 
 def location(folder: Path, out: str) -> Location:
-    """Return the place that a text in a folder names.
+    """Return the location of an output that a text names, relative to a folder.
 
     >>> location(Path("/home/me"), "a.zip").as_posix(), location(Path("/home/me"), "s3://bucket/a.zip")
     ('/home/me/a.zip', 's3://bucket/a.zip')
@@ -238,7 +238,7 @@ class Bundle(Struct):
 
 
 def raise_error(error: OSError) -> None:
-    """Raise an error of `os.walk`, which otherwise passes over it."""
+    """Raise an error of `os.walk`, which ignores it by default."""
     raise error
 
 
@@ -261,7 +261,7 @@ def check_paths(paths: Iterable[str]) -> None:
     >>> check_paths(["a/b.obj", "a/B.obj"])
     Traceback (most recent call last):
         ...
-    mjcompose.build.bundle.bundle.BundleError: `a/B.obj` and `a/b.obj` are one file where case does not count
+    mjcompose.build.bundle.bundle.BundleError: `a/B.obj` and `a/b.obj` are the same file on systems that ignore case
     """
     files: dict[str, str] = {}
     folders: dict[str, str] = {}
@@ -270,7 +270,7 @@ def check_paths(paths: Iterable[str]) -> None:
             raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
         key = unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
         if key in files:
-            raise BundleError(f"`{path}` and `{files[key]}` are one file where case does not count")
+            raise BundleError(f"`{path}` and `{files[key]}` are the same file on systems that ignore case")
         if key in folders:
             raise BundleError(f"`{path}` is a file, but `{folders[key]}` needs a folder of this name")
         files[key] = path
@@ -300,7 +300,7 @@ _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 
 class Licenses(Struct):
-    """The license files of a bundle: `files` by their paths in it, `of` their paths by label."""
+    """The license files of a bundle: `files` has their contents by path, and `of` has their paths by label."""
 
     files: Mapping[str, bytes]
     of: Mapping[str, tuple[str, ...]]
@@ -309,8 +309,8 @@ class Licenses(Struct):
 def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular) -> Licenses:
     """Return every license file once, as `LICENSES/LABEL/FILE NAME`.
 
-    `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files of
-    one name go under the first label; different ones of one label are numbered. Raises OSError.
+    `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files with
+    the same name go under the first label; different files of one label are numbered. Raises OSError.
     """
     files: dict[str, bytes] = {}
     of: dict[str, tuple[str, ...]] = {}

@@ -38,7 +38,7 @@ def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> 
 
 
 def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> dict[str, bytes]:
-    """Return the bytes by path in the bundle. A missing file is reported where the model names it, `shown`."""
+    """Return the bytes by path in the bundle. Missing files are reported at `shown`, where the model names them."""
     files: dict[str, bytes] = {}
     stored: dict[tuple[str, bytes], str] = {}  # shared files, by suffix and content: an equal file is stored once
     paths: dict[str, str | None] = {}
@@ -99,7 +99,7 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
 
 
 _LOOKED_FOR = 100
-"""Missing files for which a file of the same name is searched, at the cost of reading a folder each."""
+"""The number of missing files for which mjcompose searches for the same name, reading a folder each time."""
 
 
 def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:

@@ -1,7 +1,7 @@
 """The table of all models in a folder, and conditions on its rows.
 
 A spreadsheet runs a text that begins with `=` as a formula. Such a text may come from somebody else's recipe, so it is
-written with a `'` before it, and so is a text that begins with `'` itself. Numbers stay as they are.
+written after a `'`. A text that begins with `'` is written in the same way. Numbers stay as they are.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
 
 
 def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Write a header and rows; numbers as the shortest text that reads back the same, nothing for None."""
+    """Write a header and rows. Numbers are as short as they can be read back exactly; None is empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(map(escape_formula, columns))
     for row in rows:
@@ -35,7 +35,7 @@ def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any
 
 
 def escape_formula(text: str) -> str:
-    """Return a text as a table has it: no spreadsheet takes it for a formula.
+    """Return a text in the form for a table, which no spreadsheet runs as a formula.
 
     >>> escape_formula("=1+1"), escape_formula("arm"), escape_formula("'arm'"), escape_formula("-0.5")
     ("'=1+1", 'arm', "''arm'", '-0.5')
@@ -44,7 +44,7 @@ def escape_formula(text: str) -> str:
 
 
 def unescape_formula(text: str) -> str:
-    """Return the text that a table has.
+    """Return the original of a text in a table.
 
     >>> all(unescape_formula(escape_formula(each)) == each for each in ("=1+1", "arm", "'arm'", "''", "-0.5", ""))
     True
@@ -82,7 +82,7 @@ class ListingError(DiagnosticError):
 
 
 class Row(Struct):
-    """One model of an index: `file` is its bundle, `values` are the non-empty values by column."""
+    """One model of an index: `file` is its bundle, and `values` are the non-empty values by column."""
 
     file: Location
     values: Mapping[str, Value]
@@ -191,7 +191,7 @@ def _indexes(names: Mapping[str, Item], shown: str) -> list[Item]:
 
 
 def _value(name: str, text: Any) -> Value:
-    """Convert a text of the table: by the type of a column that every model has, else by its form."""
+    """Convert a text of the table by the type of its column, or by its own form if not every model has the column."""
     if not isinstance(text, str) or COLUMNS.get(name) is str:  # Parquet has types
         return text  # type: ignore[no-any-return]
     if text in ("true", "false"):
@@ -223,8 +223,8 @@ def with_fields(values: Mapping[str, T]) -> dict[str, T]:
 class Condition:
     """A condition for all rows of an index. Raises ListingError if it is not a valid expression.
 
-    A model without a value for a name, such as one of a cell that does not set it, does not match; `lacking` counts
-    such models by name. A name that no model has is an error, which `check` raises.
+    A model without a value for a name does not match, for example if its cell does not set it; `lacking` counts such
+    models by name. A name that no model has is an error, which `check` raises.
     """
 
     def __init__(self, text: str) -> None:

@@ -82,7 +82,7 @@ def _list_kinds(schema: dict[str, Any]) -> None:
 class OfUrdf(_Part):
     """Elements of one kind in a URDF, and their result."""
 
-    what: str = Field(description="Their tag with its parent, such as `joint/limit`, and the attribute, if any.")
+    what: str = Field(description="The tag with its parent, such as `joint/limit`, and the attribute if there is one.")
     count: int = Field(ge=1, description="How many there are.")
     became: str | None = Field(None, description="Their form in the model; null for nothing.")
     why: str | None = Field(None, description="Why they are not in the model; null if they are.")
@@ -134,7 +134,7 @@ class Part(_Part):
 
 
 class Adopted(_Part):
-    """A setting that neither the base nor the recipe writes, and all parts that write it agree on."""
+    """A setting that neither the base nor the recipe writes, but on which all parts that write it agree."""
 
     setting: str = Field(description="Its path, such as `option.cone`.")
     value: str
@@ -177,7 +177,7 @@ class Joint(_Part):
     dof_size: int = Field(ge=1)
     unit: str | None = Field(None, description="Of qpos: rad, m or quaternion; null for a free joint.")
     velocity_unit: str | None = Field(None, description="Of qvel: rad/s or m/s; null for a free joint.")
-    range: Range | None = Field(None, description="In its unit, of a ball joint in rad; null for no limit or end.")
+    range: Range | None = Field(None, description="In its unit, or rad for a ball joint; null for no limit.")
     origin: str | None = _ORIGIN
 
 
@@ -185,7 +185,7 @@ class Actuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
-    type: str | None = Field(None, description="The tag MJCF has for it; null for a copy that MuJoCo makes.")
+    type: str | None = Field(None, description="Its MJCF tag; null for a copy that MuJoCo makes.")
     ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
     ctrl_size: int = Field(ge=0)
     act: int | None = Field(None, description="Where its entries in act begin; null without any.")
@@ -209,7 +209,7 @@ class Sensor(_Part):
     """A sensor and its entries in sensordata."""
 
     name: str
-    type: str = Field(description="The tag MJCF has for it.")
+    type: str = Field(description="Its MJCF tag.")
     address: int = Field(ge=0, description="Where its entries in sensordata begin.")
     size: int = Field(ge=0)
     unit: str | None = Field(None, description="null if the type does not decide it.")
@@ -218,7 +218,7 @@ class Sensor(_Part):
 
 
 class Camera(_Part):
-    """A camera; its number is its place in the list."""
+    """A camera; its number is its index in the list."""
 
     name: str
     body: str
@@ -229,7 +229,7 @@ class Camera(_Part):
 
 
 class Keyframe(_Part):
-    """A keyframe; its number is its place in the list."""
+    """A keyframe; its number is its index in the list."""
 
     name: str
     time: float = Field(description="In seconds.")
@@ -237,7 +237,7 @@ class Keyframe(_Part):
 
 
 class Index(_Part):
-    """The order of the compiled model, in which simulators address it. Unnamed things have the name ""."""
+    """The elements in the order of the compiled model, by which simulators address them. Unnamed ones are ""."""
 
     joints: tuple[Joint, ...]
     actuators: tuple[Actuator, ...]
@@ -261,7 +261,7 @@ class Draw(_Part):
     field: str = Field(description="The name of the field in the recipe.")
     element: str | None = Field(None, description="The element; null for a parameter.")
     attribute: str = Field(description="The attribute, or the parameter.")
-    component: int = Field(0, ge=0, description="Which number of the attribute the first one is.")
+    component: int = Field(0, ge=0, description="The index of the first number in the attribute.")
     operation: Literal["set", "scale", "offset"] = Field(
         description="Whether the number is the value, a factor, or added."
     )
@@ -276,11 +276,11 @@ class GeneratedShape(_Part):
     how: str = Field(description="The method with its settings.")
     shapes: tuple[str, ...] = Field((), description="The geoms that touch instead; empty for a simplified mesh.")
     hausdorff: float = Field(description="The greater of `beyond` and `short`.")
-    beyond: float = Field(description="In meters: the largest reach of the shapes out of the mesh.")
-    short: float = Field(description="In meters: the largest reach of the mesh out of the shapes.")
+    beyond: float = Field(description="In meters: the largest distance of the shapes outside the mesh.")
+    short: float = Field(description="In meters: the largest distance of the mesh outside the shapes.")
     uncovered: float | None = Field(description="The share of the mesh outside of them; null if simplified.")
     volume: float | None = Field(description="The volume of all shapes, divided by the mesh's; null for an open mesh.")
-    samples: int = Field(ge=0, description="At how many points the distances were measured.")
+    samples: int = Field(ge=0, description="The number of points at which the distances were measured.")
     made_with: dict[str, str] = Field({}, description="The packages that made it, and their versions.")
     key: str = Field(description="The hash of all that it depends on.")
     origin: str | None = _PLACE
@@ -439,7 +439,7 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
 def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     """Return the manifest of a bundle, or None if it is missing or broken, which is reported."""
     if text is None:
-        sink.error("bundle-manifest", f"`{shown}` has no `{MANIFEST}`: there is nothing to hold it against")
+        sink.error("bundle-manifest", f"`{shown}` has no `{MANIFEST}`: there is nothing to compare it with")
         return None
     try:
         return from_json(text)
@@ -471,7 +471,7 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
 
 
 def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
-    """Report where the compiled model has another order, other addresses or other limits than its manifest."""
+    """Report differences in order, addresses and limits between the compiled model and its manifest."""
     for kind in Index.model_fields:
         how_written = {"origin", "type"} if kind == "actuators" else {"origin"}
         said, found = (

@@ -1,4 +1,4 @@
-"""A bundle is read from a folder or an archive that may come from anyone.
+"""Read a bundle from a folder or an archive that may come from anyone.
 
 An untrusted bundle reads only its own files, and no more of them than the limits allow. The files that its model names
 are checked before MuJoCo opens it.
@@ -77,8 +77,8 @@ def read(path: Path, shown: str | None = None, content: bytes | None = None) -> 
     """Return the bundle in a folder, a zip or an MJZ. Raises ReadError, with `shown` as the path in messages.
 
     `content` are the bytes of an archive that was read already. Links, paths that lead out, encrypted files and files
-    beyond the limits are refused before anything is decompressed. The model is the one in the manifest, else
-    `model.xml`, else `STEM.xml`, else the only model that no other one names.
+    beyond the limits are refused before anything is decompressed. The model is the one in the manifest, or else
+    `model.xml`, `STEM.xml`, or the only model that no other model names.
     """
     shown = shown or str(path)
     try:
@@ -102,7 +102,6 @@ def read(path: Path, shown: str | None = None, content: bytes | None = None) -> 
 
 
 def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
-    """Raise ReadError for a model that is too large once it is expanded."""
     found = Sink()
     text = bundle.files[bundle.model]
     parse_text(text, found, file=bundle.model, directory=path, label=path.stem, contents=bundle.files)

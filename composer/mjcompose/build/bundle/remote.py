@@ -4,8 +4,8 @@ An object store has no folders and cannot rename: a bundle there is complete if 
 written last and removed first. A single file is written in one step.
 
 Neighboring folders can share one folder of assets: `NAME/model.xml` refers to `../assets/…`. The name of a shared asset
-contains a hash of its content, so it is the same file for all models, whichever of them are written, in which order and
-by how many processes. Other files (manifest, licenses, submodels) are not shared.
+contains a hash of its content, so it is the same file for all models, no matter which of them are written, in which
+order and by how many processes. Other files (manifest, licenses, submodels) are not shared.
 """
 
 from __future__ import annotations

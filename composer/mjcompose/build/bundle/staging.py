@@ -1,4 +1,4 @@
-"""The one writer: every output of every command is written next to its place, and then renamed.
+"""The writer of every output of every command: it writes next to the final path and then renames.
 
 So an output is either complete or absent, and an older one stays until then. It never replaces a file that the run
 reads: a recipe, a model, an asset, a lock and its pinned files, under any name.
@@ -52,9 +52,9 @@ def staged_file(
 ) -> Iterator[Path]:
     """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
 
-    Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the
-    file system become OutputError. `option` names the output in messages, `inputs` are sources besides those that were
-    noted. Only output that `rewrites` a source, as `fmt` does, may replace it.
+    Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the file
+    system become OutputError. `option` names the output in messages, and `inputs` are sources in addition to those that
+    the run has read. Only output that `rewrites` a source, as `fmt` does, may replace it.
     """
     target = resolved_output(out)
     check_kind(target, out, option)
@@ -69,14 +69,14 @@ def staged_file(
 
 
 class ChangedError(Exception):
-    """A file no longer has the text that an edit of it began with, and stays as it is."""
+    """A file no longer has the text that its edit is based on, so it is not changed."""
 
 
 def replace_text(
     file: Path, text: bytes, option: str | None = None, *, before: bytes | None = None,
     allowed: Callable[[], object] | None = None,
 ) -> None:  # fmt: skip
-    """Replace a source in one step, or write it to another place, the `option`; keep the permissions of the file.
+    """Replace a source in one step, or write the text to the path of `option`; keep the file's permissions.
 
     Raises OutputError, and ChangedError if the file no longer has the text `before`. Once the new text is ready,
     `allowed` is called, and an error that it raises leaves the file as it is.
@@ -124,13 +124,13 @@ def move(stage: Path, target: Path, paths: Iterable[str], inputs: Iterable[str |
 
 
 def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[str | Path] = ()) -> None:
-    """Refuse an output that is a source of this run, has one in it, or may be one. Raises OutputError."""
+    """Refuse an output that is, contains or may be a source of this run. Raises OutputError."""
     written = f"`{option} {out}`" if option else f"`{out}`"
     try:
         source = sources.current().taken(str(out), more=inputs)
         is_inside = source is not None and os.path.isdir(out)
     except Exception as error:
-        message = f"cannot write {written}: whether it is a source cannot be found out: {error or type(error).__name__}"
+        message = f"cannot write {written}, which may be a source of this run: {error or type(error).__name__}"
         raise OutputError("output-unwritable", message, "choose another output") from error
     if source is None:
         return
@@ -142,7 +142,7 @@ def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[st
 
 
 def check_kind(target: Path, out: Path, option: str | None = None) -> None:
-    """Refuse a file where a folder, a pipe or a device is. Raises OutputError."""
+    """Refuse a file that would replace a folder, a pipe or a device. Raises OutputError."""
     written = f"`{option} {out}`" if option else f"the file `{out}`"
     try:
         mode = os.stat(target).st_mode
@@ -239,7 +239,7 @@ _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 
 
 def write_folder(bundle: Bundle, out: Path) -> None:
-    """Write the files into the folder `out`, if it is new, empty or an earlier output alone. Raises OutputError."""
+    """Write the files into the folder `out`, if it is new, empty or only an earlier output. Raises OutputError."""
     check_is_no_source(out)
     with writing(out):
         _check_replaceable(resolved_output(out), out)
@@ -312,7 +312,7 @@ def manifest_beside(out: Path) -> Path:
 
 
 def with_version(out: str, version: str | None = None) -> str:
-    """Replace `{mujoco}` in a compiled model's name by the version of MuJoCo, the only one that reads it.
+    """Replace `{mujoco}` in a compiled model's name by the version of MuJoCo; no other version reads the file.
 
     No I/O except for the installed version of MuJoCo, if no version is given.
 

@@ -1,4 +1,4 @@
-"""The models of a recipe are built, unless the cache has them."""
+"""Build the models of a recipe, unless the cache has them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class BuildResult(Facts, kw_only=True):
 
     `built` is set for a model that was built now, `record` for one from the cache, which has only the data that its
     output needs: `packed` for archives, `text`, `bundle` for folders and MuJoCo's binary form, nothing if it
-    `is_written`. `why` says why the cache did not have it, `replaced` how the origin of the previous output differs.
+    `is_written`. `why` is the reason that the cache did not have it, and `replaced` says how the origin of the previous
+    output differs.
     """
 
     built: Built | None = None
@@ -132,7 +133,7 @@ def no_output(name: str, mujoco: str | None) -> None:
     """Return None: a model that is not written. Workers get this function by its name."""
 
 
-_SETTLED = "the recipe changed, in nothing that this model is made of"
+_SETTLED = "the recipe changed, but nothing that this model uses"
 
 
 class ModelChoice(NamedTuple):
@@ -144,7 +145,7 @@ class ModelChoice(NamedTuple):
 
 
 class Maker:
-    """Makes the models of a recipe in a `form` of output; `place` returns the output's place, None for nothing."""
+    """Makes the models of a recipe in a `form` of output; `place` returns the output's path, if any."""
 
     def __init__(
         self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
@@ -281,7 +282,7 @@ class Maker:
     def _recall_planned(
         self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
     ) -> BuildResult | None:
-        """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
+        """Return a model that was built from another state of the recipe file, with the diagnostics of this state."""
         from mjcompose.build.cache.inputs import hash_of_positions, may_move
         from mjcompose.build.verify.checks import check_spans
 
@@ -360,7 +361,7 @@ class Maker:
             cache.keep(self._planned(built.plan, cell), record, others, packages=packages)
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
-        """Return the files of a bundle; those that no input file holds (`known`, by hash) go to the store."""
+        """Return the files of a bundle; those that equal no input file (`known`, by hash) go to the store."""
         assert self.cache is not None
         found = []
         for path, content in bundle.files.items():

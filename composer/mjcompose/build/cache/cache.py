@@ -80,7 +80,7 @@ class Facts(Struct, kw_only=True):
     `mujoco` is the version that compiled it. `draws` are the numbers drawn for a sample, by table column. `cells` is
     the number of cells of the recipe's matrix if this model is none of them, and `cells_at` the place of the first.
     `adopted` are settings that it takes from its parts, `allowed` the codes that the recipe allows at its top,
-    `excluded` is how many pairs of bodies `exclude: auto` or `touching` keeps from colliding.
+    `excluded` is the number of pairs of bodies that `exclude: auto` or `touching` keeps from colliding.
     """
 
     name: str
@@ -104,7 +104,8 @@ class Record(Facts, kw_only=True):
     """A record of a successful build.
 
     `text` is the hash of the model's text, if only that was requested. `recipes` are the recipe files, the outermost
-    first, `places` is a hash of all positions in them, `mentions_positions` says that the record has some of these.
+    first. `places` is a hash of all positions in them, and `mentions_positions` says whether the record contains
+    positions.
     """
 
     model: str
@@ -185,7 +186,7 @@ class Lookup(Struct):
 
 
 class Cache(Struct, frozen=False):
-    """The build cache. Errors on writing are reported once by `warn`; `on_keep` gets all that is stored."""
+    """The build cache. `warn` reports errors on writing once, and `on_keep` gets everything that is stored."""
 
     store: Store
     warn: Callable[[str], None]
@@ -216,7 +217,7 @@ class Cache(Struct, frozen=False):
             return Lookup(why=tuple(self._changes(answers[0])))
         before = _read(self.store.folder, key.subject_digest)
         if not isinstance(before, dict):
-            return Lookup(why=("it was not built before, or nothing of that was kept",))
+            return Lookup(why=("it was not built before, or its result was not kept",))
         with contextlib.suppress(TypeError, AttributeError):
             if changes := differences(before, key.parts):
                 return Lookup(why=changes)
@@ -297,7 +298,7 @@ class Cache(Struct, frozen=False):
         changed = [each for each in answer.inputs if not self.files.is_same(each)]
         lines = [_change(each, self.files.look(each.path)) for each in changed]
         return lines + [
-            f"the package `{name}` was {version}, and is another version now"
+            f"the package `{name}` was {version}, and its version has changed"
             for name, version, file in answer.packages
             if not os.path.isfile(file)
         ]
@@ -344,7 +345,7 @@ def _change(before: FileState, now: FileState) -> str:
     below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
     name = os.path.relpath(before.path) if below else before.path
     if os.path.isdir(before.path):
-        return f"the licenses in `{name}` are others"
+        return f"the licenses in `{name}` differ"
     if not before.state:
         return f"`{name}` is new"
     return f"`{name}` changed" if now.state else f"`{name}` is gone"

@@ -170,7 +170,7 @@ def _sha256(path: str) -> str:
 
 
 class CacheKey(Struct):
-    """The key of a model: the `parts` that count, by their names for the user, and the `subject`, whatever they are."""
+    """The key of a model: its `parts`, by their names for the user, and the `subject`, independent of them."""
 
     subject: str
     parts: Mapping[str, str]
@@ -230,7 +230,7 @@ class BuildOptions(Struct):
 
 
 def plan_content(plan: Plan) -> list[object]:
-    """Return all that determines the result of a plan except contents of files and places, as JSON data. No I/O."""
+    """Return the inputs that determine the result of a plan, without contents of files and places, as JSON. No I/O."""
     found: list[object] = []
     for each in plan.plans():
         scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]
@@ -322,7 +322,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
     file = f"`{name.removeprefix(_OPTION)}"
     before, after = _values_by_name(was), _values_by_name(now)
     if before is None or after is None:
-        yield f"{file} changed; which of its values is not known"
+        yield f"{file} changed, but it is unknown which of its values"
     elif before == after:
         yield f"{file} changed, but none of its values"
     else:

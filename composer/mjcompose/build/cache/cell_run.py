@@ -1,4 +1,4 @@
-"""Cells are made in this process and in workers, with the same results in the same order."""
+"""Make cells in this process and in workers, with the same results in the same order."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class CellMaker(Struct, frozen=False):
 
 
 class RecipeResult(Struct):
-    """The result of a recipe of which one model is made: `checks` is their number, `cells` the size of its matrix."""
+    """The result of a recipe from which one model is made, with the number of `checks` and of `cells`."""
 
     diagnostics: tuple[Diagnostic, ...]
     outcomes: tuple[Outcome, ...]
@@ -233,7 +233,7 @@ class RemoteWorkers(Protocol):
 
 
 class CellRun:
-    """Makes cells with `jobs` processes; by default with one for each core, if that pays off.
+    """Makes cells with `jobs` processes; by default with one process for each core, if that pays off.
 
     If signals are deferred around it, no cell is lost between writing and yielding it. A `crew` does all the work
     instead. Diagnostics of the run as a whole go to the maker's context. Use it as a context manager.

@@ -71,7 +71,7 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
     seen: set[str] = set()
     for cell in found:
         if cell.name in seen:
-            message = f"a cell of the matrix is called `{cell.name}`, as a sample of another is"
+            message = f"a cell of the matrix has the same name as a sample of another: `{cell.name}`"
             sink.error("name-clash", message, cell.span, help="give the cell another name")
             break
         seen.add(cell.name)
@@ -98,7 +98,7 @@ def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
         if not {"scale", "offset"} & field.entries.keys():
             message = f"`{param.text}` is an axis of the matrix, whose value field `{name}` would replace"
             sink.error("unknown-name", message, param.span,
-                       help="draw relative to it, with `scale` or `offset`, or take it out of the axes")  # fmt: skip
+                       help="draw relative to it, with `scale` or `offset`, or remove it from the axes")  # fmt: skip
 
 
 def cells_of(
@@ -134,7 +134,7 @@ def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe
 
 
 def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> list[Cell]:
-    """Return the cells that are one of these samples; a sample that does not exist is an error."""
+    """Return the cells with one of these samples; a sample that does not exist is an error."""
     cells = list(cells)
     wanted = list(dict.fromkeys(samples))
     known = sorted({cell.sample for cell in cells if cell.is_sample})

@@ -1,1 +1,1 @@
-"""How the kinds of check are carried out, one file each."""
+"""The execution of each kind of check, in a file of its own."""

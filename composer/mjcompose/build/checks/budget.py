@@ -47,13 +47,13 @@ KIND = Budget
 
 _WARM_UP, _SECONDS, _RUNS = 20, 0.2, 3
 _OF_A_MESH = {"vert": 12, "normal": 12, "texcoord": 8, "face": 36}
-"""Bytes of one of each: three or two single-precision numbers, and of a face nine indices."""
+"""Bytes of each: two or three single-precision numbers, or nine indices for a face."""
 _SHOWN_SPEED = 2
 """Digits: the speed differs from run to run."""
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """Return one finding for each thing of which there is more than allowed."""
+    """Return one finding for each exceeded limit."""
     keys = keys_named(scope, asked["key"])
     faces = scope.model.mesh_facenum
     counted: Mapping[str, Callable[[], tuple[int, str]]] = {
@@ -102,7 +102,7 @@ def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, 
 
 
 def _speed(scope: Scope, least: float) -> list[Fault]:
-    """Return a finding if the best of several runs is too slow. The best one is disturbed least by other work."""
+    """Return a finding if the best of several runs is too slow. Other work disturbs the best run least."""
     import numpy as np
 
     mujoco, model = scope.mujoco, scope.model

@@ -29,7 +29,7 @@ def failed(
 
 
 def beside(value: float, *bounds: float, digits: int = 4) -> str:
-    """Return a number in as many digits as it takes to see that it is none of the bounds, and no fewer than `digits`.
+    """Return a number with enough digits to distinguish it from the bounds, but at least `digits`.
 
     >>> beside(0.05, 0.001), beside(0.00100002, 0.001), beside(0.001, 0.001)
     ('0.05', '0.00100002', '0.001')
@@ -147,7 +147,7 @@ class Scope:
         return [index for index, name in named if name in fitting]
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
-        """Return those of `names`, as the recipe writes them, that a pattern matches. Raises BadPattern."""
+        """Return the `names`, as the recipe writes them, that a pattern matches. Raises BadPattern."""
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
     def at_key(self, key: str | None, *at: str | int) -> Any:
@@ -166,7 +166,7 @@ class Scope:
         return data
 
     def found(self, name: str, value: float, digits: int = 9) -> None:
-        """Note a value that a check found. Further `digits` of simulated or solved values differ between machines."""
+        """Note a value that a check found. Simulated values keep only `digits`, which machines agree on."""
         exact = isinstance(value, int) or not math.isfinite(value)
         self.values[name] = value if exact else float(f"{round(value, digits):.{digits}g}")
 
@@ -214,7 +214,7 @@ def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: 
 SUBTREE_MASS = "subtree_mass"
 """An attribute of bodies that MJCF does not have: the mass of a body and all below it."""
 Number = tuple[float, str | None]
-"""A number and the unit that is written behind it, `deg` or `rad`."""
+"""A number and the unit that is written after it, `deg` or `rad`."""
 ROUNDING = {4: 1e-6, 8: 1e-9}
 """Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
 _NAMING = ("geom", "site", "camera", "light", "skin", "material", "pair", "exclude", "equality", "tendon", "actuator",
@@ -224,7 +224,7 @@ _NOT_COMPILED = ("default", "instance")
 
 @cache
 def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
-    """Return the attributes of a tag that have keywords, with these. The keywords of a family's `type` are its tags."""
+    """Return the keywords of a tag's attributes. The keywords of a family's `type` are its tags."""
     paths = paths_of(tag)
     found: dict[str, tuple[str, ...]] = {}
     for name in sorted(ENUMERATED.get(tag, ())):
@@ -251,7 +251,7 @@ _SECOND = ("refsite", "slidersite", "refname")
 
 
 def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
-    """Yield the value of an attribute; several if MuJoCo does not store which of two it is, none if it is not set."""
+    """Yield the value of an attribute: two if MuJoCo does not store which one it is, none if it is not set."""
     if attr in ENUMERATED.get(tag, ()):
         array = array_of(tag, attr)
         if (values := getattr(scope.model, array, None)) is not None:

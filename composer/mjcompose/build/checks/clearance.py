@@ -94,7 +94,7 @@ def _measure(distance: float, least: float) -> str:
 
 
 def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -> str:
-    """Return in words how far apart the two of a pair are."""
+    """Return in words the distance between the elements of a pair."""
     one, other = (scope.called(*side) for side in pair)
     if distance < 0:
         return f"{one} is {_measure(distance, least)} of {other}{where}"
@@ -154,7 +154,7 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
 
 
 def _names(scope: Scope, side: Side) -> set[str]:
-    """Return the names by which a glob matches a side: its own and its body's."""
+    """Return the names that a glob for a side can match: the geom's own name and its body's."""
     kind, index = side
     body = scope.roster.names["body"][int(scope.model.geom_bodyid[index])] if kind == "geom" else ""
     return {name.removeprefix(scope.prefix) for name in (scope.roster.names[kind][index], body) if name}

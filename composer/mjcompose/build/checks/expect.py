@@ -1,4 +1,4 @@
-"""The check `expect`: how many elements the compiled model has, and their values."""
+"""The check `expect`: the number of elements in the compiled model, and their values."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class Selector(CheckPart):
 
 
 _OF_WHAT = "write for instance `select: {joint: NAME}`, or `attr: mass`"
-_COUNT = Expects("a count, or the least and the most", "[6, 8]")
+_COUNT = Expects("a count, or the minimum and the maximum", "[6, 8]")
 _RANGE = Expects("a list of 2 numbers", "[18, 22]")
 _Bound = Annotated[float | Angle, Measure()]
 
@@ -188,7 +188,7 @@ class Expect(Check):
         if isinstance(attr, Fault):
             yield replace(attr, at=("attr",))
         elif self.equals is None and self.range is None:
-            message = f"`attr` of {OWNER} does not say which value it has"
+            message = f"`attr` of {OWNER} has no expected value"
             help = "write `equals: VALUE`, or `range: [LOW, HIGH]`"
             yield Fault("missing-key", message, ("attr",), key=True, help=help)
         elif self.equals is not None and len(self.equals) > 1 and (tag is None or attr[1] is not None):

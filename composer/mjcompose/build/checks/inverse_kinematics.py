@@ -1,7 +1,7 @@
 """Find joint positions that bring a site to a point.
 
-The method is damped least squares with joint limits, from several starts. `mujoco.minimize.least_squares` (3.12 to
-4.0) finds the same on arms of hinges and slides in about the same time. Its bounds are boxes, and the range of a
+The method is damped least squares with joint limits, from several starts. `mujoco.minimize.least_squares` (3.12 to 4.0)
+finds the same solutions for arms of hinges and slides in about the same time. Its bounds are boxes, and the range of a
 ball joint is not a box: of 19 targets that two ball joints reach with one of them at its limit, it found 10.
 """
 
@@ -49,7 +49,7 @@ class Solver:
         self.distance = float(np.linalg.norm(self._look()[0][:3]))
 
     def solve(self) -> float:
-        """Return the least distance found, in meters, and leave the data at these positions."""
+        """Return the smallest distance found, in meters, and leave the data at the positions found."""
         random = np.random.default_rng(0)
         best, best_qpos = np.inf, self.start
         for number in range(STARTS):
@@ -211,7 +211,7 @@ class Solver:
         }
 
     def _limits(self) -> tuple[Any, Any]:
-        """Return the bounds of each moving degree of freedom; infinite for ball joints and those without limits."""
+        """Return the bounds of each moving degree of freedom; infinite for ball joints and joints without limits."""
         joints = self.model.dof_jntid[self.moving]
         bounded = (self.model.jnt_limited[joints] != 0) & np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))
         ends = self.model.jnt_range[joints]

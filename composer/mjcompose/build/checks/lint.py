@@ -34,7 +34,7 @@ from mjcompose.mujoco.solids import Shapes, faults
 
 
 class Rule(CheckPart):
-    """The settings of a rule, and the `kinds` that `except` can name. One with `limits` runs only if one is written."""
+    """The settings of a rule, and the `kinds` that `except` can name. With `limits`, it runs only if one is written."""
 
     word: ClassVar[str]
     kinds: ClassVar[tuple[str, ...]]
@@ -213,9 +213,9 @@ class ShapeOffMesh(Rule):
     hausdorff: _Length | None = None
     """the largest distance between the two surfaces, in meters"""
     beyond: _Length | None = None
-    """the largest distance that the shapes may reach out of the mesh, in meters"""
+    """the largest allowed distance of the shapes outside the mesh, in meters"""
     shortfall: _Length | None = Field(None, alias="short")
-    """the largest distance that the mesh may reach out of the shapes, in meters"""
+    """the largest allowed distance of the mesh outside the shapes, in meters"""
     uncovered: NotNegative | None = None
     """the largest share of the mesh's surface outside the shapes"""
     volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
@@ -330,7 +330,7 @@ class Lint(Check):
 
     @property
     def selected(self) -> dict[str, Rule | None]:
-        """The rules that `select` means, with their settings; None for a rule without any."""
+        """The rules that `select` selects, with their settings; None for a rule without settings."""
         if isinstance(self.select, SelectedRules):
             return dict(self.select.words)
         usual = [word for word, each in _PLAIN.items() if each.usual]

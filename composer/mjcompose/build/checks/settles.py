@@ -14,12 +14,12 @@ from mjcompose.mujoco.arrays import JOINT_TYPES
 
 
 class Near(CheckPart):
-    """Where all joints still are at the end."""
+    """The expected final positions of all joints."""
 
     example: ClassVar = "{key: …, within: 0.05}"
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """a keyframe; by default the one to start from"""
+    """a keyframe; by default the start keyframe"""
     within: Positive = Field(examples=["0.05"])
     """the greatest distance of a joint from its position in that keyframe, in m or rad"""
 

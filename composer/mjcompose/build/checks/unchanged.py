@@ -63,7 +63,7 @@ KIND = Unchanged
 
 
 def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
-    """Compare each source of the part, by its name in the outermost recipe, and return how many there are."""
+    """Compare each source of the part, by its name in the outermost recipe, and return the number of sources."""
     from mjcompose.build.plan.plan import of_part
 
     separator = checks.plan.separator

@@ -1,1 +1,1 @@
-"""A plan is carried out: sources become units, and the recipe's steps act on the result."""
+"""Carrying out a plan: sources become units, and the recipe's steps act on the result."""

@@ -1,8 +1,9 @@
 """Actuators as MuJoCo compiles them, and the units of their controls and activations.
 
-The control of a position servo is a position, the control of a velocity servo a velocity, of whatever the servo moves.
-Only a joint determines whether that is an angle: a fixed tendon adds up hinges by coefficients, and MJCF gives its
-`range` no unit either. A gear other than 1 and -1 scales the number, so it is not an angle of the joint.
+The control of a position servo is a position, and the control of a velocity servo is a velocity, of the element that
+the servo moves. Only a joint determines whether that is an angle: a fixed tendon adds up hinges by coefficients, and
+its `range` has no unit in MJCF either. A gear other than 1 and -1 scales the number, so it is not an angle of the
+joint.
 """
 
 from __future__ import annotations
@@ -197,7 +198,7 @@ class ControlMeaning(NamedTuple):
 
 @dataclass
 class ControlUnits:
-    """Determines the units for the actuators of a model without keys; `in_doubt` if MuJoCo may not read it."""
+    """Determines the units for the actuators of a model without keys; `in_doubt` if MuJoCo may refuse it."""
 
     linking: Linking
     sink: Sink
@@ -211,7 +212,7 @@ class ControlUnits:
         return self.known[actuator]
 
     def is_position(self, actuator: Node) -> bool:
-        """Return whether an actuator's control is the position of its target."""
+        """Return whether the control of an actuator is the position of its target."""
         control = None if actuator.tag in _UNLIKE else self._control(actuator)
         if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
             control = self._models[actuator].control if actuator in self._models else "other"
@@ -239,7 +240,7 @@ class ControlUnits:
         return actuator_models(self.linking, self.sink, found) or {}
 
     def _control(self, actuator: Node) -> str | None:
-        """Return the quantity of a control if the tree tells it. All actuator tags share settings of classes."""
+        """Return the quantity of a control if the tree determines it. All actuator tags share settings of classes."""
         tag = str(actuator.tag)
         found = self.linking.base.classes.get(str(actuator.get("class") or "") or None)
         given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}

@@ -130,7 +130,7 @@ def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
                 changed += arrays_of("lengthrange")
             for name in sorted(_RESHAPING & written.keys()):
                 for record in records:
-                    record.update(obscure=f"the recipe sets `compiler.{name}`, which takes elements away")
+                    record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
         elif isinstance(step, DrawValues) and step.sample:
             changed += arrays_of_draw(step)
         for record in records:
@@ -273,7 +273,7 @@ def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementB
         return place
     settings = (unit.settings.angle == "degree", unit.settings.eulerseq)
     if (scaled := scaled_above(element)) is not None:
-        message = f"`{name}` of `{step.prefix}` is inside a frame that scales: where it is cannot be computed"
+        message = f"`{name}` of `{step.prefix}` is inside a frame that scales: its position cannot be computed"
         span = locate(making.document, (*step.at, "mate"))
         notes = (Note("the frame", unit.origins.span(scaled, unit.file, "scale")),)
         help = "mate with a site outside the frame"
@@ -294,7 +294,7 @@ def _at_key(
         offset["quat"] = _text(pose.quat)
     span = locate(making.document, (*step.at, key), key=True)
     if not pose.is_finite:
-        message = f"`{key}` puts `{step.prefix}` where no finite numbers lead"
+        message = f"`{key}` puts `{step.prefix}` at a position that is not finite"
         making.sink.error("out-of-range", message, span, help="write finite numbers", subjects=(step.prefix,))
     return replace(place, offset=offset, written=dict.fromkeys(offset, span), computed=key)
 
@@ -317,7 +317,7 @@ def _note_edits(record: UnplacedRecord, edits: Iterable[Edit]) -> None:
     """Note in the record the arrays that edits change in the part, or why it is not compared."""
     for edit in edits:
         if any(verb.reshapes for verb in edit.verbs.values()) and not record.member.reduced:
-            record.update(reduced="the recipe takes away, moves or converts elements")
+            record.update(reduced="the recipe removes, moves or converts elements")
         tag = None if "/" in edit.select.tag else edit.select.tag
         changes = [change for verb in edit.verbs.values() for change in verb.changes(tag)]
         record.add_changed(array for kind, name in changes for array in arrays_of(name, kind))
@@ -366,7 +366,7 @@ def _check_scale(step: AddElement, holder: Node, linking: Linking, making: Eleme
         if isinstance(base.origins.owner(frame, base.file), str):
             message = f"`{step.to}` is inside a frame that scales: the element would have another size and mass"
             span = linking.span(base, frame, "scale" if frame.get("scale") else "massscale")
-            help, notes = "add it outside of the frame, or write the frame without scale", (Note("the frame", span),)
+            help, notes = "add it outside the frame, or write the frame without scale", (Note("the frame", span),)
             making.sink.error("not-supported", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
             return
 
@@ -418,7 +418,7 @@ class EarlyAdditions(Struct, frozen=False):
     making: ElementBuilder
     places: Mapping[Place, AddedPlace] = field(init=False)
     done: dict[int, AddElement] = field(default_factory=dict)
-    """By identity: to compare two entries is to compare all that they say."""
+    """By identity, because comparing two entries compares everything in them."""
     names_of: dict[int, list[Place]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -26,7 +26,7 @@ from mjcompose.tree.select import name_of
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
-    """Report the first joint that takes an angle of a class for a length, or a length for an angle.
+    """Report the first joint that reads an angle of a class as a length, or a length as an angle.
 
     MuJoCo 4.0 compiles `range="0 90"` of a class to 0 1.5708 for hinges, and to 0 90 for slides.
     """
@@ -84,7 +84,7 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Report a joint without mass on its body, or on one that is fixed to it, unless only MuJoCo knows the mass."""
+    """Report a joint whose body, and the bodies fixed to it, have no mass, unless only MuJoCo knows the mass."""
     settings, default = linking.base.settings, Settings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
         return

@@ -1,4 +1,4 @@
-"""Step: select by part the bodies that must not collide, and the geoms that must."""
+"""Step: select by part the bodies that must not collide, and the geoms that may collide."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def set_collisions(
     plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None,
     samples: bool = True,
 ) -> list[tuple[Node, str]]:  # fmt: skip
-    """Write the recipe's excludes and pairs in order. Return those that MuJoCo finds, with reasons, "" for a touch."""
+    """Write the recipe's excludes and pairs in order. Return the excludes that MuJoCo finds, with reasons."""
     writer = _CollisionWriter(plan, linking, making, context=context, session=session)
     excluded: list[tuple[Node, str]] = []
     for step in plan.steps:
@@ -100,7 +100,6 @@ class _CollisionWriter(Struct):
         return [pair for pair in answer.value if all(pair["bodies"])]
 
     def _bodies(self, step: SetCollisions, index: int) -> list[Node]:
-        """Return the bodies on one side that have geoms which can collide."""
         places = {place.part: place for place in self.plan.walk() if place.part}
         worlds = self.linking.base.root.iterchildren("worldbody")
         all_bodies = [body for world in worlds for body in (world, *world.iter("body"))]

@@ -1,4 +1,4 @@
-"""A plan is carried out: sources become units, parts are linked, steps act on the result."""
+"""Carrying out a plan: sources become units, the linker joins the parts, and steps act on the result."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in S
 
 
 class Composed(Struct):
-    """One flat model and all that a manifest says of it; `tables` has elements of sources that are not MJCF."""
+    """One flat model and the contents of its manifest; `tables` has elements of sources that are not MJCF."""
 
     model: Unit
     files: tuple[FileUse, ...]
@@ -119,7 +119,7 @@ class ComposeOptions(Struct):
 
 
 class Composer:
-    """Composes plans. `subtrees` and `edits` are by recipe and path, `parts` by element, if the plan needs it."""
+    """Composes plans. The keys of `subtrees` and `edits` are recipe and path, and the keys of `parts` are elements."""
 
     def __init__(
         self, context: Context, measure: Measure | None, session: Session | None = None, *, watch: Watch = nobody,
@@ -167,7 +167,7 @@ class Composer:
                 self.read_subtrees(each.model, each.is_fixed_in_world)
 
     def expect(self, plan: Plan, is_fixed: bool = True) -> None:
-        """Record which sources the plan needs, and how often."""
+        """Record the sources that the plan needs, and how often it needs them."""
         for place in plan.walk(is_fixed):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.is_fixed_in_world)

@@ -46,7 +46,7 @@ _LOOKS, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 100, 500, 100,
 
 
 class EditCost(Struct, frozen=False):
-    """The cost of all edits so far, in the time in which one value is written; `ended` is set beyond the limit."""
+    """The cost of all edits so far, in units of the time to write one value; `ended` is set beyond the limit."""
 
     spent: float = 0
     ended: bool = False
@@ -70,7 +70,7 @@ def cost_of_selecting(selector: Selector, root: Node) -> float:
 
 
 def count_values(value: Any) -> int:
-    """Return how many values an entry writes for each element.
+    """Return the number of values that an entry writes for each element.
 
     >>> from mjcompose.build.verbs.set import Set
     >>> count_values({"set": Set.model_validate({"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]})})
@@ -118,7 +118,7 @@ class Editing:
 
     @cached_property
     def names(self) -> NameIndex:
-        """The index of the model's names and references. From the first access on, the linking uses it too."""
+        """The index of the model's names and references. After the first access, linking uses it too."""
         index = NameIndex.of(self.root)
         self.linking.names.declared = index.declared
         return index
@@ -174,7 +174,7 @@ class Editing:
                 self.reshaped(flex)
 
     def reshaped(self, node: Node) -> None:
-        """Record that a node may have another number of values in a key than before. A class may affect any node."""
+        """Record that the number of values that a node has in a key may have changed. A class may affect any node."""
         changed = self.linking.keys.reshaped
         changed.add(node)
         if section_of(node) == "default":
@@ -218,7 +218,7 @@ class Editing:
 
 
 def take_files(editing: Editing) -> None:
-    """Resolve the files that edits name relative to the recipe. They replace those that the elements named before."""
+    """Resolve the files that edits name relative to the recipe. They replace the elements' previous files."""
     making, linking = editing.making, editing.linking
     for node, attribute, name in making.files:
         file = making.named_file(node, attribute, name)
@@ -257,7 +257,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
 
 
 class Count(NamedTuple):
-    """The number of elements that a selector may select: `expect` at the place `at`, or none if it is `optional`."""
+    """The number of elements that a selector may select: `expect`, written at `at`, or none if it is `optional`."""
 
     expect: int | None
     optional: bool
@@ -265,7 +265,7 @@ class Count(NamedTuple):
 
 
 def select_counted(editing: Editing, selector: Selector, path: Path, count: Count, *, values: float = 1) -> list[Node]:
-    """Return the selected elements, on each of which `values` are written; none if their number is wrong."""
+    """Return the selected elements, each of which gets `values`; none if their number is wrong."""
     expect = count.expect
     if (found := select(editing, selector, path)) is None:
         return []
@@ -367,7 +367,7 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
 
 
 def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
-    """Report that nothing is selected, and which part of the selector nothing matches."""
+    """Report that nothing is selected, and the part of the selector that matches nothing."""
     help = fix = None
     written = editing.span((*path, selector.tag))
     names = _selection(editing).names(selector)

@@ -176,7 +176,7 @@ class ModelEdits(Struct):
     tabled: list[ElementDraws] = field(default_factory=list)
 
     def in_doubt(self) -> bool:
-        """Carry out the edits of one name each, to find more errors. Return whether keys can refer to the names."""
+        """Make the edits that select a single name, to find more errors. Return whether keys can refer to the names."""
         making, own = self.making, self.making.sink
         making.sink = self.linking.sink = aside = own.fork()
         sections = [v for name, (_, v) in self.plan.document.entries.items() if name not in _SECTIONS_WITHOUT_NAMES]
@@ -243,7 +243,7 @@ class ModelEdits(Struct):
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
-        """Carry out an edit on a model with the keys that are replaced later. Return those of them that are left."""
+        """Carry out an edit on a model with the keys that are replaced later. Return the keys that are left."""
         names = [str(key.get("name")) for key in keys]
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:

@@ -47,12 +47,14 @@ class Reference(NamedTuple):
 class ElementBuilder(Struct, frozen=False):
     """Turns a recipe's elements into nodes of one model, and records them.
 
-    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model. Paths of files in
-    messages are relative to `folder`. `door_of_text` returns the door that decides which files a recipe may name.
+    `angle_context` has the units of the recipe's bare angles, and `model_angle` is the unit of the model. Paths of
+    files in messages are relative to `folder`. `door_of_text` returns the door that decides which files a recipe may
+    name.
 
-    `made` has the recipe's element for every node, `fragments` the line of nodes that came as text below a key.
-    `pending` are angles of joints, which wait for their class, `of_keys` references to keys, which wait for the layout.
-    `of_classes` are numbers in classes that are angles (the flag) or lengths, `intervals` pairs of ends with places.
+    `made` has the recipe's element for every node, and `fragments` has the line of each node that was written as text
+    below a key. `pending` has angles of joints, which wait for their class, and `of_keys` has references to keys, which
+    wait for the layout. `of_classes` has numbers in classes, with a flag for angles, and `intervals` has pairs of ends
+    with places.
     """
 
     document: Located
@@ -96,13 +98,13 @@ class ElementBuilder(Struct, frozen=False):
         return locate(self.document, element.at, key=not is_value)
 
     def angle_settings_of(self, element: Element, attribute: str) -> AngleSettings:
-        """Return how an attribute of an element is read. In a fragment, it is read as the fragment is."""
+        """Return the angle settings for an attribute of an element, which may come from its fragment."""
         path = (*element.at, attribute)
         written = self.angle_context.others and find(self.document, path) is not None
         return self.angle_context.at(path if written else (*element.at, "xml"))
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
-        """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
+        """Return where a node, or the value of its attribute, is written. In a fragment, it searches for the place."""
         return self._span_of(node, self.made[node], self.fragments.get(node), attribute=attribute)
 
     def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
@@ -143,7 +145,7 @@ class ElementBuilder(Struct, frozen=False):
                 self.origins.own(inner, partial(self._span_of, inner, element, start))
 
     def register(self, node: Node, section: str) -> None:
-        """Record a new node as `place` does, and have the names in it and below it checked later."""
+        """Record a new node as `place` does, and register the names in it and below it for a later check."""
         self.place(node)
         self.registered.append((node, section))
 
@@ -276,7 +278,7 @@ def turned(
     value: object, settings: AngleSettings, unit: str = "radian",
     radians: Callable[[float], float] = numbers.orientation_radians,
 ) -> float:  # fmt: skip
-    """Return an angle in `unit`, a bare one in the recipe's; `radians` converts degrees as MuJoCo does."""
+    """Return an angle in `unit`, or a bare angle in the recipe's unit; `radians` converts degrees as MuJoCo does."""
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:

@@ -30,7 +30,7 @@ _PLAIN = re.compile(r"(?!(?:true|false|null|yes|no|on|off|y|n|nan|inf)$)[A-Za-z_
 
 
 def order_elements(plan: Plan, linking: Linking, *, keys: bool = False) -> None:
-    """Order the elements, or the keys, and report an order that MJCF cannot have, and names that do not fit."""
+    """Order the elements or the keys, and report orders that MJCF cannot express and names that do not fit."""
     unit = linking.base
     if linking.sink.has_errors:  # the model may lack elements
         return

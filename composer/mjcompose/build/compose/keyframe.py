@@ -69,7 +69,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
-    """Return the joints by name. A joint without a name that is its body's only one has the name of the body."""
+    """Return the joints by name. An unnamed joint that is the only joint of its body has the name of the body."""
     named = {_name(element_of(joint)) for joint in layout.joints}
     found: dict[str, _Holder] = {}
     for joint, slot in layout.joints.items():
@@ -85,7 +85,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
 
 
 def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
-    """Return the key with each number marked as passed on by the `from` entry at `span`, if it is not `void`."""
+    """Return the key with a mark on each number that the `from` entry at `span` passed on, unless it is `void`."""
     values = {
         vector: {holder: taken(row, span) for holder, row in columns.items()} for vector, columns in key.values.items()
     }

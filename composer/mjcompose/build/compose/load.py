@@ -1,4 +1,4 @@
-"""Steps: a source becomes a unit, or one body of it. MJCF that attaches recipes gets their models in memory."""
+"""Steps: turn a source, or one body of it, into a unit. MJCF that attaches recipes gets their models in memory."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ Library = dict[Key, Unit]
 class Loader(Struct, frozen=False):
     """Loads the units of source files.
 
-    `expect` announces how often each is needed, so the last use needs no copy. The `library` has known units and gets
-    new ones. With `checks`, every file must be valid MJCF. `embed` puts models of recipes into units that attach them.
+    `expect` counts the uses of each, so the last use needs no copy. The `library` has known units and receives new
+    ones. With `checks`, every file must be valid MJCF. `embed` puts models of recipes into units that attach them.
     """
 
     context: Context
@@ -170,7 +170,7 @@ def source_key(model: Source, is_fixed: bool) -> Key:
 
 
 class PartRequest(Struct):
-    """A request for a base or part of a plan at `at`, or one `body` of it, named at `span`; for the final world."""
+    """A request for the base or a part of a plan at `at`, or for one `body` of it, which the recipe names at `span`."""
 
     model: Source | Plan | None
     body: str | None
@@ -185,7 +185,7 @@ class PartRequest(Struct):
 
     @property
     def drops_elements(self) -> bool:
-        """Whether it drops more than its keys, which stay in the unit for keyframes that the recipe writes."""
+        """Whether it drops more than its keys. The keys stay in the unit for keyframes that the recipe writes."""
         return not all(each.leaves_keys for each in self.drop)
 
     def check_dropped_keys(self, unit: Unit, document: Located, sink: Sink) -> bool:
@@ -232,7 +232,7 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
 
 
 class InnerModels(Struct, frozen=False):
-    """Puts models that a unit attaches into its contents: `compose` makes those of recipes, whose `plans` it has."""
+    """Puts models that a unit attaches into its contents: `compose` makes the models of recipes from `plans`."""
 
     plans: Mapping[str, Plan]
     compose: Callable[[Plan], Unit | None]

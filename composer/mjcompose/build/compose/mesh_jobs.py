@@ -1,8 +1,8 @@
 """Work on meshes for the verbs of `edit`: each result comes from a store or from a child process.
 
 Results are stored by content: next to the recipe for everybody, and in the store of this machine. The key of a result
-is the hash of the mesh's bytes and attributes, the method and its settings. CoACD may give other pieces on another
-machine or in another version, so a result next to the recipe counts; the lock pins its bytes.
+is the hash of the mesh's bytes and attributes, the method and its settings. CoACD may give different pieces on another
+machine or in another version, so a result next to the recipe has priority; the lock pins its bytes.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from mjcompose.tree.files import written_path
 from mjcompose.tree.select import name_of
 
 FORMAT = 1
-"""It changes when the same input must give another result."""
+"""It changes if the same input must give a different result."""
 _MOST = 256 * MIB
 _SHAPES = {
     "mesh": ("vertices", "faces"),
@@ -188,7 +188,7 @@ SAID = ("content_type", "vertex", "face", "refpos", "refquat", "scale", "builtin
 
 
 class MeshJob(Struct):
-    """Work on one mesh. `mesh` has its attributes with the hash of its file, `content` is the file."""
+    """Work on one mesh. `mesh` has its attributes with the hash of its file, and `content` is the file."""
 
     node: Node
     called: str
@@ -204,7 +204,7 @@ class MeshJob(Struct):
         return shapes_key(self.mesh, self.method, self.wanted)
 
     def shapes_of(self, geom: str, result: Mapping[str, Any], shapes: tuple[str, ...], faces: int) -> GeneratedShapes:
-        """Return the facts about a result, `shapes` being the names of the new geoms."""
+        """Return the facts about a result; `shapes` are the names of the new geoms."""
         return GeneratedShapes(
             geom, name_of(self.node) or "", self.method, wanted=self.wanted, shapes=shapes, faces=faces,
             error=result["error"], made_with=result["made_with"], key=self.key, span=self.span,
@@ -221,7 +221,7 @@ class MeshResult(Struct, frozen=False):
 
 
 class MeshWorkshop(Struct, frozen=False):
-    """Finds or computes the results, `records`. Without `makes` it computes none; `stopped` if tools are missing."""
+    """Finds or computes the results. Without `makes` it computes none, and `stopped` says that tools are missing."""
 
     context: Context
     makes: bool = True
@@ -331,7 +331,7 @@ class MeshWorkshop(Struct, frozen=False):
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=editing.subjects(mesh))
 
     def _doubt(self, editing: Editing, jobs: Sequence[MeshJob], results: dict[str, dict[str, Any]]) -> None:
-        """Warn of meshes that are probably wrong. A flat mesh is an error before: it gives no shape."""
+        """Warn about meshes that are probably wrong. A flat mesh is an earlier error, because it gives no shape."""
         from mjcompose.mujoco.shapes import SHAPE, Measured, doubts  # imports numpy
 
         # The greatest distance of a body from its parent, in meters.

@@ -1,6 +1,7 @@
-"""Steps: a part gets a place that follows from others: its mirror image has one, or it is a scattered copy.
+"""Steps: derive the place of a part from its mirror image, or as a scattered copy.
 
-MuJoCo finds places for copies on a model in which they are free bodies. A mirror image may have the other's keyframes.
+MuJoCo finds places for copies on a model in which they are free bodies. A mirror image may take the keyframes of its
+original.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
-    """Let parts have the place of the part that they mirror, unless they have their own."""
+    """Give parts the place of the part that they mirror, unless they have their own."""
     by_name = {part_name(step, plan.separator): part for step, part in zip(plan.parts, parts, strict=True)}
     for step, part in zip(plan.parts, parts, strict=True):
         if (mirror := step.attachment.mirror) is None or (other := by_name.get(mirror.of)) is None:
@@ -47,7 +48,7 @@ def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
 def mirror_keys(
     plan: Plan, units: Sequence[Unit | None], context: Context, session: engine.Session | None, notes: KeyNotes
 ) -> None:
-    """Give parts the keyframes of the part that they mirror. Report parts that are no mirror images."""
+    """Give parts the keyframes of the part that they mirror. Report parts that are not mirror images."""
     by_name = {part_name(step, plan.separator): unit for step, unit in zip(plan.parts, units, strict=True)}
     for step, unit in zip(plan.parts, units, strict=True):
         mirror = step.attachment.mirror
@@ -104,13 +105,13 @@ def _report_mirror(
 
 
 _APART = 100.0
-"""Meters between the copies before they have a place."""
+"""The distance in meters between the copies before they are placed."""
 
 
 def scattered(
     plan: Plan, compose: Callable[[Plan], Composed | None], context: Context, session: engine.Session | None
 ) -> Plan | None:
-    """Return the plan with a pose for each scattered copy, or None. `compose` composes it with these as free bodies."""
+    """Return the plan with a pose for each scattered copy, or None. For `compose`, the copies are free bodies."""
     waiting = [step for step in plan.parts if step.waits]
     away = {step.prefix: Pose((0.0, 0.0, _APART * (1 + n))) for n, step in enumerate(waiting)}
     free = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]
@@ -145,7 +146,7 @@ def scattered(
 
 
 def _counts(step: Step, keys: Set[str | None]) -> bool:
-    """Return whether a step can matter for the places of copies, which have another free joint in the meantime."""
+    """Return whether a step can affect the places of copies, which have a free joint until they are placed."""
     if isinstance(step, WriteKeyframe):
         return step.key.name in keys
     if isinstance(step, SetCollisions):
@@ -191,7 +192,7 @@ def _report_scatter(plan: Plan, group: list[AttachPart], fault: dict[str, Any], 
         width, depth = (number_text(float(f"{100 * each:.4g}")) for each in fault["room"][:2])
         apart = f" with {number_text(100 * scatter.clearance)} cm between them" if scatter.clearance else ""
         message = f"{copies} do not fit on `{over}` ({width} × {depth} cm){apart}: {fault['placed']} did"
-        words = {EDGE: f"not wholly on `{over}`", COPY: "too close to another copy"}
+        words = {EDGE: f"not completely on `{over}`", COPY: "too close to another copy"}
         tried = [f"{number:,} {words.get(what, f'too close to `{what}`')}" for what, number in fault["blocked"][:4]]
         notes = (Note(f"places that were tried: {', '.join(tried)}"),)
         smaller = f"`count: {fault['placed']}`" if fault["placed"] else "a larger surface"

@@ -1,4 +1,4 @@
-"""The effects and needs of a plan, found out without building."""
+"""The effects and needs of a plan, determined without building."""
 
 from __future__ import annotations
 

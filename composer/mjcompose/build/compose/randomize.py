@@ -178,7 +178,7 @@ class _FieldDraws(Struct, frozen=False):
         return "" if self.step.field.per == "sample" else self.drawn_by(node)
 
     def _component(self, place: int) -> tuple[int, int]:
-        """Return for the number at a place which component its random bits and its parameters belong to."""
+        """Return the component to which the random bits and the parameters of the number at a place belong."""
         _, subscript = attribute_and_index(self.step.field.attr)
         if subscript is None:
             return place, place
@@ -186,7 +186,7 @@ class _FieldDraws(Struct, frozen=False):
         return (subscript if self.step.field.group is None else 0), 0
 
     def _count(self, node: Node) -> int | None:
-        """Return how many numbers the attribute has, or None for a single number."""
+        """Return the number of components of the attribute, or None for a single number."""
         entry, kind = self.step.field, kind_of(node)
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
@@ -268,7 +268,7 @@ class _FieldDraws(Struct, frozen=False):
         return [n in angles for n in (range(count) if subscript is None else (subscript,))]
 
     def _in_radians(self, node: Node, drawn: Any) -> Value:
-        """Return the draw as in the manifest: angles are in radians, except for those that MuJoCo has in degrees."""
+        """Return the draw as in the manifest: angles are in radians, unless MuJoCo stores them in degrees."""
         if not isinstance(drawn, list):
             return self._one_in_radians(node, drawn, any(self._angles(node)[:1]))
         turned = [*self._angles(node), *[False] * len(drawn)]

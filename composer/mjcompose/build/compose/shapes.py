@@ -248,7 +248,7 @@ def _free(editing: Editing, namespace: str, name: str) -> str:
 def simplify_meshes(
     editing: Editing, workshop: MeshWorkshop, found: list[Node], faces: int, at: Path
 ) -> list[MeshResult]:
-    """Give the meshes fewer faces. A mesh that has no more than these stays as it is."""
+    """Give the meshes fewer faces. A mesh that has no more than that stays as it is."""
     jobs: list[MeshJob] = []
     for mesh in dict.fromkeys(_mesh(editing, node, at) for node in found):
         for geom in _geoms(editing, name_of(mesh) or ""):
@@ -284,7 +284,7 @@ def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
 
 
 def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at: Path) -> None:
-    """Report a texture whose place on fewer faces is unknown."""
+    """Report a texture that cannot be mapped to fewer faces."""
     if not result["mesh"]["mapped"]:
         return
     for geom in _geoms(editing, name_of(mesh) or ""):

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
-    """Report the fault and where the element, `it`, is written, and raise `UnusableValue`, which ends the entry."""
+    """Report the fault with the place of the element, `it`, and raise `UnusableValue`, which ends the entry."""
     notes = fault.all_notes()
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
@@ -55,7 +55,7 @@ class UnusableValue(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """Evaluates the value at a place in the recipe for one element, the one at `index` among the selected ones."""
+    """Evaluates the value at a place in the recipe for one element, with the `index` among the selected ones."""
 
     editing: Editing
     node: Node

@@ -1,1 +1,1 @@
-"""The linter: rules for MuJoCo models, one file a family."""
+"""The linter: rules for MuJoCo models, one file per family."""

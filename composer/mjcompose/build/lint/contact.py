@@ -85,13 +85,12 @@ def plane_hidden(subject: Subject) -> Found:
 
 
 def _name(geom: Node) -> str:
-    """Return the class and the name of a geom, in lower case."""
     return f"{class_in_force(geom).name or ''} {geom.get('name') or ''}".lower()
 
 
 @rule("visual-collides")
 def visual_collides(subject: Subject) -> Found:
-    """A geom for looks that collides."""
+    """A visual geom that collides."""
     if not any("collision" in _name(geom) for geom in subject.each("geom")):
         return
     for geom in subject.each("geom"):

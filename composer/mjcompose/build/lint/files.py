@@ -66,7 +66,6 @@ def _real(element: Node, value: str, unit: Unit) -> str | None:
 
 
 def _assets(subject: Subject) -> Iterator[tuple[Node, str, str]]:
-    """Yield element, attribute and real path of each file of the model."""
     if subject.unit is not None:
         for element, attribute, value in file_attributes(subject.root):
             if (real := _real(element, value, subject.unit)) is not None and os.path.isfile(real):

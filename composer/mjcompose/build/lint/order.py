@@ -13,7 +13,7 @@ _FAR = 0.05
 
 @rule("actuator-order", in_mujoco=True)
 def actuator_order(subject: Subject) -> Found:
-    """Actuators in another order than their joints."""
+    """Actuators in a different order from their joints."""
     model = subject.model
     at_joints = (model.actuator_trntype == int(subject.mujoco.mjtTrn.mjTRN_JOINT)).nonzero()[0]
     joints = model.actuator_trnid[at_joints, 0].tolist()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.servos import Servos
 
 _HEAVIEST, _DENSE = 22_590.0, 100_000.0
-"""The density of osmium, in kg/m³, and a density that even a geom that is too small does not explain."""
+"""The density of osmium, in kg/m³, and a density that is too high even for a geom that is too small."""
 _MARKER = 1e-6
 """The volume (m³) of a geom that only marks a place."""
 _BOXES = 0.1
@@ -254,7 +254,7 @@ def simulation_diverges(subject: Subject) -> Found:
 
 @rule("armature-missing", in_mujoco=True, usual=False)
 def armature_missing(subject: Subject) -> Found:
-    """A joint with an actuator and without armature."""
+    """A joint with an actuator but without armature."""
     servos = subject.servos
     for joint, dof in _single(subject):
         if servos.of_dof(dof) and subject.model.dof_armature[dof] == 0:

@@ -1,4 +1,4 @@
-"""Rules about elements that other programs, or older versions of MuJoCo, read otherwise."""
+"""Rules about elements that other programs, or older versions of MuJoCo, read differently."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _rule(name: str, title: str) -> Callable[[Subject], Found]:
 
 
 def _losses(subject: Subject, name: str) -> Found:
-    """Yield the elements that a program ignores or refuses, a kind at a time."""
+    """Yield the elements that a program ignores or refuses, one kind at a time."""
     from mjcompose.targets.plain import without_classes, without_frames
     from mjcompose.targets.table import TARGETS
     from mjcompose.targets.target import Draft, Outcome, grouped, in_words

@@ -15,7 +15,7 @@ _LIMITS = {
 
 
 def _limited(subject: Subject) -> list[tuple[Node, str, str]]:
-    """Return elements with the attributes that are a range and its switch."""
+    """Return elements with the attributes for a range and its switch."""
     actuators = subject.root.iterfind("actuator/*")
     tendons = subject.root.iterfind("tendon/*")
     found = [(each, "joint") for each in subject.each("joint") if each.getparent().tag not in ("fixed", "equality")]  # type: ignore[union-attr]
@@ -50,7 +50,7 @@ _FAR_FROM_UNIT = 0.02
 
 @rule("key-out-of-range", in_mujoco=True)
 def key_out_of_range(subject: Subject) -> Found:
-    """A position, control or activation of a keyframe that is outside of its range."""
+    """A position, control or activation of a keyframe that is outside its range."""
     from mjcompose.mujoco.index import index, ranged
 
     model = subject.model
@@ -74,7 +74,7 @@ def key_out_of_range(subject: Subject) -> Found:
 
 @rule("reference-out-of-range", in_mujoco=True)
 def reference_out_of_range(subject: Subject) -> Found:
-    """A joint whose reference position is outside of its range, in a model without keyframes."""
+    """A joint whose reference position is outside its range, in a model without keyframes."""
     model = subject.model
     if model.nkey or not subject.is_complete:
         return
@@ -142,7 +142,7 @@ def solref_below_timestep(subject: Subject) -> Found:
 
 @rule("quat-not-unit", in_mujoco=True)
 def quat_not_unit(subject: Subject) -> Found:
-    """A quaternion in a keyframe that has not the length 1."""
+    """A quaternion in a keyframe whose length is not 1."""
     model, offsets = subject.model, {FREE: 3, BALL: 0}
     types, starts = model.jnt_type.tolist(), model.jnt_qposadr.tolist()
     quats = [(at, starts[at] + offsets[type]) for at, type in enumerate(types) if type in offsets]

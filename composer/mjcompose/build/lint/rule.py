@@ -1,4 +1,4 @@
-"""Rules of the linter: how one is written, the model that it reads, and its findings.
+"""Rules of the linter: their form, the model that they read, and their findings.
 
 A rule is a function with a decorator, in the file of its family. Its docstring is the summary, and `docs/rules/CODE.md`
 its page. It gets a `Subject` and yields findings. A rule that needs MuJoCo runs next to the compiled model in a child
@@ -56,7 +56,7 @@ Found = Iterator[Finding]
 
 
 class Rule(Struct):
-    """A rule. It runs next to the model if `in_mujoco`, on files if `in_files`, unasked if `usual` or in `profiles`."""
+    """A rule. It runs next to the model if `in_mujoco`, on files if `in_files`, and by default if `usual`."""
 
     code: str
     family: str
@@ -75,7 +75,7 @@ def rule(
     code: str, *, in_mujoco: bool = False, in_files: bool = False, usual: bool = True,
     profiles: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:  # fmt: skip
-    """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that ask for it."""
+    """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that require it."""
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
         if code in CODES:
@@ -102,7 +102,7 @@ def rules() -> Mapping[str, Rule]:
 
 
 class UnknownRuleError(ValueError):
-    """There is no rule, family or profile of that name; `name` is the name, `help` the question for a near one."""
+    """There is no rule, family or profile of that name; `help` suggests a similar name."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         super().__init__(f"there is no rule or family `{name}`")
@@ -154,7 +154,7 @@ class Subject:
         return not self.is_part or self.root.find("worldbody/light") is not None or bool(shapes & {"plane", "hfield"})
 
     def is_own(self, element: Node) -> bool:
-        """Return whether the element is written in the file itself, and not in one that it includes."""
+        """Return whether the element is written in the file itself, not in an included file."""
         return self.unit is None or self.unit.origins.owner(element, self.unit.file) == self.unit.file
 
     def each(self, *tags: str) -> Iterator[Node]:
@@ -204,7 +204,7 @@ class Subject:
 
     @cached_property
     def rows(self) -> dict[Node, int]:
-        """The number of every element among the compiled ones of its kind, as far as that is certain."""
+        """The number of every element among the compiled elements of its kind, as far as it is certain."""
         from mjcompose.mujoco.index import compiled_order, rows
 
         return rows(compiled_order(self.root), self.roster)

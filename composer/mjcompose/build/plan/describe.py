@@ -172,7 +172,7 @@ def _model(part: AttachPart) -> str:
 
 
 def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
-    """Yield the recipes, drops and edits of a base or a part, each element that would be cut in two, and its plan."""
+    """Yield the recipes, drops and edits of a base or a part, each element that would be split, and its plan."""
     attachment = part.attachment
     for recipe in part.inner:
         yield f"{indent}attaches the recipe {recipe.file}"
@@ -202,7 +202,6 @@ def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterato
 
 
 def _by_kind(elements: Iterable[DroppedElement], start: str) -> Iterator[str]:
-    """Yield a line for each kind of element, with their names."""
     kinds: dict[str, list[str]] = {}
     for element in elements:
         kinds.setdefault(element.what, []).append(element.name)

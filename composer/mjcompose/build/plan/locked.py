@@ -26,7 +26,7 @@ from mjcompose.sources.store import Store
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
-    """Return how to fetch for a recipe, by its lock if it has one; None if it is faulty. `disputes`: `read_lock`."""
+    """Return the rules for fetching from a recipe's lock, if any; None if it is faulty. `disputes`: `read_lock`."""
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
         return fetching
@@ -189,7 +189,7 @@ def _is_damaged(path: Path, origin: Origin, fetching: Fetching) -> bool:
 
 
 def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
-    """Return whether the used files in the store are as they were fetched, and report those that are not."""
+    """Return whether the used files in the store are unchanged since they were fetched, and report changed ones."""
     if use.origin is None or context.fetching is None:
         return True
     there = {}
@@ -290,7 +290,7 @@ def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Return a relative path, with `..` if necessary: a license may be outside of its package."""
+    """Return a relative path, with `..` if necessary: a license may be outside its package."""
     return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(folder))).as_posix()
 
 

@@ -106,7 +106,7 @@ class _Source:
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:
-        """Return the value of the parameter in a sample, or None if it does not accept it, which is reported."""
+        """Return the value of the parameter in a sample, or None after a report that it does not accept the value."""
         drawn, parameter = self.draw(seed, sample), self.parameter
         if isinstance(drawn, tuple):
             nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
@@ -139,7 +139,7 @@ class _Source:
 
 
 def check_sample(plan: Plan, sample: int, sink: Sink) -> bool:
-    """Return whether the recipe has this sample, and report it if not. 0 is the model without draws."""
+    """Return whether the recipe has this sample, and report a missing one. Sample 0 is the model without draws."""
     if sample <= (plan.randomize.samples if plan.randomize else 0):
         return True
     span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))
@@ -152,7 +152,7 @@ _DRAWN = ("recipe", "randomize")
 
 
 class Matrix(NamedTuple):
-    """A recipe of this name, merged over the recipes that it extends, and the cells of its matrix, if any."""
+    """A recipe, merged over the recipes that it extends, and the cells of its matrix, if any."""
 
     document: Mapping
     name: str
@@ -175,7 +175,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
 
 
 class FilledValues(Struct):
-    """The values for planning without a chosen cell: those `taken` from the first cell, `cell`, have no default."""
+    """Values for planning without a chosen cell: the values `taken` from the first cell, `cell`, have no default."""
 
     given: Map[str, Node]
     cell: str | None = None
@@ -183,7 +183,7 @@ class FilledValues(Struct):
 
 
 def filled_from_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> FilledValues:
-    """Return the given values, with the first cell's values for parameters that would have none."""
+    """Return the given values, and the first cell's values for parameters that would have no value."""
     aside = replace(context, sink=Sink())
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:

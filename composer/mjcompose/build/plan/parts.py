@@ -44,7 +44,7 @@ def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
 
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
-    """Report parts that are attached to one another in a ring; return the others."""
+    """Report parts that are attached to one another in a loop; return the other parts."""
     prefixes = {part.prefix for part in parts}
     mounts: dict[str, str | None] = {}
     for part in parts:  # the longest prefix of its place is the part that it is attached to
@@ -91,7 +91,7 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
 
 
 def _check_mirrors(plan: Plan, sink: Sink) -> None:
-    """Report parts that mirror no single part, or a part that is a mirror image itself."""
+    """Report parts that do not mirror exactly one part, or that mirror a mirror image."""
     by_name = {part_name(part, plan.separator): part for part in plan.parts if not part.copy}
     for part in (each for each in plan.parts if each.attachment.mirror is not None):
         assert part.attachment.mirror is not None
@@ -122,7 +122,7 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
 
 
 def _report_faults(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
-    """Report the faults, in these places, of a build with the items of all builds."""
+    """Report the faults in these places of a build that includes the items of all builds."""
     aside, computed = Sink(), set(_computed(document))
     validate_what_remains(expand(document, given, aside, any=True).document, aside)
     for fault in aside.errors:

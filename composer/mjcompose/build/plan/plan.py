@@ -43,7 +43,7 @@ class Drawn(Struct):
     """A draw for an attribute of an element, or (`element` None) for the parameter `attribute`.
 
     `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have the
-    same draw. Angles are in radians, those of parameters in the parameter's unit; `start` is the first component.
+    same draw. Angles are in radians, or in the unit of the parameter; `start` is the first component.
     """
 
     field: str
@@ -71,7 +71,7 @@ class ElementDraws(Struct):
 
     `name` is the element's name, if any; `place` is its body, its number among the elements with its tag there, and
     their count. `numbers` are the draws, separately for each number of the attribute. `angles` says which of the
-    numbers are angles, `unit` is the unit of bare angles.
+    numbers are angles, and `unit` is the unit of bare angles.
     """
 
     first: Drawn
@@ -133,7 +133,7 @@ RecipePath: TypeAlias = tuple[str, Path]
 
 
 class EditOutcome(Struct):
-    """The elements that an entry of `edit` selects, by kind, and removes, with those that depend on them behind."""
+    """The elements that an entry of `edit` selects, by kind, and removes, followed by their dependents."""
 
     selected: Mapping[str, int]
     removed: tuple[DroppedElement, ...] = ()
@@ -159,7 +159,7 @@ class Gains(Struct):
 
 
 class PlanPreview(Struct):
-    """Facts that only composing finds out, such as settings from parts, and bodies that need not collide."""
+    """Facts that only composing determines, such as settings from parts, and bodies that need not collide."""
 
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
     edits: Mapping[RecipePath, EditOutcome] = field(default_factory=dict)
@@ -178,9 +178,10 @@ class PartRecord(Struct):
 
     `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part of a
     part. Its world is fixed to `body`, None for the world, with the `pose` there, None if unknown. `keys` starts the
-    names of its keys; None if they were dropped. `welded` says that free joints at its root were removed,
+    names of its keys; None if they were dropped. `welded` says that free joints at its root were removed, and
     `is_fixed_in_world` is about the final model. The recipe changes the arrays `changed` and writes `replaced_keys`.
-    `obscure` is why it cannot be compared, `reduced` why only on request. `subtree` is the only body that is used.
+    `obscure` is the reason that it cannot be compared, and `reduced` the reason that it is compared only on request.
+    `subtree` is the only body that is used.
     """
 
     part: str
@@ -230,7 +231,7 @@ class AttachPart(Struct):
 
     The base has no prefix, and is at the world. `copy` has the number on each axis of `replicate`, from 0. `inner` are
     the recipes that the MJCF of the model attaches itself. `moved` is the pose of a scattered copy in the frame of its
-    place; `floats` says that the copy is a free body, to find out where it can be.
+    place; `floats` says that the copy is a free body, to find a place for it.
     """
 
     prefix: str
@@ -352,7 +353,7 @@ class Plan(Struct):
         yield from _walk(PlacedModel(self, is_fixed_in_world=is_fixed))
 
     def places(self) -> Iterator[PlacedModel]:
-        """Yield the same as `walk`, then the recipes that MJCF attaches, which have the names of the parts with it."""
+        """Yield the same as `walk`, then the recipes that MJCF attaches, under the names of their parts."""
         placed = list(self.walk())
         yield from placed
         for place in placed:
@@ -401,8 +402,9 @@ class PlacedModel(Struct):
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     It is the base or a part of `outer` by `step`, None for the outermost plan. `part` is its name in the outermost
-    recipe, empty for that itself. `prefix` starts its names, `keys` the names of its keyframes, None without any.
-    `others` are longer prefixes. `is_fixed_in_world` is about the final model, `span` about the outermost recipe.
+    recipe, empty for the recipe itself. `prefix` starts its names, and `keys` starts the names of its keyframes; None
+    without keyframes. `others` are longer prefixes. `is_fixed_in_world` is about the final model, and `span` is about
+    the outermost recipe.
     """
 
     model: Source | Plan | None

@@ -115,7 +115,7 @@ def plan_what_remains(
 
 
 class _LoadedRecipe(Struct):
-    """A recipe that was read from a file, or from the path `at` in it, with all that its plan needs."""
+    """A recipe that was read from a file, or from the path `at` in it, with everything that its plan needs."""
 
     name: str
     path: Path
@@ -132,7 +132,7 @@ class _LoadedRecipe(Struct):
 
 
 class _Planner:
-    """Plans a recipe and those nested in it. `name` and `sample` are of the outermost one."""
+    """Plans a recipe and those nested in it. `name` and `sample` belong to the outermost recipe."""
 
     def __init__(self, context: Context, *, name: str | None, sample: int, worlds: bool) -> None:
         self.context, self.name, self.sample, self.worlds = context, name, sample, worlds

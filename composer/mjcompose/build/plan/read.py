@@ -181,7 +181,6 @@ def _flow(node: Node) -> str:
 
 
 def _scalar_text(text: str) -> str:
-    """Return text in YAML, quoted only if necessary."""
     plain = text and text == text.strip() and not set(text) & set("{}[],&*#?|<>=!%@`\"'\n\t\\") and text[0] not in "-:"
     if plain and ": " not in text and not text.endswith(":") and isinstance(resolve(text), str):
         return text
@@ -193,7 +192,7 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """Return the tree of a recipe merged with all that it extends, read once in a run, or None after errors."""
+    """Return the tree of a recipe merged with everything that it extends, read once in a run, or None after errors."""
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
     if (known := context.recipes.get(path)) is None:
@@ -249,7 +248,7 @@ def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
         return
     if (origin := fetching.around(path)) is not None:  # it cannot grant trust to itself
         message = f"`{TRUST}` in a recipe of `{origin.id}` has no effect: only your own recipe can grant trust"
-        help = f"write in your own recipe what you trust, and remove this `{TRUST}`"
+        help = f"write what you trust in your own recipe, and remove this `{TRUST}`"
         context.sink.error("source-outside", message, node.entries[TRUST][0].span, help=help)
         return
     trust = read_trust(node, path.parent, context.sink)
@@ -438,7 +437,7 @@ _OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
 
 
 def _load_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
-    """Load the extensions for the words of one file. They are errors if it was fetched with `origin`."""
+    """Load the extensions for the words of one file. They are errors if the file was fetched with `origin`."""
     for group, word, span in _foreign(node):
         try:
             if origin is not None and origin.is_fetched:
@@ -466,7 +465,7 @@ def packages_of(plan: Plan) -> dict[str, str]:
 
 
 def _foreign(node: Node) -> Iterator[tuple[str, str, Span]]:
-    """Yield each word that may be one of another package, with its group and its place."""
+    """Yield each word that may belong to another package, with its group and its place."""
     waiting: list[Node] = [node]
     while waiting:
         each = waiting.pop()

@@ -92,7 +92,7 @@ class StepInput(Struct):
 class Step(ABC):
     """An entry that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row of `planner.STEPS`.
 
-    `sections` are the top-level keys that it carries out. Steps that have `waits` come after all of the others.
+    `sections` are the top-level keys that it carries out. Steps that have `waits` come after all other steps.
     """
 
     __slots__ = ()
@@ -176,7 +176,7 @@ def added_places(steps: Sequence[Step], document: Mapping) -> dict[tuple[str, st
 def steps_adding(
     places: Map[tuple[str, str], AddedPlace], kind: str, name: str, done: Container[int] = ()
 ) -> list[AddElement]:
-    """Return the steps that create a place, in order, without those `done`, by id; none if no step does."""
+    """Return the steps that create a place, in order, without the steps `done`, by id; none if no step creates it."""
     found: dict[int, AddElement] = {}
     while (place := places.get((kind, name))) is not None and id(place.step) not in found:
         if id(place.step) in done:
@@ -220,7 +220,7 @@ class AppendElement(Step):
 
 @dataclass(frozen=True, slots=True)
 class DrawValues(Step):
-    """Draw the values of a field for a sample; for sample 0, which has no draws, check all other samples."""
+    """Draw the values of a field for a sample. For sample 0, which has no draws, check all other samples."""
 
     waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("randomize",)

@@ -1,4 +1,4 @@
-"""Verb `collision`: replace meshes in collisions by convex shapes that are made of them."""
+"""Verb `collision`: replace meshes in collisions by convex shapes made from them."""
 
 from __future__ import annotations
 

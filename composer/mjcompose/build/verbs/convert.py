@@ -1,4 +1,4 @@
-"""Verb `convert`: replace an actuator by one of another kind that does the same in MuJoCo, or report the losses."""
+"""Verb `convert`: replace an actuator by another kind with the same behavior in MuJoCo, or report the losses."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _KIND: Schema = {"enum": [*_KINDS], "description": "the new kind of actuator"}
 
 
 class _Conversion(ByGrammar):
-    """A kind of actuator in `to`, with attributes of it, each a value or `from-ATTRIBUTE`."""
+    """A kind of actuator in `to`, with its attributes, each a value or `from-ATTRIBUTE`."""
 
     def schema(self) -> Schema:
         found: list[Schema] = []
@@ -110,13 +110,13 @@ def _or_taken(schema: Schema) -> Schema:
 
 
 class Convert(Verb):
-    """another kind of actuator, and attributes of it"""
+    """another kind of actuator, and its attributes"""
 
     rules: ClassVar = (For("actuator/", what="for actuators, and `{tag}` is not an actuator"),)
     reshapes: ClassVar = True
 
     written: Annotated[dict[str, Any], _Conversion()] = Field(alias=WHOLE)
-    """the kind, and attributes of it"""
+    """the kind, and its attributes"""
 
     @property
     def to(self) -> str:
@@ -192,7 +192,7 @@ _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
 
 def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> float:
-    """Return the gear of the new actuator, which the entry may give; 1 where none moves a joint along one axis."""
+    """Return the gear of the new actuator, which the entry may give; 1 if none moves a joint along one axis."""
     if (given := written.get("gear")) is None or not model.gear:
         return model.gear or 1.0
     first = values.of(given, (*at, "gear"))
@@ -218,7 +218,6 @@ def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
 def _converted(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
-    """Convert one actuator. Return the losses in words."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
     made, lost = ({}, []) if old == to else _written_for(editing, node, to, model=model, given=given, at=at)
     before = after = model.control
@@ -235,7 +234,7 @@ def _converted(
         keeps = before.split("+")[0] == after.split("+")[0]
         limits = _limits(editing, node, to, model=model, keeps=keeps, written={**made, **given})
     if limits is None:
-        lost.append("`ctrlrange`, which limits another thing")
+        lost.append("`ctrlrange`, which limits something else")
         # The range goes, but a class may still limit the control: with `ctrllimited="true"` and no range, MuJoCo 4.0
         # says "invalid control range for actuator".
         limits = {"ctrllimited": "false"}
@@ -268,7 +267,7 @@ def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterato
 
 
 def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
-    """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
+    """Change the actuator to the new kind with these attributes, without attributes that this kind cannot have."""
     editing.forget(node)
     instance = node.get("instance")
     for name in {*wrong, *_replaced(written)}:
@@ -320,7 +319,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:
-    """Yield the attributes that are not allowed together with those that are written."""
+    """Yield the attributes that are not allowed together with the written attributes."""
     for name, others in _INSTEAD.items():
         if name in written:
             yield from (other for other in others if other not in written)
@@ -413,7 +412,7 @@ def _in_classes(editing: Editing) -> bool:
 
 
 def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
-    """Return all attributes of the model, with all numbers if classes may set some, else without trailing zeros."""
+    """Return all attributes of the model, without trailing zeros unless classes may set some numbers."""
     whole = _in_classes(editing)
     laws = ("fixed", "none") if model.gain == PLUGIN else (model.gain, model.bias)
     made = {"gaintype": laws[0], "biastype": laws[1], "dyntype": model.dynamics}
@@ -512,7 +511,7 @@ def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) 
     what = next(iter(lost.values()))[0] if count == 1 else f"{count} actuators"
     few = {loss: f" ({', '.join(names[:8])}{', …' * (len(names) > 8)})" for loss, names in lost.items()}
     notes = [Note(f"lost: {loss}{few[loss] * (len(names) != count)}") for loss, names in lost.items()]
-    message = f"{what} cannot do all that {'it' if count == 1 else 'they'} did as `{to}`"
+    message = f"{what} cannot do everything that {'it' if count == 1 else 'they'} did as `{to}`"
     editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
 
 

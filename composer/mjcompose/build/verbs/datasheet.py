@@ -97,11 +97,10 @@ def _sheet(editing: Editing, name: str, at: Path) -> Sheet:
 
 
 def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
-    """Return the hinge that an actuator turns, and its `gear`."""
     name = node.get("joint")
     joint = editing.find_node("joint", str(name)) if name else None
     if joint is None or joint_type(joint, editing.classes) != "hinge":
-        message = f"{editing.called(node)} does not turn a hinge, and a motor does"
+        message = f"{editing.called(node)} does not turn a hinge, but a motor does"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True), it="it")
     if (gear := numbers.read(editing.effective(node, "gear") or "1")[0]) == 0:
         message = f"the `gear` of {editing.called(node)} is 0"
@@ -138,11 +137,10 @@ class _Drive(Struct):
         return values
 
     def _gains(self) -> tuple[float, float]:
-        """Return the stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
         written = self.written
         if written.error is not None:
             if self.sheet.speed is None:
-                message = f"the data sheet of `{written.model}` has no speed, from which `kv` would follow"
+                message = f"`kv` needs a speed, which the data sheet of `{written.model}` does not have"
                 self._lacks(message, "write `bandwidth` instead of `error`", "error")
             # A motor gives its whole torque at rest and none at its greatest speed.
             return self.effort / written.error, self.effort / self.sheet.speed
@@ -165,7 +163,7 @@ class _Drive(Struct):
 
 
 def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
-    """MuJoCo takes one of the two, and nothing on the actuator undoes its class's value."""
+    """MuJoCo accepts only one of the two attributes, and an actuator cannot undo the value of its class."""
     # MuJoCo 4.0: "kv and dampratio cannot both be defined", even if one of them is 0.
     if node.get("dampratio") is not None:
         assign(editing, node, {"dampratio": None})

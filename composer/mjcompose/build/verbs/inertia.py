@@ -1,4 +1,4 @@
-"""Verb `inertia`: MuJoCo computes the inertia of a body from its geoms, and it is written down."""
+"""Verb `inertia`: write down the inertia of a body that MuJoCo computes from its geoms."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Nod
         return groups[written.group]
     if len(groups) > 1:
         message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
-        help = f"say which of them count: `group: {min(groups)}`"
+        help = f"select those that count: `group: {min(groups)}`"
         report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     return geoms
 

@@ -77,7 +77,7 @@ class Move(Verb):
 
 
 def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> None:
-    """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
+    """Append a node to its new parent. It keeps its class, and its written pose is its pose there."""
     target = _target(editing, node, index, to=to, at=(*at, "to"))
     if node is target or node in list(target.iterancestors()):
         message, span = f"{editing.called(node)} cannot be moved into itself", editing.span((*at, "to"))
@@ -136,7 +136,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
 
 
 def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
-    """Report a move into or out of a frame that scales: all lengths and masses would be others."""
+    """Report a move into or out of a frame that scales: it would change all lengths and masses."""
     here, there = (list(all_scaled_above(each)) for each in (node.getparent(), target))
     if here == there:
         return

@@ -33,11 +33,11 @@ class Remove(Verb):
         entry.gone += remove(entry.editing, entry.found, cascade=self.how == "cascade", at=at)
 
     def words(self) -> str:
-        return "remove" if self.how is True else "remove, with all that refers to it"
+        return "remove" if self.how is True else "remove it, with everything that refers to it"
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
-    """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
+    """Remove nodes, and return all of them. Without `cascade`, a reference is an error, and nothing is removed."""
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)

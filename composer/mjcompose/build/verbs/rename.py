@@ -1,4 +1,4 @@
-"""Verb `rename`: elements get new names, and every reference follows."""
+"""Verb `rename`: give elements new names, and update every reference."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
 
 
 def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
-    """Report joints that would not belong to their rod any more."""
+    """Report joints that would no longer belong to their rod."""
     for node, name in new.items():
         rod = twisted_by(str(node.get("name") or "")) if node.tag == "joint" else ""
         flex = editing.find_node("flex", rod) if rod else None
@@ -136,7 +136,7 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
         why = f"MuJoCo finds the joints in which the flex `{rod}` is twisted by their names"
         message = f"{editing.called(node)} cannot be called `{name}`: {why}"
         notes = (Note("the flex", editing.span_of(flex)),)
-        help = f"rename the flex, which takes its joints along: `select: {{flex: {rod}}}`"
+        help = f"rename the flex, which also renames its joints: `select: {{flex: {rod}}}`"
         span, subjects = editing.span(at), editing.subjects(node)
         editing.sink.error("bad-name", message, span, notes=notes, help=help, subjects=subjects)
         raise UnusableValue

@@ -1,4 +1,4 @@
-"""Verb `set`: give attributes new values, or remove them. Those that are then lacking are reported at the end."""
+"""Verb `set`: give attributes new values, or remove them. Missing attributes are reported at the end."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Set(Verb):
 
 
 def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the attributes to remove, and the others with their values.
+    """Return the attributes to remove, and the other attributes with their values.
 
     >>> _parted({"mass": None, "geom": {"rgba": None, "size": 1}})
     ({'mass': None, 'geom': {'rgba': None}}, {'geom': {'size': 1}})
@@ -71,7 +71,7 @@ def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]
 
 
 def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: Path) -> None:
-    """Remove attributes. Report one that no selected element writes."""
+    """Remove attributes. Report an attribute that no selected element has."""
     for name, inner in going.items():
         path = (*at, name)
         if isinstance(inner, Mapping):

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class Entry(Struct, frozen=False):
-    """The elements that an entry selects, `checks` that wait for all values, and the removed and made elements."""
+    """The elements that an entry selects, `checks` that wait for all values, and the removed and created elements."""
 
     editing: Editing
     found: list[Node]
@@ -51,7 +51,7 @@ class Entry(Struct, frozen=False):
 
 
 class Operation(Struct):
-    """One of the verbs: `combine` takes the present number and the recipe's, without a unit if it `is_factor`."""
+    """One of the verbs: `combine` takes the present number and the recipe's, which has no unit if it `is_factor`."""
 
     verb: str
     combine: Callable[[float, float], float]
@@ -104,7 +104,7 @@ def compute(
 def _present(
     values: Values, operation: Operation, attribute: Attribute, subscript: int | None, at: Path
 ) -> list[float]:
-    """Return the effective numbers of the attribute, in the model's units. Report that there are none, or too few."""
+    """Return the effective numbers of the attribute, in the model's units. Report missing numbers."""
     editing, node = values.editing, values.node
     text = editing.effective(node, attribute.name)
     if not attribute.is_number or not text or not text.split():
@@ -156,7 +156,6 @@ def _number(values: Values, operation: Operation, item: Any, attribute: Attribut
 
 
 def _check_sequence(values: Values, at: Path) -> None:
-    """Report Euler angles that the model and the recipe turn in different sequences."""
     editing, node = values.editing, values.node
     making = editing.making
     if (sequence := making.angle_context.at(at).eulerseq) != making.model_eulerseq:
@@ -166,7 +165,7 @@ def _check_sequence(values: Values, at: Path) -> None:
 
 
 def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> None:
-    """Write the value onto the element, with all that follows: units, files, and references that must exist."""
+    """Write the value onto the element, convert units and files, and check that references exist."""
     editing, node = values.editing, values.node
     read = _read(values, attribute, written, at=at)
     check_without_ends(values, attribute, at)
@@ -187,7 +186,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
 
 
 def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value:
-    """Return the written value as the attribute takes it. Report its first fault."""
+    """Return the written value in the form that the attribute takes. Report its first fault."""
     editing, node = values.editing, values.node
     given = values.of(written, at, values.now(attribute))
     faults: list[Fault] = []
@@ -228,7 +227,7 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
     # MuJoCo 4.0 silently ignores an `euler` next to `fromto`, and refuses a `pos`.
     ends = editing.effective(node, "fromto")
     if ends and "nan" not in ends.lower():
-        message = f"`{attribute.name}` of {editing.called(node)} has no effect: `fromto` says where it is"
+        message = f"`{attribute.name}` of {editing.called(node)} has no effect: `fromto` sets it"
         report_unusable(editing, node, Fault("wrong-type", message, at, help="set `fromto` instead"))
 
 
@@ -257,7 +256,7 @@ class Change(Struct):
     masses: Masses
 
     def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
-        """Write the values onto an element, the one at `index` among the selected ones."""
+        """Write the values onto an element, which has the `index` among the selected elements."""
         kind = kind_of(node)
         values = Values(self.editing, node, index, at=at)
         for key, item in written.items():

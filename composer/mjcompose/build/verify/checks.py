@@ -27,7 +27,7 @@ from mjcompose.text.node import Mapping, Scalar, find, locate
 
 
 class NestedRecipe(Struct):
-    """A recipe within another one: its name there with a separator, its prefix, longer ones of `others`, its `keys`."""
+    """A nested recipe: its name with a separator, its prefix, longer prefixes in `others`, and its prefix of keys."""
 
     plan: Plan
     part: str = ""
@@ -41,7 +41,7 @@ class NestedRecipe(Struct):
         return {**fields, "keys": self.keys, "whole": whole}
 
     def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
-        """Return the body and pose of its world in the model, which its base has; None if the pose is unknown."""
+        """Return the body and pose of its world in the model, taken from its base; None if the pose is unknown."""
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
         end, name, plan = self.plan.separator, f"{self.part}{BASE}", self.plan
@@ -112,7 +112,7 @@ class Checks:
                 break
 
     def _ask(self, check: Check, recipe: NestedRecipe, context: Context) -> tuple[bool, dict[str, Any]]:
-        """Run a check on the compiled model in its process. Return whether that still keeps it, and the values."""
+        """Run a check on the compiled model in its process. Return whether it still has the model, and the values."""
         path = check.at
         written = next((key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select")
         asked = {

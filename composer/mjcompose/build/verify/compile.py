@@ -1,4 +1,4 @@
-"""Compile a bundle in MuJoCo, and report its verdict in the recipe and its sources."""
+"""Compile a bundle in MuJoCo, and report the verdict at places in the recipe and its sources."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOVING = frozenset({"pos", *ORIENTATIONS})
 
 
 def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
-    """Yield the flexes inside of posed frames, if this version of MuJoCo ignores these poses. No I/O."""
+    """Yield the flexes inside posed frames if this version of MuJoCo ignores these poses. No I/O."""
     if mujoco is None or version_key(mujoco) >= (4,):
         return
     for flex in root.iter("flexcomp"):
@@ -44,7 +44,7 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
 def compile_and_report(
     bundle: Bundle, model: Unit, context: Context, *, session: Session, keep: str | None = None, at: Span | None = None
 ) -> Compiled | None:
-    """Compile the bundle, keep it as `keep`, and report faults, without an element at `at`. None without verdict."""
+    """Compile the bundle, keep it as `keep`, and report faults, by default at `at`. Return None without a verdict."""
     try:
         verified = verify(bundle, session=session, keep=keep)
     except OutputError as error:
@@ -96,7 +96,7 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
 
 
 def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """Return the element that a message is about: by the line, a plugin instance, the only one of a name, a setting."""
+    """Return the element that a message is about: by the line, a plugin instance, a unique name or a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
@@ -120,7 +120,7 @@ def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
 
 
 def _is_another(found: Node | None, fault: messages.Fault) -> bool:
-    """Return whether the message is about an element of another name: its line then belongs to another file."""
+    """Return whether the message is about an element with a different name: its line then belongs to another file."""
     if found is None or not fault.name:
         return False
     if found.get("name"):
@@ -157,7 +157,7 @@ _MATERIAL = re.compile(rb"<material\b[^>]*>")
 
 
 class Verified(Struct):
-    """MuJoCo's verdict on a bundle; `error` says why it refused the model or, with `crash`, why there is no verdict."""
+    """MuJoCo's verdict on a bundle. `error` is the reason for a refusal or, with `crash`, for having no verdict."""
 
     compiled: engine.Compiled
     error: messages.Fault | None = None
@@ -175,7 +175,7 @@ class Verified(Struct):
 
 
 class OutsideFilesError(Exception):
-    """A bundle names files outside of itself; `found` reports each of them."""
+    """A bundle names files outside itself; `found` reports each of them."""
 
     def __init__(self, found: tuple[Diagnostic, ...]) -> None:
         super().__init__(found[0].message)
@@ -189,7 +189,7 @@ def verify(
     """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
 
     If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it names no
-    files outside of itself. A failing first forward step is an error too. With a `session`, `keep` names the compiled
+    files outside itself. A failing first forward step is an error too. With a `session`, `keep` names the compiled
     model for later calls. Raises OutputError if no temporary folder can be written, and OutsideFilesError.
     """
     with writing(), _written(bundle, session) as (folder, is_reused):

@@ -119,7 +119,7 @@ class DrawTable:
 
 
 def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
-    """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
+    """Return the smallest and the largest number that may be drawn, in the table's unit; None for no bound."""
     distribution = each.field.distribution
     numbers = distribution.extremes(component)
     if distribution.kind == CHOICE and not numbers:
@@ -178,13 +178,12 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
     last = asked["start"] + asked["count"]
     if found is None or last > width:
-        return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
+        return {"error": f"`{attribute}` of `{tag}` does not have that many numbers in mjModel"}
     indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in range(asked["start"], last)]
     return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
 
 
 def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
-    """Return the id of an element, or why it has none."""
     family, name, place = asked["family"], asked["name"], asked["place"]
     if name:
         number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
@@ -202,7 +201,7 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
 
 
 def are_close(a: Any, b: Any) -> bool:
-    """Return whether numbers are equal up to the rounding of two ways to compute them."""
+    """Return whether numbers are equal up to the rounding errors of two ways to compute them."""
     a, b = np.asarray(a), np.asarray(b)
     return a.shape == b.shape and not unequal(b, a, _CLOSE if a.dtype.itemsize == 8 else 1e-5).any()
 
@@ -247,7 +246,7 @@ _BLOCK = 1024
 
 
 def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
-    """Write all numbers that differ in some world to `out`; `draws` is a file, `(worlds, columns)`. Return arrays."""
+    """Write all numbers that differ in some world to `out`; return the arrays. `draws` is `(worlds, columns)`."""
     draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
     found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
     following = list(_following(model, columns))
@@ -268,7 +267,7 @@ def _drawn(
     model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
     found: Recorder,
 ) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
-    """Yield where in the model's memory drawn numbers go, and the numbers, `(worlds, numbers)`."""
+    """Yield the place of drawn numbers in the model's memory, and the numbers, `(worlds, numbers)`."""
     values: dict[Place, Numbers] = {}
     with np.errstate(all="ignore"):  # as with single numbers
         for column, drawn in zip(columns, rows.T, strict=True):
@@ -310,7 +309,7 @@ def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, A
 
 
 class DerivedValues:
-    """The values that the compiler computes and mj_setConst does not, unless the model sets them."""
+    """The values that the compiler computes but mj_setConst does not, unless the model sets them."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
@@ -355,7 +354,7 @@ _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
 
 
 def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
-    """Yield numbers that the compiler copies from a body's pose, for free joints too, and mj_setConst does not."""
+    """Yield numbers that the compiler copies from a body's pose but mj_setConst does not, even for free joints."""
     every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
         for body, component in sorted({(each[1], each[2]) for each in every if each[0] == array}):

@@ -1,7 +1,7 @@
-"""Compare the keys of the compiled model with those in sources and recipes, and warn of implausible ones.
+"""Compare the keys of the compiled model with the keys in sources and recipes, and warn about implausible keys.
 
-MuJoCo compiles each source alone and bare, and gives for each number of its keys the name of the element that has it.
-Poses in the world move with their part. Recipes give the other numbers, except if edits make them meaningless. The
+MuJoCo compiles each source alone in a bare form, which gives the name of the element for each number of its keys.
+Poses in the world move with their part. Recipes give the other numbers, unless edits make them meaningless. The
 linker's own layout of keys is not used here.
 """
 
@@ -39,7 +39,7 @@ _CALLED = {"joint": "joint", "actuator": "actuator", "body": "mocap body"}
 
 
 class Value(NamedTuple):
-    """The expected numbers of a key, and where they are written; empty if MuJoCo has computed them."""
+    """The expected numbers of a key, and the place where they are written; empty if MuJoCo has computed them."""
 
     numbers: Sequence[float]
     within: Within
@@ -93,7 +93,7 @@ def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
 
 
 class _KeyMeanings(Struct, frozen=False):
-    """Finds the meaning of a key, from the keys and entries that it is made of."""
+    """Finds the meaning of a key from the keys and entries that form it."""
 
     model: Unit
     notes: KeyNotes
@@ -158,7 +158,7 @@ class _Difference(NamedTuple):
 
 
 class _Comparison(Struct):
-    """Compares the keys of the `final` model with their meaning; `answer` is MuJoCo's about the bare models."""
+    """Compares the keys of the `final` model with their meaning; `answer` is MuJoCo's answer about the bare models."""
 
     final: BareModel
     answer: Mapping[str, Any]
@@ -168,7 +168,7 @@ class _Comparison(Struct):
         self, meant: Meant, row: Mapping[str, list[float]], computed: Mapping[Any, Span], *,
         controls: Sequence[float | None] | None,
     ) -> Iterator[_Difference]:  # fmt: skip
-        """Yield the unexpected numbers of a key. `controls` are those that MuJoCo has `computed`."""
+        """Yield the unexpected numbers of a key. `computed` has the controls that MuJoCo computed."""
         for vector in VECTORS:
             values = meant.get(vector, {})
             for name, body, number, start, stop in self.answer["bare"][-1]["holders"][vector]:
@@ -209,7 +209,7 @@ def _turns(vector: str, width: int) -> bool:
 
 
 def _unit(vector: str, numbers: Sequence[float]) -> list[float]:
-    """Return the numbers with their quaternion of length 1, as MuJoCo compiles it."""
+    """Return the numbers with a normalized quaternion, as MuJoCo compiles it."""
     if not _turns(vector, len(numbers)) or not any(numbers[-4:]):
         return list(numbers)
     length = math.hypot(*numbers[-4:])
@@ -255,13 +255,13 @@ def _sentence(each: _Difference) -> str:
 
 
 _STIFFEST = 1e6
-"""In N·m/rad. A stiff industrial drive has some 1e5; no model of MuJoCo Menagerie has more than that."""
+"""In N·m/rad. A stiff industrial drive has about 1e5; no model of MuJoCo Menagerie has more than that."""
 _SHOWN = 8
 _VECTOR_KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
 
 
 def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
-    """Warn of out-of-range values in the recipe's own keys, without the keys of parts."""
+    """Warn about out-of-range values in the recipe's own keys, without the keys of parts."""
     if not plan.keyframes:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
@@ -289,7 +289,7 @@ def _name(index: Index, each: Ranged) -> str:
 
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
-    """Warn of servos that are stiffer at their joints than any drive: mostly a `kp` that a gear multiplies twice."""
+    """Warn about servos stiffer at their joints than any drive, often because a gear multiplies `kp` twice."""
     if not (stiff := [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]):
         return
     named = {str(each.get("name")): each for each in model.root.iterfind("actuator/*") if each.get("name")}
@@ -332,7 +332,7 @@ def _report_range(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str]
     value, least, most = (
         f"{math.degrees(number) if in_degrees else number:.6g} {named}".rstrip() for number in (bound.value, low, high)
     )
-    message = f"`{vector}` of `{name}` is {value}, outside of its range from {least} to {most}"
+    message = f"`{vector}` of `{name}` is {value}, outside its range from {least} to {most}"
     notes = () if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),)
     span = locate(plan.document, (*key.at, *entry))
     sink.warning("out-of-range", message, span, notes=notes, help=_instead(key, entry, bound))

@@ -30,7 +30,7 @@ from mjcompose.tree.xml_text import write
 
 
 class Incomparable(Exception):
-    """Raised with the reason why a part cannot be compared: with `lacks_body`, the body of its place is missing."""
+    """Raised with the reason that a part cannot be compared. With `lacks_body`, the body of its place is missing."""
 
     def __init__(self, why: str, lacks_body: bool = False) -> None:
         super().__init__(why)
@@ -59,7 +59,7 @@ def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole
     """Compile the subtree and the whole source and keep them under these names. Raises Incomparable.
 
     Return the bodies around the subtree in the whole source, the nearest first, and None for the world. The subtree's
-    world corresponds to the first of them, or to one further up if `fusestatic` fused them.
+    world corresponds to the first of them, or to a body further up if `fusestatic` fused them.
     """
     assert member.subtree is not None
     sink = Sink()
@@ -157,7 +157,7 @@ _ROUNDING = 1e-12
 
 
 class PartComparison(Struct):
-    """The outcome for one part: its differences, or why it could not be compared."""
+    """The outcome for one part: its differences, or the reason that it could not be compared."""
 
     member: PartRecord
     differences: tuple[Difference, ...] = ()
@@ -184,7 +184,7 @@ class PartComparer(Struct, frozen=False):
     def compare(
         self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
     ) -> PartComparison:
-        """Compare a part with its source, except for `excused` arrays, or ends of their names, and `replaced_keys`."""
+        """Compare a part with its source, except for `excused` arrays (or endings of names) and `replaced_keys`."""
         if member.obscure is not None:
             return PartComparison(member, obscure=member.obscure)
         name = _kept(member)
@@ -265,7 +265,7 @@ def _kept(member: PartRecord) -> str:
 
 
 def causes(differences: Sequence[Difference]) -> list[Difference]:
-    """Return the differences that do not follow from others; all of them if each follows from another."""
+    """Return the differences that do not follow from other differences; all of them if each follows from another."""
     return [each for each in differences if each.array not in DERIVED] or list(differences)
 
 

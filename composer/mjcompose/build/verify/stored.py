@@ -32,7 +32,8 @@ from mjcompose.tree.parse import all_admitted, parse_file
 class InputFinder:
     """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
 
-    Without `recipe`, a file of its name is used if it has the hash in the manifest. A given one's errors are reported.
+    Without `recipe`, a file with the recipe's name is used if it has the hash in the manifest. Errors of a given recipe
+    are reported.
     """
 
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
@@ -52,7 +53,7 @@ class InputFinder:
             self.planned = [] if plan is None else list(plan.sources())
 
     def find(self, number: int) -> Source | str:
-        """Return the source of an input, or a sentence that says why there is none."""
+        """Return the source of an input, or a sentence with the reason that there is none."""
         if number >= len(self.manifest.inputs):
             return f"the manifest has no input {number}"
         wanted = self.manifest.inputs[number]
@@ -105,7 +106,7 @@ def verify_stored(path: Path, context: Context, session: Session, recipe: Path |
 
     Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
     its index, and each part with its source if a file with the hash in the manifest is found: through `recipe`, or
-    from the folder of the context. A part without a source is a warning, and with `recipe` an error.
+    from the folder of the context. A part without a source is a warning, or with `recipe` an error.
     """
     shown = context.shown(path)
     try:

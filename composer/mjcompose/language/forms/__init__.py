@@ -1,1 +1,1 @@
-"""How keys of the language are declared: models, rules, kinds of values, and everything derived from them."""
+"""The declarations of keys of the language: models, rules, kinds of values, and everything derived from them."""

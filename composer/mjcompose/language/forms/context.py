@@ -55,7 +55,7 @@ def define(name: str) -> Schema:
 
 
 def reference(name: str) -> Schema:
-    """Return a reference to a definition. It is not `$ref`, whose target pydantic would want to know."""
+    """Return a reference to a definition. It is not `$ref`, whose target pydantic would look up."""
     return {REFERENCE: name}
 
 
@@ -84,7 +84,7 @@ class Settings(Struct):
 
     @classmethod
     def of(cls, data: object) -> Settings:
-        """Return the settings of the top-level keys of a recipe. One that is wrong or misspelled counts as given."""
+        """Return the settings of the top-level keys of a recipe. A wrong or misspelled key counts as given."""
         if not isinstance(data, Mapping):
             return cls()
         separator = data.get("separator", DEFAULT_SEPARATOR)
@@ -227,7 +227,7 @@ class Lazy:
 
 
 class Rows:
-    """The words of a table are keys of the mapping; each row is the form of its value, or its `module:Name`.
+    """Makes the words of a table keys of the mapping. Each row is the form of the value, or its `module:Name`.
 
     The field has an alias in angle brackets, because nobody writes it, and becomes a mapping from words to the values
     of their forms, in the order of the table. `table` returns the table, so it may be declared later. `selects` is the

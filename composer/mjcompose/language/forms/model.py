@@ -1,7 +1,8 @@
-"""The base class of every mapping of the language, its rules on keys, and how its validation reports faults.
+"""The base class of every mapping of the language, its rules on keys, and the reports of its validation.
 
 A message is written by `translate.py`, which knows the place of a value. Therefore the faults of rules and validators
-have marks for facts that they cannot know: `IT` is the value itself, `OWNER` the mapping around it, `KEY` its key.
+have marks for facts that they cannot know: `IT` is the value itself, `OWNER` is the mapping around it, and `KEY` is its
+key.
 """
 
 from __future__ import annotations
@@ -110,7 +111,7 @@ class Model(BaseModel):
         return cls.key_names()
 
     def contradictions(self, context: Settings) -> Iterable[Fault]:
-        """Yield faults of values that are right alone and wrong together. Only a model without other faults has any."""
+        """Yield faults of values that are right alone but wrong together, only if there are no other faults."""
         return ()
 
     @model_validator(mode="wrap")
@@ -149,7 +150,7 @@ class Model(BaseModel):
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Return the fields of a model by their keys; the key of a field without one is in angle brackets."""
+    """Return the fields of a model by their keys; the key of a field without a key is in angle brackets."""
     return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
@@ -225,7 +226,7 @@ class Rule(Protocol):
 
 
 class Exclusive:
-    """At most one of some keys is written. `help` replaces the usual advice."""
+    """At most one of several keys is written. `help` replaces the usual advice."""
 
     def __init__(self, *names: str, help: str | None = None) -> None:
         self.names, self.help = names, help
@@ -245,7 +246,7 @@ class Exclusive:
 
 
 class OneOf(Exclusive):
-    """Exactly one of some keys is written, or `unless`. Without any, `lacks` names the keys, and `advice` helps.
+    """Exactly one of several keys is written, or `unless`. Without any, `lacks` names the keys, and `advice` helps.
 
     `noun` is a note's word for the keys that exist; without it there is no note.
     """
@@ -278,7 +279,7 @@ class OneOf(Exclusive):
 
 
 class AnyOf(OneOf):
-    """At least one of some keys is written. Without any, `lacks` names the missing keys, and `advice` helps."""
+    """At least one of several keys is written. Without any, `lacks` names the missing keys, and `advice` helps."""
 
     exclusive = False
 
@@ -307,7 +308,7 @@ class Belongs:
 
 
 class Bars:
-    """If one key is written, some others must not be. `why` says so of the mapping."""
+    """If one key is written, certain other keys must not be written. `why` says this about the mapping."""
 
     def __init__(self, name: str, *others: str, why: str) -> None:
         self.name, self.others, self.why = name, others, why

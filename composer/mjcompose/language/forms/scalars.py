@@ -43,7 +43,7 @@ from mjcompose.tree.pattern import Selector
 
 
 class Expects(Struct):
-    """The expected value, in messages and in editors; `example` is one, as it is written."""
+    """The expected value, in messages and in editors; `example` is a written example."""
 
     what: str
     example: str | None = None
@@ -64,7 +64,8 @@ class Unit(Struct):
 class Checked:
     """An annotation that checks a value: `fault` returns its fault, or None.
 
-    It does so after the type of the value, or `first`: then pydantic does not check a value with a fault.
+    The check follows the check of the value's type, unless it comes `first`; then pydantic does not check a value with
+    a fault.
 
     >>> from pydantic import TypeAdapter
     >>> short = Checked(lambda text: Fault("bad-name", f"{IT} is too long") if len(text) > 3 else None)
@@ -88,10 +89,10 @@ class Checked:
 
 
 class Name(Checked):
-    """A name of an element: `scope` has the tags that it may be of, the likeliest first, for messages and editors.
+    """A name of an element: `scope` has the possible tags of the element, the likeliest first.
 
     With `glob`, it is a name, a glob or a regular expression. With `computed`, `${…}` is computed for each element.
-    `inside` is the key of the mapping that says in which part it is a name, if not in the whole model.
+    `inside` is the key of the mapping that names the part of the element, if the name is not from the whole model.
     """
 
     def __init__(
@@ -239,7 +240,7 @@ class Items:
 
 
 def whole(value: Any) -> Any:
-    """Return a whole number as int: an expression makes 20.0 of 200 / 10, which is an integer for JSON Schema, too."""
+    """Return a whole number as int: an expression computes 20.0 for 200 / 10, an integer for JSON Schema."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -264,7 +265,7 @@ Range = Annotated[tuple[float, float], Items(2, 2), Checked(in_order), Expects("
 
 
 class Keys:
-    """The keys of a mapping are checked: `fault` returns the fault of one, or None; `schema` describes them."""
+    """A check of the keys of a mapping: `fault` returns the fault of a key, or None; `schema` describes the keys."""
 
     def __init__(self, fault: Callable[[str, Settings], Fault | None], schema: Schema | None = None) -> None:
         self._fault, self._schema = fault, schema

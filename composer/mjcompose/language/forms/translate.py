@@ -30,7 +30,7 @@ class Spot(Struct):
     """A place of the language.
 
     `at` is its path in the recipe and `kind` the type of its value. `model` is the mapping with fixed keys around it,
-    at `above`, `key` the key there on the way to the value, and `info` the declaration of that key.
+    at `above`. `key` is the key in that mapping that leads to the value, and `info` is the declaration of that key.
     """
 
     at: Path
@@ -378,7 +378,7 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
 
 
 def _as_list(place: Spot, value: Any) -> str | None:
-    """Return how to write a single value as a list of it, or None if it is not an item of the list."""
+    """Return the list to write instead of a single value, or None if the value is not an item of the list."""
     item = inside(place.kind, 1)
     if is_model(item) and isinstance(value, dict):
         first = next((key for key in value if key in item.key_names()), None)
@@ -391,7 +391,7 @@ def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:
     """Return an example to write instead of a value of the wrong type."""
     if is_model(place.kind):
         if isinstance(value, str) and (spaced := without_space(value, place.kind.key_names())):
-            return f"put a space behind the colon: `{spaced}`", None
+            return f"put a space after the colon: `{spaced}`", None
         if place.kind.example:
             example = place.kind.example.replace("…", value if isinstance(value, str) else "…")
             key = f"{place.at[-1]}: " if place.at and isinstance(place.at[-1], str) else ""

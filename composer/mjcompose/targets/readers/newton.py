@@ -84,7 +84,7 @@ def read(file):
 
 
 def own_names(model):
-    """Newton names a body by its way from the root, where a name may have slashes itself."""
+    """Newton names a body by its path from the root, in which names may contain slashes themselves."""
     parents, children = model.joint_parent.numpy(), model.joint_child.numpy()
     names, joints = {}, {}
     for joint, (parent, child) in enumerate(zip(parents.tolist(), children.tolist())):

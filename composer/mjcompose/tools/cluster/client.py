@@ -95,7 +95,7 @@ def connected(text: str) -> Client:
 
     class Connection(distributed.Client):  # type: ignore[misc]  # its types are not checked
         def __del__(self) -> None:
-            """Do nothing: Dask's method waits for half a minute if there was never a connection; others are closed."""
+            """Do nothing: Dask's method waits for half a minute if there was never a connection."""
 
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
@@ -129,15 +129,15 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
 
 _HELP = {
     "mjcompose": 'install the same mjcompose there: `pip install "mjcompose[cluster]"`, or the same checkout',
-    "Python": "run its workers with the same Python, of which only the last number may differ",
+    "Python": "run its workers with the same Python, in which only the last number may differ",
 }
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
     """Return the versions that a model's bytes depend on, besides its sources: mjcompose's code, packages, zlib.
 
-    Packages that are not installed are left out. Its code is sent to workers, which may lack mjcompose: it uses nothing
-    of this module.
+    Packages that are not installed are left out. Its code is sent to workers, which may lack mjcompose: so it uses
+    nothing from this module.
     """
     import contextlib
     import hashlib
@@ -217,7 +217,7 @@ Tell = Callable[[str], None]
 class Stations:
     """Sends a run of cells to the workers and takes their results. Raises ClusterError and OutputError.
 
-    `out` is the folder or address for all models, None for a run that writes none; `away` finishes a model on a
+    `out` is the folder or address for all models, None for a run that writes no models; `away` finishes a model on a
     machine with other folders. Resources of the run are released with `held`.
     """
 
@@ -259,15 +259,15 @@ class Stations:
                     self._send(client, worker, answer)
                     workers.append(worker)
                 elif answer is not None and not isinstance(answer, OSError):  # an OSError: it is gone
-                    raise ClusterError("cluster-worker", f"the worker `{worker}` cannot begin: {answer}")
+                    raise ClusterError("cluster-worker", f"the worker `{worker}` cannot start: {answer}")
 
     def known(self, cell: Cell) -> CellResult | None:
-        """Return a cell that the cache has, or that an earlier run has written whole on another machine."""
+        """Return a cell that the cache has, or that an earlier run has completely written on another machine."""
         self._has_written(cell)
         return self._making.known(cell)
 
     def end(self) -> None:
-        """Remove the journal, if the cache has all that was written."""
+        """Remove the journal if the cache has everything that was written."""
         if self._journal is not None:
             self._journal.end()
 
@@ -325,8 +325,8 @@ _LOOK_AGAIN = 5.0
 class Crew(ExitStack):
     """The workers of the cluster at `address` (`--cluster`); `local` starts this many.
 
-    They are connected with the first cell. `out` is the folder or address for all models, None for a run that
-    writes none; `away` finishes a model on a machine with other folders. `tell` receives progress messages. Use it
+    They are connected when the first cell is made. `out` is the folder or address for all models, None for a run that
+    writes no models; `away` finishes a model on a machine with other folders. `tell` receives progress messages. Use it
     as a context manager. Every method raises ClusterError.
     """
 
@@ -389,7 +389,7 @@ class Crew(ExitStack):
                 yield cell
 
     def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[Part]:
-        """Yield parts of half a second each, the first of one cell, without cells that are made already."""
+        """Yield parts of half a second each, without cells that exist already; the first part has one cell."""
         at = 0
         while at < len(cells):
             size = max(1, min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads), int(_SECONDS / self._pace)))

@@ -31,7 +31,7 @@ from mjcompose.text.node import Scalar
 
 
 class ClusterError(DiagnosticError):
-    """There is no cluster, it was lost, or one of its workers would make other models."""
+    """There is no cluster, it was lost, or one of its workers would make different models."""
 
 
 _MOST_LINKS = 40
@@ -165,7 +165,7 @@ class Freight(Struct):
 
 
 def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
-    """Plan enough cells to see every value of a parameter or variant; other files are found when a worker fails."""
+    """Plan enough cells to see every value of a parameter or variant; other files are found if a worker fails."""
     maker, inputs = making.maker, Inputs()
     paths, packages = dict[str, None](), dict[Package, None]()
     context = replace(maker.context, sink=Sink())

@@ -62,7 +62,7 @@ class Journal(Struct):
             stage.write_bytes(self._signed(text) + text)
 
     def take(self, cell: Cell, making: CellMaker, packages: Sequence[tuple[str, str, str]]) -> bool:
-        """Add a model that is written whole to the cache, and forget it here; return whether there is one."""
+        """Move a completely written model from the journal to the cache; return whether there is one."""
         try:
             text = read_regular(self._place(cell.name), _LARGEST, is_source=False)
             size = len(self._signed(b""))
@@ -111,7 +111,7 @@ def journal_of(making: CellMaker, folder: object) -> Journal | None:
 
 
 class Canary(Struct):
-    """A cell that is made to check that a worker gives the same model; it is not written."""
+    """A cell that is made only to check that a worker makes the same model; it is not written."""
 
     cell: Cell
     sha256: str
@@ -120,12 +120,12 @@ class Canary(Struct):
 class Order(Struct):
     """The data that a worker needs before it makes cells of a run.
 
-    `job` is a pickled `Job`, `folder` its working folder, `files` the input files with their state. `store` and
-    `out` are files of this run that a worker sees only if it shares the disk: in the store, and where the models
-    go, which may be an `address`. A worker that sees them works like a process of this machine. Others get the
-    files in `layout`, and `away`, another Job; `canary` checks that this gives the same model, and `is_tried` says
-    that the client tried to make a canary. They record in `journal` the models that they wrote. `memory` limits each
-    process that makes models, in bytes.
+    `job` is a pickled `Job`, `folder` is its working folder, and `files` are the input files with their state. `store`
+    and `out` are files of this run that a worker sees only if it shares the disk: in the store, and at the place of the
+    models, which may be an `address`. A worker that sees them works like a process of this machine. Others get the
+    files in `layout`, and `away`, another Job; `canary` checks that this gives the same model, and `is_tried` says that
+    the client tried to make a canary. They record in `journal` the models that they wrote. `memory` limits each process
+    that makes models, in bytes.
     """
 
     run: str
@@ -144,7 +144,7 @@ class Order(Struct):
 
 
 class Part(Struct):
-    """Some cells that one worker makes, one after another; `numbers` are their numbers, `tries` counts attempts."""
+    """Some cells that one worker makes, one after another; `numbers` are their numbers, and `tries` counts attempts."""
 
     numbers: tuple[int, ...]
     cells: tuple[Cell, ...]
@@ -172,7 +172,7 @@ class Lacks(Struct):
 
 
 class Refused(Struct):
-    """Why a worker cannot make the models."""
+    """The reason that a worker cannot make the models."""
 
     message: str
     help: str | None = None

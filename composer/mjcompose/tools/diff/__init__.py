@@ -1,1 +1,1 @@
-"""What differs between two models, in physics terms, and which line is the reason."""
+"""The differences between two models in physics terms, and the lines that cause them."""

@@ -98,7 +98,7 @@ class Causes:
         return None
 
     def _opposite(self, side: int, changed: Span | None, known: Span | None) -> Span | None:
-        """Return the place to show on the other side of a line that is new or gone.
+        """Return the place to show on the other side of a new or removed line.
 
         If a recipe sets the value on one side and a file on the other, it is the recipe's line in the same place.
         That way an edit whose selector changed is one cause, not one for each element.
@@ -136,7 +136,7 @@ class Causes:
         return None
 
     def _attribute(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
-        """Yield where the differing attributes are written on either side, and the causes of their values."""
+        """Yield the places where either side writes the differing attributes, and the causes of their values."""
         if before is None and after is None:
             return
         # The parts for which the linker created two frames or bodies.
@@ -172,7 +172,7 @@ class Causes:
             yield Cause("`name`", first, second)
 
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
-        """Yield the part or base that came or went with the element, or the element's own line, or its removal."""
+        """Yield the part or base that was added or removed with the element, or the element's line or removal."""
         part, here, other = self._part(side, node), self.both[side], self.both[1 - side]
         if part is None:
             node = self._outermost(node, side)
@@ -218,7 +218,7 @@ class Causes:
                     yield _cause("`when`", when.span, None, side=side)
 
     def _outermost(self, node: Node, side: int) -> Node:
-        """Return the outermost body that came or went with the element, or the element itself."""
+        """Return the outermost body that was added or removed with the element, or the element itself."""
         for above in node.iterancestors("body"):
             if (side, name_of(above)) not in self.alone:
                 break
@@ -263,7 +263,7 @@ class Causes:
         yield from (Cause(f"`{attribute}`", before, after) for before, after in _latest_first(*places))
 
     def _entry(self, change: Change) -> Iterator[Cause]:
-        """Yield the key's numbers for a joint, actuator or body; else the cause that moves the body with its key."""
+        """Yield the key's numbers for a joint, actuator or body, or else the cause that moves the body with its key."""
         vector, (before, after) = change.field.removeprefix("key_"), self._nodes(change)
         mine, ours = self.a.key_lines(before, vector, change.entry)
         yours, theirs = self.b.key_lines(after, vector, change.entry)
@@ -301,7 +301,7 @@ def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_S
 
 
 def _added_to(life: Life | None) -> Span | None:
-    """Return where the recipe names the holder of an element that it adds."""
+    """Return the place where the recipe names the holder of an element that it adds."""
     done = None if life is None or life.made_by is None else life.made_by.done
     return done.to_span if isinstance(done, AddElement) else None
 

@@ -21,8 +21,8 @@ class Change(Struct):
     ``kind`` is MJCF's word for the element, or one of ``SETTINGS``. ``name`` is its name in B, or in A if B lacks it.
     An unnamed element is reported by its place. ``field`` is the array of `mjModel`, or the setting; it is empty if the
     element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint that determines the unit.
-    ``entry`` names the owner of a number in a keyframe. ``index`` are the ids in A and B, -1 for none. ``follows`` says
-    that MuJoCo computes the value from others that are reported too. ``note`` describes a change that is too long to
+    ``entry`` names the owner of a number in a keyframe. ``index`` has the ids in A and B, or -1 for none. ``follows``
+    says that MuJoCo computes the value from other reported values. ``note`` describes a change that is too long to
     list.
     """
 
@@ -62,7 +62,7 @@ class Count(Struct):
 class Contrast(Struct):
     """All differences between two compiled models.
 
-    ``identical`` says that every array of `mjModel` is equal bit for bit; ``arrays`` names those that are not.
+    ``identical`` says that every array of `mjModel` is equal bit for bit; ``arrays`` names the other arrays.
     ``elements`` has the counts in A and B by kind.
     """
 
@@ -75,7 +75,7 @@ class Contrast(Struct):
 
 
 class Cause(Struct):
-    """Where the cause of a difference is written: a place in A, in B, or in both, and the lines that differ."""
+    """The place where the cause of a difference is written, in A, in B, or in both, and the lines that differ."""
 
     words: str
     before: Span | None = None
@@ -95,7 +95,7 @@ class End(Struct):
     """A or B: its name in messages, its kind, and the sha256 of its files without the manifest.
 
     `cell` is the cell of its matrix that was compared. Without it, `cells` is the number of cells. `outside` are the
-    files of a git revision that are not in its repository, and are taken as they are now.
+    files of a git revision that are not in its repository; they are used in their current state.
     """
 
     label: str
@@ -107,12 +107,12 @@ class End(Struct):
 
     @property
     def said_outside(self) -> str:
-        """A sentence about the files that are not of the revision, or an empty text."""
+        """A sentence about the files that are not in the revision, or an empty text."""
         if not self.outside:
             return ""
         more = f" and {len(self.outside) - 3} more" if len(self.outside) > 3 else ""
         named = ", ".join(f"`{each}`" for each in self.outside[:3])
-        return f"{named}{more}: outside of the repository, as now in the work tree"
+        return f"{named}{more}: outside the repository, as now in the work tree"
 
     @property
     def named(self) -> str:
@@ -129,7 +129,7 @@ class View(Struct):
 
 
 class Diff(Struct):
-    """The result. ``same`` says that nothing in the requested scope differs; ``files`` are those whose bytes differ."""
+    """The result. ``same`` says that nothing in the requested scope differs; ``files`` have different bytes."""
 
     a: End
     b: End

@@ -1,4 +1,4 @@
-"""Two models are compared by name, with causes and pictures, and their changes sorted by effect.
+"""Compare two models by name, with causes and pictures, and sort the changes by effect.
 
 Major changes break the interface, minor ones change the motion, patches only the looks.
 """
@@ -34,7 +34,7 @@ from mjcompose.tools.names import names_of
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
-    """Write the pictures of two models that `session` keeps; if there are none, report why."""
+    """Write the pictures of two models that `session` keeps; if that fails, report the reason."""
     with scratch("pictures") as made:
         answer = engine.call(session, pictures, kept, argument=str(made))
         if not answer.ok:
@@ -73,7 +73,7 @@ def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list
 
 
 def _key(cause: Cause | None) -> tuple[object, ...]:
-    """Return the key of a group. It is B's line if there is one, whether or not A has a line."""
+    """Return the key of a group. It is B's line if there is one, even if A also has a line."""
     span = None if cause is None else cause.after or cause.before
     return (None,) if span is None else (cause is not None and cause.after is not None, span.file, span.line)
 
@@ -87,7 +87,7 @@ def _place(group: Group) -> tuple[bool, bool, str, int]:
 
 
 def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
-    """Return the cause with its lines; if both sides have some, only those that differ."""
+    """Return the cause with its lines; if both sides have lines, return only the differing lines."""
     if cause is None:
         return None
     before, after = block(cause.before, a), block(cause.after, b)
@@ -111,9 +111,9 @@ def diff(
 ) -> Diff | None:  # fmt: skip
     """Return the differences from A to B, or None if one of them is not a model, which goes to `context.sink`.
 
-    `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
-    empty means all. `everything` also lists changes that follow from others, instead of only counting them. `given`
-    are values of parameters and variants for a recipe, `pick` is a cell of its matrix, `sample` one of its samples.
+    `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`; empty
+    means all. `everything` also lists changes that follow from others, instead of only counting them. `given` are
+    values of parameters and variants for a recipe, `pick` is a cell of its matrix, and `sample` is one of its samples.
     Pictures of both go to the folder `renders`, and the session must be able to render. `show` is called while the
     session keeps both models.
     """
@@ -174,7 +174,7 @@ def between(
 
 
 def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:
-    """Return the requested kinds. Arrays without a name of their own count only in a comparison to the bit."""
+    """Return the requested kinds. Arrays without a name of their own count only in a bit-for-bit comparison."""
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
     return replace(
@@ -225,7 +225,7 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
 
 
 class _Sorting:
-    """Sorts changes into levels. `orders` has the interface by kind, `looks` the elements of both sides by kind."""
+    """Sorts changes into levels. `orders` has the interface by kind, and `looks` the visual elements."""
 
     def __init__(self, orders: Mapping[str, Order], looks: Sequence[Mapping[str, list[int]]]) -> None:
         self.orders, self.looks = orders, looks
@@ -271,7 +271,7 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
 
 
 def _reordered(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> Iterator[Group]:
-    """Yield elements in another order, by kind, with the list in `interface` or the first of their lines."""
+    """Yield elements whose order changed, by kind, with the list in `interface` or the first of their lines."""
     for kind in dict.fromkeys(each.kind for each in changes):
         alike = tuple(each for each in changes if each.kind == kind)
         spans = [_listed(side, kind) for side in (a, b)]

@@ -29,7 +29,7 @@ _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(
 
 
 def in_order(root: Node) -> Iterator[tuple[str, Node]]:
-    """Yield the elements of a model in MuJoCo's order, each with its kind; of several worlds the first."""
+    """Yield the elements of a model in MuJoCo's order, each with its kind. Only the first of several worlds counts."""
     worlds = 0
     for node in query.ordered(root):
         kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
@@ -39,9 +39,9 @@ def in_order(root: Node) -> Iterator[tuple[str, Node]]:
 
 
 class Elements:
-    """The elements of one side, and where they are written; there are none if their origin is unknown.
+    """The elements of one side and the places where they are written; there are none if their origin is unknown.
 
-    `counts` has MuJoCo's number of elements of each kind; if the tree has as many, order identifies unnamed
+    `counts` has MuJoCo's number of elements of each kind; if the tree has the same number, order identifies unnamed
     elements.
     """
 
@@ -73,13 +73,13 @@ class Elements:
         return next((reason.span for reason in self.traced.written(self.traced.watch.life(node)) if reason.span), None)
 
     def written(self, node: Node | None, attribute: str | None) -> list[Span]:
-        """Return where an attribute was first written, and where it was changed since."""
+        """Return the place where an attribute was first written, and the places where it was changed later."""
         if attribute is None:
             return [] if (span := self.span(node)) is None else [span]
         return [] if node is None else self.traced.history(node, attribute)
 
     def class_in_force(self, node: Node) -> Span | None:
-        """Return where the class in force for an element is written."""
+        """Return the place of the class in force for an element."""
         force = class_in_force(node)
         return None if force.attribute is None else self.span(force.writer, force.attribute)
 
@@ -103,13 +103,13 @@ class Elements:
         return found | {f"{key} of {name(self.side, span.file)}": span for key, span in settings}
 
     def like(self, mine: Life | None) -> Node | None:
-        """Return the element that was read from the same line of a model as one of the other side, or None."""
+        """Return the element that was read from the same line of a model as an element of the other side, or None."""
         wanted = None if mine is None else (mine.tag, mine.line, mine.attributes)
         read = (life for life in self.lives if life.made_by is None and life.gone is None)
         return next((life.node for life in read if (life.tag, life.line, life.attributes) == wanted), None)
 
     def key_lines(self, key: Node | None, vector: str, entry: str) -> tuple[Node | None, tuple[Span, ...]]:
-        """Return the element of a key's numbers, and where they are written, the numbers themselves first."""
+        """Return the element of a key's numbers and the places where they are written, the numbers themselves first."""
         if key is None or vector not in VECTORS:
             return None, ()
         found = [each for each in self.traced.key_rows(key, vector) if query.name_of(each[0]) == entry]
@@ -132,7 +132,7 @@ class Elements:
         return min(bodies), max(bodies)
 
     def node(self, kind: str, name: str, index: int) -> Node | None:
-        """Return the element in the tree, or None if it is one of many unnamed ones or made by MuJoCo."""
+        """Return the element in the tree, or None if it is one of many unnamed elements or was made by MuJoCo."""
         found = self.named.get((kind, name))
         if found is not None or index < 0 or len(self.found[kind]) != self.counts.get(kind):
             return found
@@ -232,7 +232,7 @@ class Pairs:
                     yield from self.above(first, second)
 
     def frames(self, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
-        """Yield the frames around an element up to its body, and the places of parts that they or it are made for."""
+        """Yield the frames around an element up to its body, and the places of parts for which they are made."""
         around = zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1])
         for mine, theirs in (*around, (before, after)):
             if mine is not before:

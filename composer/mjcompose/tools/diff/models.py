@@ -1,4 +1,4 @@
-"""Two compiled models are compared by the names of their elements."""
+"""Compare two compiled models by the names of their elements."""
 
 from __future__ import annotations
 
@@ -255,7 +255,7 @@ def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
 def _prefixes(
     lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: NameTable, b: NameTable
 ) -> list[tuple[str, str]]:
-    """Return pairs of prefixes, one that only A has and one that only B has, with similar names behind them."""
+    """Return pairs of a prefix that only A has and a prefix that only B has, with similar names after them."""
     gone, come = _behind(lost, b), _behind(new, a)
     pairs = []
     for before, mine in gone.items():
@@ -268,7 +268,7 @@ def _prefixes(
 
 
 def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[tuple[str, str]]]:
-    """Return the names behind each outermost prefix that the other model lacks."""
+    """Return the names after each outermost prefix that the other model lacks."""
     known = {name.partition("/")[0] for by_name in other.ids.values() for name in by_name if "/" in name}
     found: dict[str, set[tuple[str, str]]] = defaultdict(set)
     for kind, by_name in names.items():
@@ -282,7 +282,7 @@ def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[t
 def _alike(
     kind: str, lost: list[str], new: list[str], a: NameTable, b: NameTable, bodies: Mapping[str, str]
 ) -> dict[str, str]:
-    """Return elements without a double that have equal numbers and are on the same body."""
+    """Return elements that have equal numbers and are on the same body, without ambiguous ones."""
     mine = _by_look(kind, lost if new else [], a, renamed=bodies)
     theirs = _by_look(kind, new if lost else [], b, renamed={})
     alone = {look: names[0] for look, names in theirs.items() if len(names) == 1}
@@ -301,8 +301,8 @@ def _by_look(kind: str, names: list[str], roster: NameTable, renamed: Mapping[st
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a `Contrast` as JSON data; runs under `mjcompose.mujoco.engine.call`. ``given`` has the ``tolerance``.
 
-    It may also have ``names``, which maps A's names to B's by kind if that is known. Unnamed elements may then be
-    in another order.
+    It may also have ``names``, which maps A's names to B's by kind if that is known. Then unnamed elements may be in a
+    different order.
     """
     mine, theirs = NameTable(a), NameTable(b)
     known = given.get("names")
@@ -340,7 +340,7 @@ def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
 
 
 def _presence(matching: Correspondence) -> Iterator[Change]:
-    """Yield elements that only one of the two models has; unnamed ones come and go with their body."""
+    """Yield elements that only one of the two models has; unnamed elements belong to their body."""
     lost = {kind: [i for i, j in enumerate(matching.ids[kind]) if j == ABSENT] for kind in KINDS}
     every = {kind: range(kind == "body", matching.composed.count(kind)) for kind in KINDS}  # the world is in both
     new = {kind: [j for j in every[kind] if j not in matching.taken[kind]] for kind in KINDS}
@@ -353,7 +353,7 @@ def _presence(matching: Correspondence) -> Iterator[Change]:
 
 
 def _alone_there(roster: NameTable, kind: str, found: Mapping[str, list[int]]) -> Iterator[int]:
-    """Yield the elements of a kind among those that were found, without unnamed ones on bodies among them."""
+    """Yield the elements of a kind among the found elements, without unnamed elements on found bodies."""
     bodies = set(found["body"])
     for index in found[kind]:
         is_unnamed = kind in ON_BODIES and not roster.names[kind][index]

@@ -38,7 +38,7 @@ def extent(span: Span, side: Side) -> range:
     """Return the numbers of the lines that belong to a place.
 
     For a key or a mapping these are its line and the deeper-indented lines below it, for an element its whole start
-    tag, for a value its own line alone.
+    tag, for a value only its own line.
     """
     lines = side.lines(span.file)
     if not 0 < span.line <= len(lines):
@@ -122,7 +122,7 @@ class Recipes:
         return tuple(chain.from_iterable(found))
 
     def parameter(self, name: str) -> Iterator[Span]:
-        """Yield where a parameter gets its value: where it is given, else where it is declared."""
+        """Yield the place where a parameter gets its value: its given value, or else its declaration."""
         yield from self._given.get(name, ())
         for node in self._documents:
             for piece in (node, *_pieces(node)):
@@ -147,7 +147,7 @@ class Recipes:
 
     @property
     def settings(self) -> Iterator[tuple[str, Span]]:
-        """Where the recipe files set how angles are read."""
+        """The places where recipe files set the reading of angles."""
         for recipe in self._read:
             for said in recipe.said.values():
                 if isinstance(said, Mapping):
@@ -176,7 +176,6 @@ class Recipes:
 
 
 def _pieces(document: Node) -> Iterator[Node]:
-    """Yield the recipe pieces of the variants."""
     axes = find(document, ("variants",))
     for _, values in axes.entries.values() if isinstance(axes, Mapping) else ():
         for _, piece in values.entries.values() if isinstance(values, Mapping) else ():
@@ -249,7 +248,7 @@ class Written:
         return next((each for each in self._named[1 - side].values() if there.lines(each) == lines), None)
 
     def _lines(self, a: str, b: str) -> tuple[frozenset[int], frozenset[int]]:
-        """Return the numbers of the lines that only A has, and of those that only B has."""
+        """Return the numbers of the lines that only A has, and of the lines that only B has."""
         if (a, b) not in self._known:
             stretches = self._stretches(a, b)
             ours = frozenset(number for first, last, _, _ in stretches for number in range(first + 1, last + 1))
@@ -263,9 +262,9 @@ class Written:
 
 
 def name(side: Side, file: str | None) -> str:
-    """Return a file's path relative to A or B: two folders with the same layout have equal paths.
+    """Return a file's path relative to A or B, so two folders with the same layout have equal paths.
 
-    A fetched file is named by its reference, whatever the commit or archive.
+    A fetched file has the name of its reference, regardless of the commit or archive.
     """
     operand = side.operand
     there = operand.context.folder / (file or "")
@@ -278,7 +277,6 @@ def real(side: Side, file: str | None) -> str:
 
 
 def _files(side: Side, recipes: Recipes) -> Iterator[str]:
-    """Yield every file of the model, as messages name it."""
     yield side.operand.context.shown(side.operand.path)
     yield from recipes.files
     if side.traced is not None:

@@ -1,4 +1,4 @@
-"""A or B as the user named it, found, checked out and compiled."""
+"""Finding, checking out and compiling A or B, as the user named it."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def split(text: str) -> tuple[str, str] | None:
 def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> tuple[Path, Path]:
     """Write all files of a revision of the repository around `path` below the empty folder `into`.
 
-    Return the folder with them, and `path` in it. Links lead to the files outside of the repository that it refers to,
-    such as `../models/arm.xml`. `path` need not exist any more. Raises RevisionError.
+    Return the folder with them, and `path` in it. Links lead to the files outside the repository that it refers to,
+    such as `../models/arm.xml`. `path` may be missing in the work tree. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))
     git = Git(environment, quiet, limit=600)
@@ -142,7 +142,7 @@ class Operand(Struct):
     files: Path | None = None
 
     def located(self, span: Span) -> Span:
-        """Return a place that anybody can look up: in a fetched source, or in a named revision."""
+        """Return a place that anyone can look up: in a fetched source, or in a named revision."""
         name = self.fetched(self.context.folder / span.file)
         return self._in_revision(span) or span if name is None else replace(span, file=name)
 
@@ -199,7 +199,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
-    """Return an MJCF file as a recipe with this file as base, which has a bundle; other operands unchanged."""
+    """Return an MJCF file as a recipe with it as base, which has a bundle; return other operands unchanged."""
     if operand.kind is not Kind.MJCF:
         return operand
     return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
@@ -238,10 +238,11 @@ class Side(Struct, frozen=False):
     """One of the two compared models.
 
     `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an MJCF
-    file only its own. `traced` is None if the origin of elements is unknown, `plan` is None if this is not a recipe.
-    `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values of parameters and
-    variants from the command or the cell. `inputs` are the files that were read. `bundle` is set for a recipe or bundle
-    if the caller requests it. `excluded` are the bodies that need not collide, if the recipe requests them.
+    file, only its own. `traced` is None if the origin of elements is unknown, and `plan` is None if this is not a
+    recipe. `cell` is the compared cell of its matrix, and `cells` is the number of cells. `given` are the values of
+    parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle` is set for a
+    recipe or bundle if the caller requests it. `excluded` are the bodies that need not collide, if the recipe requests
+    them.
     """
 
     operand: Operand
@@ -305,7 +306,7 @@ def load_cell(
     operand: Operand, kept: str, session: Session, given: Given, cell: Cell | None, sample: int = 0,
     library: Library | None = None,
 ) -> Side | None:  # fmt: skip
-    """Return the model of a cell of a recipe, or without one the `sample` of its draws; None as in `load`."""
+    """Return the model of a cell of a recipe, or without a cell the `sample` of its draws; None as in `load`."""
     context, watch = operand.context, Trace()
     if cell is None:
         values = given
@@ -407,5 +408,5 @@ def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> No
 
 
 def _digests(bundle: Bundle) -> dict[str, str]:
-    """Return the digests of all files except the manifest, which describes the build and not the model."""
+    """Return the digests of all files except the manifest, which describes the build, not the model."""
     return {path: bundle.digest(path) for path in bundle.files if path != MANIFEST}

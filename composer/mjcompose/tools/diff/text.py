@@ -73,7 +73,7 @@ def subject(kind: str, names: Sequence[str]) -> str:
 
 
 def quoted(name: str) -> str:
-    """Return a name in backquotes; the place of an unnamed element as it is."""
+    """Return a name in backquotes; return the place of an unnamed element unchanged."""
     return name if name.startswith("#") else f"`{name}`"
 
 
@@ -107,7 +107,7 @@ def view(view: View) -> str:
 
 
 def relative(before: Value, after: Value) -> float | None:
-    """Return the relative change; for several numbers only if all grew alike. Return None if that has no meaning."""
+    """Return the relative change, or None if it has no meaning or the numbers changed by different factors."""
     ours, theirs = _numbers(before), _numbers(after)
     if all(isinstance(each, int) for each in (*ours, *theirs)):
         return None
@@ -120,7 +120,7 @@ def relative(before: Value, after: Value) -> float | None:
 
 
 def shown(value: Value, digits: int | None = 6) -> str:
-    """Return a value as text, lists in brackets; without `digits` every number to the bit."""
+    """Return a value as text, with lists in brackets; without `digits`, numbers are exact."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if value is None:
@@ -228,7 +228,7 @@ def verdict(diff: Diff) -> str:
 
 
 def place(cause: Cause) -> str:
-    """Return `recipe.yaml:12`, with A's place if it is another one, and not only in another revision."""
+    """Return `recipe.yaml:12`, with A's place if it differs by more than the revision."""
     spans = [None if span is None else f"{span.file}:{span.line}" for span in (cause.before, cause.after)]
     if spans[0] is None or spans[0] == spans[1] or (spans[1] and spans[0].endswith(f":{spans[1]}")):
         return str(spans[1])
@@ -241,7 +241,7 @@ def _remarks(diff: Diff) -> Iterator[str]:
     yield from (end.said_outside for end in (diff.a, diff.b) if end.said_outside)
     if counts := [end.cells for end in (diff.a, diff.b) if end.cells]:
         cells = counted(counts[-1], "cell")
-        yield f"compared at its defaults: of the {cells} of the matrix, `--pick CELL` compares one"
+        yield f"compared at its defaults; `--pick CELL` compares one of the {cells} of the matrix"
 
 
 def _lines(diff: Diff, *, markdown: bool) -> Iterator[str]:
@@ -269,7 +269,6 @@ def _lines(diff: Diff, *, markdown: bool) -> Iterator[str]:
 
 
 def _head(diff: Diff, said: str, *, markdown: bool) -> Iterator[str]:
-    """Yield the names of both models, the sentence about them, and remarks."""
     if not markdown:
         yield from (f"A {diff.a.named}", f"B {diff.b.named}", said, *_remarks(diff))
         return
@@ -345,7 +344,6 @@ def _list(lines: list[str]) -> list[str]:
 
 
 def _escaped(line: str) -> str:
-    """Escape the characters that Markdown would interpret outside of backquotes."""
     pieces = line.split("`")
     pieces[::2] = [re.sub(r"([\\*_<>#|])", r"\\\1", piece) for piece in pieces[::2]]
     return "`".join(pieces)
@@ -358,7 +356,7 @@ def _code(text: str) -> str:
 
 _EFFECTS = {
     "major": "programs that use the interface break",
-    "minor": "programs still run, and the model may move in another way",
+    "minor": "programs still run, and the model may move differently",
     "patch": "the model only looks different",
 }
 

@@ -187,7 +187,7 @@ class Traced:
             yield Reason(cause.words, cause.span or (None if life.sources else self._span(life)))
             yield from (Reason("read from", self._span(source)) for source in life.sources)
         elif life.line is None and isinstance(life.owner, str):
-            yield Reason(f"begun by the recipe `{life.owner}`, which has no base")
+            yield Reason(f"started by the recipe `{life.owner}`, which has no base")
         else:
             yield Reason("read from", self._span(life))
 
@@ -222,7 +222,7 @@ class Traced:
                 yield Changed(name, change.before, change.after, reason=self.causes.change(change, life))
 
     def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
-        """Yield values that a recipe writes in another form than MJCF, such as angles in their own unit."""
+        """Yield values that a recipe writes in a different form from MJCF, such as angles in their own unit."""
         if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
             return
         settled = {each.attribute: each.after or "" for each in life.changes
@@ -262,7 +262,7 @@ class Traced:
         return None if node is None else self.origin_at(node, attribute).span
 
     def origin_at(self, node: Node, attribute: str) -> Reason:
-        """Return where the value of an attribute comes from.
+        """Return the origin of an attribute's value.
 
         Without words, the value is written at that place, apart from `changes`; words describe any other origin.
         """
@@ -285,7 +285,7 @@ class Traced:
         return self._as_read(life, attribute)
 
     def _as_read(self, life: Life, attribute: str) -> Reason:
-        """Return where an attribute is written that was read from a file or from the recipe."""
+        """Return the place of an attribute that was read from a file or from the recipe."""
         if attribute not in life.attributes:
             written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
             return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
@@ -306,7 +306,7 @@ class Traced:
         return trace_words.reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
     def history(self, node: Node, attribute: str) -> list[Span]:
-        """Return every place that influenced an attribute: where it was read or created, then what changed it."""
+        """Return every place that influenced an attribute: first where it was read or created."""
         life = self.watch.life(node)
         read = life.sources[0] if len(life.sources) == 1 else life
         is_made = read is life and life.made_by is not None and life.made_by.is_pass
@@ -339,7 +339,7 @@ def explain(
 ) -> Explained | None:
     """Return the answer to a query about the model of a recipe or an MJCF file, or None after an error.
 
-    Errors go to `context.sink`. `sample` selects the draws of the model; 0 is the nominal one. `given` are values
+    Errors go to `context.sink`. `sample` selects the draws of the model; 0 is the nominal model. `given` are values
     of parameters and variants.
     """
     traced = trace(path, context, sample, given=given)
@@ -347,7 +347,7 @@ def explain(
 
 
 def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | None = None) -> Traced | None:
-    """Compose the model under observation. Compiles only parts that MuJoCo has to measure."""
+    """Compose the model under observation. It compiles only parts that MuJoCo has to measure."""
     watch = Trace()
     if path.suffix.lower() in MJCF_FILES:
         shown = context.shown(context.folder / path)

@@ -56,9 +56,9 @@ class Listed(Struct):
 class RowExplained(Struct):
     """Numbers of a keyframe that belong to one joint, actuator or mocap body and have one origin.
 
-    `origin` says where they come from: `file`, `entry` (of a `keyframe` section), `edit`, `reference`
-    (configuration), `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has
-    everything that passed the numbers on or changed them, in order.
+    `origin` says where they come from: `file`, `entry` (of a `keyframe` section), `edit`, `reference` (configuration),
+    `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has every step that
+    passed the numbers on or changed them, in order.
     """
 
     label: str
@@ -70,7 +70,7 @@ class RowExplained(Struct):
 
 
 class ElementExplained(Struct):
-    """An element of the model, and how it came to be as it is.
+    """An element of the model, and its history.
 
     `written` has the places where it was read or created: several if elements were merged; `end_line` is the last line
     of the first start tag. `parts` are the parts that it belongs to, the innermost first. `sets` lists the settings of
@@ -93,9 +93,9 @@ class ElementExplained(Struct):
 class LevelExplained(Struct):
     """One place that an attribute may come from.
 
-    If it `wins`, its text is in effect, or only `part_of_it`: a shorter list leaves the remaining numbers to the
-    next level that has them. The text is written at `span`, apart from the `changes`; if there are `words`, these
-    say where it came from instead.
+    If it `wins`, its text is in effect, or only `part_of_it`: a shorter list leaves the remaining numbers to the next
+    level that has them. The text is written at `span`, apart from the `changes`; if there are `words`, they describe
+    its origin instead.
     """
 
     kind: Literal["element", "class", "mujoco"]
@@ -109,7 +109,7 @@ class LevelExplained(Struct):
 
 
 class AttributeExplained(Struct):
-    """One attribute of an element: the value in effect, and every level that it may come from, the nearest first.
+    """One attribute of an element: the value in effect, and every level from which it may come, the nearest first.
 
     `about` is the grammar's description of the attribute. `rows` lists the numbers of a keyframe by their owners.
     """

@@ -1,4 +1,4 @@
-"""A query about a model, the recipe's text for it, and the report if nothing matches."""
+"""A query about a model, the recipe's text for its result, and the report if nothing matches."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ _SYNONYMS = {"keyframe": "key", "class": "default"}
 
 
 class Asked(Struct):
-    """A parsed query: `kinds` are the grammar paths that match (None: all), the other fields narrow them down."""
+    """A parsed query: `kinds` are the grammar paths that match (None: all), and the other fields narrow them down."""
 
     text: str
     kinds: frozenset[str] | None
@@ -139,8 +139,9 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
-    """Return the elements that a query matches, in the order of the model; the query does not name a line. Raises
-    `BadPattern`.
+    """Return the elements that a query matches, in the order of the model; it does not handle queries that name a line.
+
+    Raises `BadPattern`.
     """
     found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
     if asked.number is not None:
@@ -164,7 +165,7 @@ def _counts(kind: ElementType) -> str:
 
 
 def ordered(root: Node) -> Iterator[Node]:
-    """Yield every element; those in bodies in MuJoCo's order, body by body."""
+    """Yield every element, with elements in bodies in MuJoCo's order, body by body."""
     yield root
     for section in root.iterchildren("*"):
         if section.tag != "worldbody":
@@ -178,7 +179,7 @@ def ordered(root: Node) -> Iterator[Node]:
 
 
 def _own(holder: Node) -> Iterator[Node]:
-    """Yield a body and all in it except bodies. No recursion: frames may be nested deeply."""
+    """Yield a body and everything in it except bodies. No recursion: frames may be nested deeply."""
     waiting = [holder]
     while waiting:
         yield (node := waiting.pop())
@@ -215,20 +216,20 @@ def labels(root: Node) -> dict[Node, str]:
 
 @cache
 def _word(kind: ElementType) -> str:
-    """Return the tag, or the whole path if the tag alone means other elements."""
+    """Return the tag, or the whole path if the tag alone refers to other elements."""
     wanted = _kinds(kind.tag)
     return kind.tag if wanted is not None and kind.path in wanted else kind.path
 
 
 @cache
 def _words(kind: ElementType) -> tuple[str, ...]:
-    """Return every word under which an element is counted: `joint` counts free joints too."""
+    """Return every word under which an element is counted: `joint` also counts free joints."""
     words = ("body",) if kind.path == "worldbody" else (_word(kind), kind.family)
     return tuple(word for word in dict.fromkeys(words) if word and _counts(kind) in (_kinds(word) or ()))
 
 
 def _kinds(word: str) -> frozenset[str] | None:
-    """Return the grammar paths that a word means: a tag, a family, a section, or a path."""
+    """Return the grammar paths that a word stands for: a tag, a family, a section, or a path."""
     word = _SYNONYMS.get(word, word)
     if "/" in word and word in GRAMMAR.paths:
         return frozenset({word})

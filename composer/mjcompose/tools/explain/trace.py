@@ -1,4 +1,4 @@
-"""What happens to every element and key during composition.
+"""The history of every element and key during composition.
 
 Elements are compared by identity after each pass and step.
 """
@@ -65,7 +65,7 @@ class Move(Struct):
 
 
 class Life(Struct, frozen=False, eq=False):
-    """Everything known of one element: its first state, its changes, and its end.
+    """Everything known about one element: its first state, its changes, and its end.
 
     `born` is the cause after which it was first seen. `made_by` is the same cause, or None for an element that was read
     from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs to, the
@@ -108,7 +108,7 @@ class Life(Struct, frozen=False, eq=False):
 
 
 class Trace:
-    """A `Watch` that records. It holds every node, so identities stay valid."""
+    """A `Watch` that records. It keeps a reference to every node, so identities stay valid."""
 
     def __init__(self) -> None:
         self.lives: dict[Node, Life] = {}
@@ -153,7 +153,7 @@ class Trace:
                 self._succeed(life, lost)
 
     def _looks_other(self, root: Node) -> bool:
-        """Return whether a tree has changed: to write it takes a tenth of the time to compare its elements."""
+        """Return whether a tree has changed. Writing it takes a tenth of the time of comparing its elements."""
         text = as_it_is(root)
         same = self._texts.get(root) == text and self._members[root] == list(root.iter("*"))
         self._texts[root] = text
@@ -198,7 +198,7 @@ class Trace:
             life.last_parent = parent
 
     def _succeed(self, life: Life, lost: list[Life]) -> None:
-        """Link an element that a pass wrote again to those that it replaces: removed ones with its tag and name."""
+        """Link an element that a pass wrote again to the removed elements with its tag and name, which it replaces."""
         assert life.made_by is not None
         record = life.made_by.unit.origins.keys.get(life.node)
         if record is not None:
@@ -230,13 +230,11 @@ Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"
 
 
 class NumberOrigin(Struct):
-    """Where numbers of a key come from.
-
-    - `file`: a `<key>` of a file writes them.
+    """The origin of numbers in a key. - `file`: a `<key>` of a file writes them.
     - `entry`: an entry of a `keyframe` section of a recipe writes them.
     - `edit`: an edit or a draw of a recipe made them: `change`.
     - `reference`: no source writes them, and they are the reference configuration: `zero` if they are 0.
-    - `mujoco`: the row of the key at `span` is too short, and MuJoCo filled it up.
+    - `mujoco`: the row of the key at `span` is too short, and MuJoCo filled in the missing numbers.
     - `unknown`.
 
     `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the

@@ -1,7 +1,7 @@
-"""The changes of passes and steps in words, with the place that is the reason.
+"""The changes of passes and steps in words, with the place of the reason.
 
-It also finds the attributes that determine one that MJCF writes elsewhere: the mass of a body is in its `<inertial>` or
-its geoms, the `gainprm` of a `<position>` comes from its `kp`.
+It also finds the attributes that determine a value that MJCF writes elsewhere: the mass of a body is in its
+`<inertial>` or its geoms, the `gainprm` of a `<position>` comes from its `kp`.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason
 
 
 def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
-    """Return the cause that set the numbers, and where; `edited` describes an edit or a draw."""
+    """Return the cause that set the numbers, and its place; `edited` describes an edit or a draw."""
     if origin.change is not None:
         return edited(origin.change)
     if origin.kind == "mujoco":
-        return Reason("filled up by MuJoCo, as the row ends in the middle of a joint", origin.span)
+        return Reason("filled in by MuJoCo, because the row ends in the middle of a joint", origin.span)
     return Reason(_NOBODY.get(origin.kind, ""), origin.span)
 
 
@@ -73,7 +73,7 @@ def only_place(reasons: Iterable[Reason]) -> Span | None:
 
 
 def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
-    """Return the action of a cause, and where; `owner` wrote the element or its attribute."""
+    """Return the action of a cause, and its place; `owner` wrote the element or its attribute."""
     done = cause.done
     if isinstance(done, Plan) and attribute == "model":
         named = find(done.document, ("name",)) is not None
@@ -135,8 +135,8 @@ _COMPUTED = {
 class Causes:
     """Words for the changes that one trace recorded.
 
-    A method with a leading underscore describes a pass; it gets the element and the change, for an element that was
-    created or removed without an attribute.
+    A method with a leading underscore describes a pass; it gets the element and the change, which has no attribute if
+    the element was created or removed.
     """
 
     def __init__(self, trace: Trace) -> None:
@@ -310,7 +310,7 @@ class Causes:
         if not isinstance(life.owner, str):
             return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
         if len(life.sources) > 1:
-            return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
+            return Reason(f"{len(life.sources)} keys of that name merged, laid out for the whole model")
         return Reason("laid out anew for the whole model")
 
     def _worded(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
@@ -318,18 +318,18 @@ class Causes:
         return None if words is None else words(self, life, change)
 
     def change(self, change: Change, life: Life) -> Reason:
-        """Return why an attribute changed."""
+        """Return the reason that an attribute changed."""
         reason = self._worded(CHANGES, life, change)
         return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
     def made(self, life: Life) -> Reason:
-        """Return why an element exists that was read from no file."""
+        """Return the reason that an element exists that was not read from a file."""
         assert life.made_by is not None
         reason = self._worded(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
         return reason or of_step(life.made_by, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
-        """Return why an element that a pass created has this value of an attribute."""
+        """Return the reason that an element that a pass created has this value of an attribute."""
         assert life.made_by is not None
         change = Change(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
         return self._worded(VALUES, life, change) or self.made(life)
@@ -340,7 +340,7 @@ class Causes:
         return reason or of_step(life.gone, None, None)
 
     def move(self, move: Move, life: Life) -> Reason | None:
-        """Return why an element moved, or None if the move means nothing, as in a merged section."""
+        """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
         cause = move.cause
         if cause.function in (sections, defaults, compiler, keyframes):
             return None

@@ -1,1 +1,1 @@
-"""From a merged model to a recipe of its parts."""
+"""Turn a merged model into a recipe of its parts."""

@@ -1,4 +1,4 @@
-"""Compare parts with their state in a merged model, and write the `edit` entries that lead from one to the other."""
+"""Compare parts with their state in a merged model, and write the `edit` entries that turn one into the other."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ class Comparison:
         return elements.differing(one, other, before.kind, prefix=each.prefix)
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
-        """Return whether MuJoCo compiles the two to the same."""
+        """Return whether MuJoCo compiles both to the same result."""
         part, likeness = self.parts[each.part], self.likeness.get(id(each), elements.Likeness())
         of_body = before.tag == after.tag == "inertial"
         here, there = (parent_body(node) if of_body else node for node in (before, after))
@@ -197,7 +197,7 @@ class Comparison:
         return likeness.counts.get(kind) == counts and (one[1], other[1]) in likeness.same.get(kind, ())
 
     def changed(self) -> None:
-        """Write the entries for all differences; one for a class if all values that it sets changed alike."""
+        """Write the entries for all differences; one entry for a class if all values that it sets changed alike."""
         groups: dict[tuple[int, str, str, str], list[Pair]] = {}
         different = {name for pair in self.pairs for name in pair.changes}
         for pair in self.pairs:
@@ -319,7 +319,7 @@ class Comparison:
         return [*self.beside(here, each), *(elements.flow({tag: '"**"', **where}) for tag in tags)]
 
     def beside(self, here: Node, each: Instance) -> list[str]:
-        """Compare the bodies without a name next to the part's root; return selectors of those to drop."""
+        """Compare the bodies without a name next to the part's root; return selectors of the bodies to drop."""
         around = each.body.getparent()
         one, other = (_unnamed(holder, "body") for holder in (here, each.body if around is None else around))
         other = [item for item in other if item.node not in self.covered]
@@ -340,7 +340,7 @@ class Comparison:
         return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
 
     def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
-        """Return the new parent of a body of a part, if it has another one."""
+        """Return the new parent of a body of a part, if it changed."""
         if item.kind.tag != "body" or item.node is each.root:
             return {}
         before, after = parent_body(item.node), parent_body(there.node)
@@ -373,7 +373,7 @@ class Comparison:
                 yield name, attribute, str(item.node.get(name))
 
     def name(self, attribute: Attribute, value: str) -> str:
-        """Return a value with its names as in the recipe."""
+        """Return a value with the names that the recipe uses."""
         if not attribute.is_reference or attribute.refers is None:
             return value
         return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())

@@ -1,4 +1,4 @@
-"""The elements of a model by kind and name, and which of them mean the same.
+"""The elements of a model by kind and name, and the pairs of them with the same meaning.
 
 A merged model may write the same thing differently: in radians, with six digits, with `pos` and `quat` for
 `fromto`, with a class instead of an attribute. Comparing compiled models limits edits to differences in meaning.
@@ -43,7 +43,7 @@ def nested(values: dict[str, object]) -> str:
 
 
 def numbers(values: tuple[float, ...]) -> str:
-    """Return numbers with twelve digits if that is all except rounding, and with all digits otherwise.
+    """Return numbers with twelve digits if only rounding errors follow, and with all digits otherwise.
 
     >>> numbers((0.1 + 0.2, 1e-17, 0.943714364147489))
     '[0.3, 0, 0.943714364147489]'
@@ -93,7 +93,7 @@ def effective(item: Item, unit: Unit) -> dict[str, str]:
 
 
 def differing(one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str) -> dict[str, str | None]:
-    """Return the values of `other` that `one` lacks; None for those that only `one` has.
+    """Return the values of `other` that `one` lacks, with None for values that only `one` has.
 
     A name in `one` equals the same name with `prefix` before it in `other`.
     """
@@ -152,7 +152,7 @@ CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
 
 
 class Entry(Struct, frozen=False):
-    """One entry of a section of the recipe; `note` says why it is only a comment.
+    """One entry of a section of the recipe; `note` is the reason if it is only a comment.
 
     Entries are in groups within a section, ordered by `rank`: removals by number come last.
     """
@@ -165,7 +165,7 @@ class Entry(Struct, frozen=False):
 
 
 class Pair(Struct):
-    """An element of a part and how it differs in the merged model; `select` is its selector in the recipe."""
+    """An element of a part and its differences in the merged model; `select` is its selector in the recipe."""
 
     select: str
     item: Item
@@ -175,7 +175,7 @@ class Pair(Struct):
 
 
 class Changed(Struct):
-    """An attribute with another value in the merged model than in the parts.
+    """An attribute whose value differs between the merged model and the parts.
 
     `kind` and `name` describe the element, or the class if `count` elements get the value from it. `before`
     and `after` are the written values, None if there is none.
@@ -272,7 +272,7 @@ _MASSES = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat"})
 class Likeness(Struct):
     """By kind, the pairs of elements of the part and the merged model that are the same except for rounding.
 
-    Elements are numbered as in MuJoCo; `counts` has, by kind, how many the two models have.
+    Elements have MuJoCo's numbers; `counts` has the counts in both models, by kind.
     """
 
     same: Mapping[str, frozenset[tuple[int, int]]] = field(default_factory=dict)
@@ -282,7 +282,7 @@ class Likeness(Struct):
 def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a `Likeness` as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
-    ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not just
+    ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for names that are not just
     prefixed, and the ``body`` that the part is attached to.
     """
     tables, mount = (NameTable(alone), NameTable(merged)), Mount(given["body"], None)

@@ -61,7 +61,8 @@ def propose(
 ) -> Proposal:  # fmt: skip
     """Return the recipe that makes `merged` from `parts`, which `references` name; `relative` writes file paths.
 
-    `likeness` returns which elements of a part compile to the same; without it, any difference in writing counts.
+    `likeness` returns the elements of a part that compile to the same result; without it, any difference in writing
+    counts.
     """
     return _Proposer(merged, parts, references, relative=relative, likeness=likeness).proposal()
 
@@ -133,7 +134,7 @@ class _Proposer(Comparison):
         ]  # fmt: skip
 
     def rename(self) -> dict[str, dict[str, str]]:
-        """Rename elements with another name in the merged model; return the names that only verification renames."""
+        """Rename elements whose names differ in the merged model; return the names that only verification renames."""
         kept: dict[str, dict[str, str]] = defaultdict(dict)
         changed = [(namespace, name, new) for (namespace, name), new in self.names.items() if name != new]
         order = list(dict.fromkeys(namespace for namespace, _, _ in changed))

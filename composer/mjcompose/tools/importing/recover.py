@@ -1,4 +1,4 @@
-"""A recipe is recovered, built, and compared with the merged model."""
+"""Recover a recipe, build it, and compare it with the merged model."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MERGED = "merged"
 
 
 class Outcome(Struct):
-    """How the recipe's model, B, differs from the merged one, A, with the recipe's names.
+    """The differences of the recipe's model, B, from the merged model, A, with the recipe's names.
 
     `rounded` are numbers that are equal to six digits only: MuJoCo writes six when it saves a model.
     """
@@ -199,7 +199,7 @@ class _Recovery:
         return found
 
     def likeness(self, each: Instance, names: elements.Names) -> elements.Likeness:
-        """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
+        """Return the equal elements of the part and the merged model; empty if MuJoCo rejects one of them."""
         if self.refused is not None:
             return elements.Likeness()
         name = f"part {each.part}"
@@ -216,7 +216,7 @@ class _Recovery:
         return elements.likeness_of(answer.value) if answer.ok else elements.Likeness()
 
     def outcome(self, proposal: Proposal, bundle: Bundle | None) -> Outcome | None:
-        """Return how the model built last differs from the merged one, or None if they cannot be compared."""
+        """Return the differences of the last built model from the merged model, or None if they cannot be compared."""
         if bundle is None or self.refused is not None:
             return None
         given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
@@ -294,7 +294,7 @@ def _has_name(key: Change) -> bool:
 def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[elements.Entry]:
     """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
 
-    No part has anything for the keys in `missing`.
+    No part has numbers for the keys in `missing`.
     """
     rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
     for each in changes:

@@ -30,7 +30,7 @@ T = TypeVar("T")
 def paired(one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]) -> Iterator[tuple[T, T | None]]:
     """Yield every element of `one` with its counterpart in `other`, or None if it has none.
 
-    Equal elements are paired in order, and the elements between them first to first. If that leaves an element of
+    Equal elements are paired in order, and the elements between them by position. If that leaves an element of
     `other` without a partner, all elements are paired by position, because additions come at the end.
 
     >>> list(paired("abcd", "axd", str.__eq__)), list(paired("ab", "axb", str.__eq__))
@@ -76,7 +76,7 @@ class Instance(Struct, frozen=False):
     """A part at its place in the merged model.
 
     `prefix` starts the part's names there. `key` and `out` are the prefix in the recipe, without and with its
-    separator; they differ from `prefix` if a recipe cannot use that one.
+    separator; they differ from `prefix` if a recipe cannot use it.
     """
 
     part: int
@@ -131,7 +131,7 @@ def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> 
 
 
 def parent_body(body: Node) -> Node | None:
-    """Return the body around, ignoring frames; None for the world."""
+    """Return the body around this one, ignoring frames; None for the world."""
     parent = next(body.iterancestors("body", "worldbody"), None)
     return parent if parent is not None and parent.tag == "body" else None
 
@@ -239,7 +239,6 @@ def _candidates(folders: Iterable[Path], context: Context) -> Iterator[Candidate
 
 
 def _of_menagerie(context: Context) -> Iterator[Candidate]:
-    """Yield the models of Menagerie robots that are on this machine."""
     if find_spec("mujoco_menagerie") is None:
         return
     import mujoco_menagerie

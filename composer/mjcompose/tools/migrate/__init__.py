@@ -1,1 +1,1 @@
-"""From one version of MuJoCo to another."""
+"""Migrate models from one version of MuJoCo to another."""

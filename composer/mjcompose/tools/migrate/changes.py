@@ -30,7 +30,7 @@ def rename(places: str, names: dict[str, str], words: dict[str, str] | None = No
             if value is None:
                 continue
             if words is not None and value not in words:
-                message = f'MuJoCo {editing.after} has no word for `{old}="{value}"` of {called(node)}'
+                message = f'MuJoCo {editing.after} has no equivalent of `{old}="{value}"` of {called(node)}'
                 editing.refuse(node, message, attribute=old)
             elif node.get(new) is not None:
                 editing.unset(node, old)  # MuJoCo prefers the new name
@@ -123,7 +123,7 @@ def _headlight_back(editing: Editing) -> None:
 
 
 def _dampratio(editing: Editing) -> None:
-    """Write the damping that the earlier version computed; it is known only from that MuJoCo."""
+    """Write the damping that the earlier version computed; only that version of MuJoCo can compute it."""
     measured = editing.values.get("kv")
     for node in editing.root.iterfind("actuator/*"):
         ratio = editing.value(node, "dampratio")
@@ -214,7 +214,7 @@ TABLE: tuple[Change, ...] = (
     Change("ccd-iterations", "3.3.7", keep_default("option/ccd_iterations", "50", "35"),
            arrays=("opt.ccd_iterations",)),
     Change("fit-to-box", "3.3.7", advise(
-        "body/geom", "MuJoCo fits {called} to the box of its mesh in another way since 3.3.7",
+        "body/geom", "MuJoCo fits {called} to the box of its mesh differently since 3.3.7",
         "write its size and place", matches=_is_fitted_to_box),
         arrays=("geom_size", "geom_pos", "geom_quat", "body_mass", "body_inertia")),
     Change("margins", "3.5.0", (rules.larger_of_two, rules.sum_of_two), arrays=("contact_margin", "contact_gap")),
@@ -240,7 +240,7 @@ TABLE: tuple[Change, ...] = (
         "forward: `pos` for `position`, `vel` for `velocity`, gains times K/R, and K²/R more of kd",
         matches=_has_motor_inputs), since="3.7.0"),
     Change("mocap-bodies", "3.12.0", advise(
-        "body", "{called} collides with static geoms and its children in another way since MuJoCo 3.12",
+        "body", "{called} collides differently with static geoms and its children since MuJoCo 3.12",
         "exclude the pairs that must not collide", matches=_is_mocap_with_geoms), arrays=("body_weldid",)),
     Change("flex-integration", "3.13.0", (rules.implicit_flexes, None)),
     Change("tendon-forces", "3.14.0", (rules.limits_that_were_ignored, rules.limits_in_effect),
@@ -264,12 +264,12 @@ TABLE: tuple[Change, ...] = (
            arrays=("flex_stiffness", "flex_bending"), since="3.3.3"),
     Change("flexes-in-frames", "4.0.0", advise(
         "body/flexcomp", "the frame around {called} moves it since MuJoCo 4.0, and did not before",
-        "write it outside of the `<frame>`", matches=rules.is_in_a_moving_frame),
+        "write it outside the `<frame>`", matches=rules.is_in_a_moving_frame),
         arrays=("flex_vert", "body_pos", "flex_vert0"), since="3.1.0"),
     Change("headlight", "4.0.0", (keep_default("visual/headlight/active", "1", "auto")[0], _headlight_back),
            arrays=("vis.headlight.active",)),
     Change("side-sites", "4.0.0", advise(
-        "tendon/spatial/geom", "the tendon of {called} finds its side of the geom in another way since MuJoCo 4.0",
+        "tendon/spatial/geom", "the tendon of {called} determines its side of the geom differently since MuJoCo 4.0",
         "put the side site near the middle of the arc", matches=lambda editing, node: node.get("sidesite") is not None),
         arrays=("tendon_length0",)),
     Change("runge-kutta", "4.0.0", advise(
@@ -279,7 +279,7 @@ ORDERED = tuple(sorted(TABLE, key=lambda change: version_key(change.version)))
 
 
 def between(before: str, after: str) -> Iterator[tuple[Change, Act | None]]:
-    """Yield the changes between two versions with their acts, in the order in which they are carried out."""
+    """Yield the changes between two versions with their edits, in the order in which they are made."""
     is_back = later(before, after)
     low, high = sorted(map(version_key, (before, after)))
     for change in reversed(ORDERED) if is_back else ORDERED:

@@ -22,7 +22,7 @@ FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": Tr
 Array = np.ndarray[Any, Any]
 
 TOLERANCE = 1e-6
-"""Relative to the largest number of a row: meshes are in single precision, and versions add up in another order."""
+"""Relative to the largest number of a row: meshes are in single precision, and versions add in different orders."""
 _SMALL = 1e-8
 _SURFACE = 1e-4
 _SUMS, _GAPS = "3.5.0", "3.9.0"
@@ -42,7 +42,7 @@ _ALIASES = {
 
 
 class Difference(Struct):
-    """A difference in one array; `element` is the first element that differs, `count` the number of such elements."""
+    """A difference in one array; `element` is the first one that differs, and `count` is their number."""
 
     array: str
     element: str
@@ -183,7 +183,7 @@ def _matrices(quats: Array) -> Array:
 
 
 def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
-    """Compare margins of contacts if only one version has the sum of both geoms, and the other the larger."""
+    """Compare margins of contacts if one version uses the sum of both geoms' margins and the other the larger one."""
     is_same_rule = later(_SUMS, one.version) == later(_SUMS, two.version)
     if is_same_rule or len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
         return
@@ -199,7 +199,7 @@ def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
 
 
 def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
-    """Treat meshes with other triangles as equal if their surface is equal."""
+    """Treat meshes with different triangles as equal if their surface is equal."""
     x, y = one.arrays["mesh_face"], two.arrays["mesh_face"]
     starts, others = one.arrays["mesh_faceadr"], two.arrays["mesh_faceadr"]
     if len(starts) != len(others):
@@ -224,7 +224,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
 def _settle_marks(one: _Side, two: _Side) -> None:
     """Treat random marks of a texture as equal if their number and the other pixels agree.
 
-    MuJoCo 3.2 draws them with another generator than 3.1.
+    MuJoCo 3.2 draws them with a different generator from 3.1.
     """
     marks = one.words.get("marks", ())
     if not any(marks) or list(marks) != list(two.words.get("marks", ())):
@@ -244,7 +244,7 @@ def _settle_marks(one: _Side, two: _Side) -> None:
 
 
 def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
-    """Return whether all geoms with a mesh look alike in their bodies: a mesh may move, and its geoms against it."""
+    """Return whether all geoms with a mesh look alike in their bodies: a mesh may move if its geoms compensate."""
     geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
     if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):
         return False
@@ -261,7 +261,6 @@ def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
 
 
 def _same_surface(x: Array, y: Array) -> bool:
-    """Return whether two surfaces have the same box, area, volume and center."""
     if not x.size or not y.size:
         return False
     one, two = (_measures(each.reshape(-1, 3, 3)) for each in (x, y))
@@ -298,7 +297,7 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
 
 
 def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
-    """Return names with the number of earlier elements of that name: several may have none."""
+    """Return names with the number of earlier elements of the same name, because several may be unnamed."""
     return [(name, names[:at].count(name)) for at, name in enumerate(names)]
 
 

@@ -32,7 +32,7 @@ def later(version: str, than: str) -> bool:
 
 
 class MarkupError(Exception):
-    """The text has another form than the tree that was read from it."""
+    """The form of the text differs from the tree that was read from it."""
 
 
 class _Written(Struct, frozen=False):
@@ -204,9 +204,9 @@ Act: TypeAlias = "Callable[[Editing], None]"
 
 
 class Change(Struct):
-    """`version` is the first version with the new behavior, `since` the first version with the old behavior.
+    """`version` is the first version with the new behavior, and `since` is the first version with the old behavior.
 
-    `acts` edit a model to mean the same: forward from an earlier version, and backward to an earlier version.
+    `acts` edit a model so it keeps its meaning: forward from an earlier version, and backward to an earlier version.
     `arrays` are the fields of `mjModel` that show the change; without any, only a simulation shows it.
     """
 
@@ -218,9 +218,9 @@ class Change(Struct):
 
 
 class Editing(Struct, frozen=False):
-    """`before` and `after` are the versions from which and to which the model goes.
+    """`before` and `after` are the versions of the model before and after the migration.
 
-    `whole` are the model and those that it attaches, each with its own tree; a model alone is the whole.
+    `whole` has the model and the models that it attaches, each with its own tree; it may be only the model itself.
     """
 
     unit: Unit
@@ -304,7 +304,7 @@ class Editing(Struct, frozen=False):
             self.renamed.get(node, {}).pop(attribute, None)
 
     def rename(self, node: Node, attribute: str, new: str, value: str | None = None) -> None:
-        """Rename an attribute in its place, perhaps with another value."""
+        """Rename an attribute in place, optionally with a new value."""
         old = str(node.get(attribute))
         value = old if value is None else value
         self.note(node, f'replaced `{attribute}="{old}"` with `{new}="{value}"` at {called(node)}', attribute)
@@ -340,7 +340,7 @@ class Editing(Struct, frozen=False):
         self, node: Node | None, message: str, help: str | None = None, attribute: str | None = None,
         arrays: tuple[str, ...] | None = None,
     ) -> None:  # fmt: skip
-        """Report something that changes its meaning."""
+        """Report an element or attribute whose meaning changes."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)
         self.meanings.append(Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays))
@@ -381,7 +381,7 @@ class Pieces(Struct, frozen=False):
         return found
 
     def _read(self, unit: Unit, above: tuple[str, ...]) -> Piece:
-        """`above` are the files that lead to it, and its own: MuJoCo 4.0 crashes if a model attaches itself."""
+        """`above` are the files that lead to it, and its own, because MuJoCo 4.0 crashes if a model attaches itself."""
         piece = Piece(unit)
         self.every.append(piece)
         for element in unit.root.iterfind("asset/model"):
@@ -410,7 +410,7 @@ class Pieces(Struct, frozen=False):
     def measured(self, piece: Piece, values: Mapping[str, object]) -> dict[str, object]:
         """Return the measured values by the names that a piece has for its own actuators.
 
-        An actuator that is attached several times has a value if all copies have the same.
+        An actuator that is attached several times has a value if all copies have the same value.
         """
         kv = values.get("kv")
         if piece is self.every[0] or not isinstance(kv, dict):

@@ -41,7 +41,7 @@ def _own() -> str | None:
 
 
 def installed() -> str:
-    """The release that is installed here, or the last one that the table knows."""
+    """The release that is installed here, or the last release that the table knows."""
     own = _own()
     return (own and release(".".join(map(str, version_key(own))))) or RELEASED[-1]
 
@@ -148,7 +148,7 @@ def migrate(
             mark = _MARK if data.startswith(_MARK) else b""
             new = mark + text.encode("utf-8", "surrogateescape")
             if result.files.setdefault(path, (data, new))[1] != new:
-                message = f"two of these models include `{context.shown(path)}`, and each needs another text of it"
+                message = f"two of these models include `{context.shown(path)}`, and each needs a version of its own"
                 context.sink.error("migrate-cannot", message, help="make a copy for one of the models")
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
@@ -216,7 +216,7 @@ _OF_THE_ENGINE = frozenset(
 
 
 def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]]:
-    """Return the files of a unit with their nodes; report a text with another form than the tree."""
+    """Return the files of a unit with their nodes; report a text whose form differs from the tree."""
     nodes: dict[str, list[Node]] = defaultdict(list)
     for node in unit.root.iter("*"):
         nodes[str(unit.origins.owner(node, unit.file))].append(node)
@@ -250,14 +250,13 @@ def _cannot_edit(path: Path, context: Context) -> None:
 
 
 def _assets(unit: Unit) -> Iterator[Path]:
-    """Yield the files that the model reads in addition to its XML."""
     names = [written_path(unit.settings, element, name) for element, _, name in file_attributes(unit.root)]
     models = (element.get("file") for element in unit.root.iterfind("asset/model"))
     yield from (Path(join(str(unit.directory), str(name))) for name in (*names, *filter(None, models)))
 
 
 class Proof(Struct, frozen=False):
-    """`before` and `after` are the compiled models, None without that MuJoCo."""
+    """`before` and `after` are the compiled models, or None without that version of MuJoCo."""
 
     before: Compiled | None = None
     after: Compiled | None = None
@@ -335,7 +334,7 @@ _FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
 
 
 class Wish(Struct):
-    """The request. `pythons` have other MuJoCos; `proves` installs the missing ones."""
+    """The request. `pythons` have other versions of MuJoCo; `proves` installs missing versions."""
 
     model: str
     before: str | None = None
@@ -390,14 +389,14 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
 
 
 def opened(pythons: Iterable[Path], context: Context) -> dict[str, Other]:
-    """Return the MuJoCos of Pythons that the user names, by version. Raises OtherError, and OSError."""
+    """Return the versions of MuJoCo in the Pythons that the user names, by version. Raises OtherError, and OSError."""
     return {each.version: each for each in (open_python(context.folder / path) for path in pythons)}
 
 
 def install(
     versions: Iterable[str], others: dict[str, Other], context: Context, progress: Callable[[str], None]
 ) -> None:
-    """Add the MuJoCo of this Python to `others`, and those of versions, installed if needed. Raises OtherError."""
+    """Add the MuJoCo of this Python to `others`, and other versions, which it installs if needed. Raises OtherError."""
     others.setdefault(installed(), Other(this_python(), installed()))
     offline = context.fetching is not None and context.fetching.offline
     for each in versions:

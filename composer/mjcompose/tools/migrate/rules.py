@@ -1,4 +1,4 @@
-"""The edits of single changes that need more than a row of the table."""
+"""The edits for changes that need more than a row of the table."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def inertia_of_all(editing: Editing) -> None:
 
 
 def shells_of_meshes(editing: Editing) -> None:
-    """Since 3.3 a mesh says whether its mass is on its surface; before, each of its geoms did."""
+    """Since 3.3, a mesh specifies whether its mass is on its surface; before, each geom specified it."""
     wanted: dict[str, list[tuple[Node, bool]]] = {}
     for node in editing.at("body/geom"):
         if (mesh := _mesh_of(editing, node)) is not None:
@@ -204,7 +204,7 @@ def _quats_beside(editing: Editing) -> Iterator[tuple[Node, str]]:
 
 
 def quats_that_were_ignored(editing: Editing) -> None:
-    """Before 3.16 an orientation of a class in another form won over the `quat` of an element."""
+    """Before 3.16, an orientation of a class in another form had priority over the `quat` of an element."""
     for node, _ in _quats_beside(editing):
         editing.unset(node, "quat")
 
@@ -216,7 +216,7 @@ def quats_that_are_read(editing: Editing) -> None:
 
 
 def _limit_tendons(editing: Editing, value: str) -> None:
-    """Before 3.14 a tendon's `actuatorfrcrange` did nothing without `actuatorfrclimited`."""
+    """Before 3.14, a tendon's `actuatorfrcrange` had no effect without `actuatorfrclimited`."""
     for node in editing.at("tendon/spatial", "tendon/fixed"):
         has_range = editing.value(node, "actuatorfrcrange") if value == "true" else node.get("actuatorfrcrange")
         if has_range is not None and node.get("actuatorfrclimited") is None:
@@ -228,7 +228,7 @@ limits_in_effect = partial(_limit_tendons, value="true")
 
 
 def limited_by_hand(editing: Editing) -> None:
-    """Before 3.11 an `<intvelocity>` was always limited, even if `autolimits` is off."""
+    """Before 3.11, an `<intvelocity>` was always limited, even with `autolimits` off."""
     if all(node.get("autolimits") != "false" for node in editing.at("compiler")):
         return
     for node in editing.at("actuator/intvelocity"):
@@ -282,7 +282,7 @@ def _materials(editing: Editing) -> Iterator[tuple[Node, str, float, float, floa
 
 
 def elastic_constants(editing: Editing) -> None:
-    """Before 4.0 flexes were softer than `young` and `poisson` say: write the numbers with the same stiffness."""
+    """Before 4.0, flexes were softer than `young` and `poisson` specify: write numbers that give the same stiffness."""
     for node, form, young, nu, thickness in _materials(editing):
         if form == "solid":
             new = 2 * nu / (1 + 2 * nu)
@@ -323,7 +323,7 @@ def _write(editing: Editing, node: Node, **numbers: float) -> None:
 
 
 def implicit_flexes(editing: Editing) -> None:
-    """3.11 and 3.12 integrated flexes implicitly with the solver CG; since 3.13 the integrator `discrete` does it."""
+    """3.11 and 3.12 integrated flexes implicitly with the solver CG; since 3.13, the integrator `discrete` does."""
     options = {name: node for name in ("integrator", "solver") for node in editing.at("option") if node.get(name)}
     holder = options.get("integrator")
     integrator = None if holder is None else holder.get("integrator")
@@ -338,7 +338,7 @@ def implicit_flexes(editing: Editing) -> None:
 
 
 def shortcut_of_another(editing: Editing) -> None:
-    """Before 3.16 the gains that a class gives to one kind of actuator reached other kinds."""
+    """Before 3.16, the gains that a class gives to one kind of actuator also applied to other kinds."""
     for node in editing.root.iterfind("actuator/*"):
         force: DefaultClass | None = editing.unit.classes.get(str(node.get("class") or "main"))
         others = [tag for tag in _SHORTCUTS if tag != node.tag]

@@ -15,7 +15,7 @@ from mjcompose.tools.migrate.editing import Meaning, Step
 
 
 class Request(Struct):
-    """A model and two versions of MuJoCo; `pythons` have some of them."""
+    """A model and two versions of MuJoCo; `pythons` have some of these versions."""
 
     model: str
     before: str
@@ -27,10 +27,10 @@ class Request(Struct):
 
 
 class Caused(Struct):
-    """A joint or body that moves differently, and the edits that would undo it: most of it is gone with them.
+    """A joint or body that moves differently, and the edits that would undo it: they remove most of the difference.
 
     Without `steps`, no edit avoids the difference. Then `suspects` are the meanings that no edit keeps. If there are
-    none, solvers or colliders compute in another way.
+    none, solvers or colliders compute differently.
     """
 
     moved: Moved
@@ -104,7 +104,7 @@ class _Trials:
         return Motion.of(self.others[version], model, self.folder / f"{self.count}.npz", asked=asked)
 
     def causes(self, start: Motion, moved: Sequence[Moved], before: str, after: str) -> Iterator[Caused]:
-        """Yield each difference with its cause: each change of MuJoCo is undone alone in the model, and simulated."""
+        """Yield each difference with its cause: it undoes each change of MuJoCo alone, and simulates the model."""
         whole = self._migrated(before, after, ())
         steps = () if whole is None else whole.steps
         names = list(dict.fromkeys(step.change for step in steps))

@@ -1,4 +1,4 @@
-"""MuJoCo opens recipes: decoders and providers that MuJoCo 4 calls, in this process.
+"""Let MuJoCo open recipes: decoders and providers that MuJoCo 4 calls, in this process.
 
 The decoder is also a library in MuJoCo's plugin folder, for programs without Python and for `import mujoco` alone.
 
@@ -118,7 +118,6 @@ def is_registered() -> bool:
 
 
 def _has_plugin(folder: Path) -> bool:
-    """Return whether this process has loaded the library of `mjcompose plugin install`."""
     if sys.platform != "linux":
         return False
     with contextlib.suppress(OSError):
@@ -132,7 +131,6 @@ def _error(message: str, help: str) -> MjcomposeError:
 
 
 def _library(folder: Path) -> Any:
-    """Return the library that the `mujoco` package has loaded."""
     names = ("libmujoco.so.*", "libmujoco.*.dylib", "mujoco.dll")
     [path, *_] = [path for name in names for path in glob.glob(str(folder / name))]
     library = ctypes.CDLL(path)
@@ -195,7 +193,7 @@ def _on_interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _postpone() -> None:
-    """Send the interrupt again, until it arrives outside of callbacks."""
+    """Send the interrupt again, until it arrives outside callbacks."""
     if not _interrupted.is_set():
         _interrupted.set()
         threading.Thread(target=_send_again, daemon=True).start()
@@ -250,7 +248,7 @@ def _decoder(library: Any) -> _Decoder:
 
 
 def _write(place: int, size: int, reason: str) -> None:
-    """Write a text into a buffer of MuJoCo, shortened by whole characters of UTF-8."""
+    """Write a text into a buffer of MuJoCo, shortened at a character of UTF-8."""
     content = reason.encode(errors="replace")
     if len(content) >= size:
         content = content[: max(0, size - 4)].decode(errors="ignore").encode() + "…".encode()
@@ -268,7 +266,7 @@ def _provider(scheme: str) -> _Provider:
         root = os.path.realpath(folders[owner])
         path = os.path.realpath(os.path.join(root, inner))
         if not path.startswith(os.path.join(root, "")):
-            raise PermissionError(f"`{name}` is outside of `{owner}`")
+            raise PermissionError(f"`{name}` is outside `{owner}`")
         return Path(path)
 
     def state(path: Path) -> bytes:
@@ -299,7 +297,6 @@ def _provider(scheme: str) -> _Provider:
 
 
 def _folder(scheme: str, owner: str) -> Path:
-    """Return the folder of a robot or a package. Raises SourceError."""
     if scheme == "package":
         if found := packages.folders(owner):
             return found[0]

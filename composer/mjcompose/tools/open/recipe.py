@@ -1,6 +1,6 @@
 """A recipe as a model in this process: built without files, except generated assets in the cache.
 
-`python -m mjcompose.tools.open.recipe RECIPE` prints the MJCF for MuJoCo's decoder in C, or the reason why there is
+`python -m mjcompose.tools.open.recipe RECIPE` prints the MJCF for MuJoCo's decoder in C, or the reason that there is
 none; the exit code says which.
 """
 
@@ -59,9 +59,9 @@ def spec(
         spec.worldbody.add_light(pos=[0, 0, 3])
         model = spec.compile()
 
-    `values` are the values of the recipe's parameters and variants, `cell` the name of a cell of its matrix, `sample`
-    the number of a sample of `randomize`. With `verified`, MuJoCo compiles the model in a process of its own first,
-    and the recipe's checks run. A recipe whose files have not changed is not built again.
+    `values` are the values of the recipe's parameters and variants, `cell` is the name of a cell of its matrix, and
+    `sample` is the number of a sample of `randomize`. With `verified`, MuJoCo compiles the model in a process of its
+    own first, and the recipe's checks run. A recipe whose files have not changed is not built again.
 
     Raises BuildError, and warns with RecipeWarning.
     """
@@ -133,7 +133,7 @@ def text_of(
 
 
 def files_of(recipe: str | PathLike[str]) -> tuple[str, ...]:
-    """Return the files that a recipe depends on, to watch them: all that its models in this process were built from.
+    """Return the files that a recipe depends on, to watch them: all inputs of its models in this process.
 
     It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it.
     """
@@ -192,8 +192,8 @@ def request_for(
 def _text(built: Built, context: Context) -> tuple[str, list[str]]:
     """Return the model's text, and the generated files that it names.
 
-    Assets are named where they are, so MuJoCo's cache of meshes, which goes by name and time, has them already.
-    Generated ones go to the store, by their hash.
+    Assets keep their paths, so MuJoCo's cache of meshes, which uses path and time, has them already. Generated assets
+    go to the store, by their hash.
     """
     folder = Store.of(context.environment).folder / "opened"
     root = built.composed.model.root

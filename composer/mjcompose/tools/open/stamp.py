@@ -1,4 +1,4 @@
-"""The record of a model in a data set, and the same model again from that record."""
+"""The record of a model in a data set, and rebuilding the model from that record."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def marks(files: Iterable[Path]) -> dict[Path, Mark]:
 
 
 def hopes(context: Context) -> Iterator[Path]:
-    """Yield files that may fix a fault although they were not read: those that recipes name, and those with faults."""
+    """Yield files that may fix a fault although they were not read: files that recipes name, and files with faults."""
     for recipe, read in context.recipes.items():
         yield context.folder / recipe
         if read.node is not None:
@@ -48,7 +48,7 @@ def hopes(context: Context) -> Iterator[Path]:
 class Watch:
     """Waits for changes, with `watchfiles` if it is installed, and otherwise by polling.
 
-    It watches folders and not files, because many editors replace a file by renaming.
+    It watches folders instead of files, because many editors replace a file by renaming.
     """
 
     def __init__(self, stop: Event) -> None:
@@ -101,9 +101,9 @@ class Shown(Struct, frozen=False):
 class Workshop:
     """Builds the models that the page shows.
 
-    `open` returns a new context for each build, `words` the terminal's text for its faults. A build takes `lock` while
-    the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole. If it `writes`, the page
-    gets a table of movable things.
+    `open` returns a new context for each build, and `words` returns the terminal's text for its faults. A build takes
+    `lock` while the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole. If it `writes`,
+    the page gets a table of movable elements.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class Workshop:
         return True
 
     def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:
-        """Watch the inputs of the model; after a fault also the previous ones, which may fix it."""
+        """Watch the inputs of the model and, after a fault, also the previous inputs, which may fix it."""
         files = {context.folder / self.target, *hopes(context)}
         files |= self.inputs if side is None else {context.folder / path for path in side.inputs}
         if operand is not None:
@@ -195,7 +195,7 @@ State = dict[str, Any]
 def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
     """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
 
-    The answer says why if it `stopped`. Missing values come from the keyframe ``key``, or from the reference
+    If it `stopped`, the answer has the reason. Missing values come from the keyframe ``key``, or from the reference
     configuration. Runs under `mjcompose.mujoco.engine.call`.
     """
     data = mujoco.MjData(model)
@@ -227,7 +227,7 @@ class Physics:
         self._thread.start()
 
     def play(self, playing: bool, state: State, stopped: str | None = None) -> None:
-        """Start from a state of the page, or pause; `stopped` says why the simulation cannot go on."""
+        """Start from a state of the page, or pause; `stopped` is the reason that the simulation cannot continue."""
         with self._lock:
             if playing:
                 self._state, self._version = dict(state), self.workshop.shown.version
@@ -237,7 +237,7 @@ class Physics:
             self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
 
     def update(self, state: State) -> None:
-        """Change the controls, or the pull at a body until the next request; without points nothing pulls."""
+        """Change the controls, or the pull at a body until the next request; without points, nothing is pulled."""
         self._state = {**self._state, **state}
 
     def look(self, version: int, asked: State) -> None:

@@ -1,6 +1,6 @@
 """The text of a recipe that a page changes: only the characters of the new values, and nothing else.
 
-The offset of a part or an element is written in whichever form of orientation is there.
+The offset of a part or an element is written in the existing form of orientation.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MARK = b"\xef\xbb\xbf"
 
 
 class Refused(Exception):
-    """Why nothing is written; `more` is for the page."""
+    """The reason that nothing is written; `more` is for the page."""
 
     def __init__(self, message: str, **more: Any) -> None:
         super().__init__(message)
@@ -64,7 +64,7 @@ def short(value: float, digits: int) -> str:
 
 
 class Draft(Struct, frozen=False):
-    """A recipe, its tree, and the changes to be made. `wanted` is the meaning of its new text."""
+    """A recipe, its tree, and the changes to be made. `wanted` is the intended meaning of its new text."""
 
     file: str
     path: Path
@@ -83,7 +83,7 @@ class Draft(Struct, frozen=False):
         return cls(file, path, raw, text=raw.decode("utf-8-sig"), tree=tree, wanted=to_python(tree))
 
     def set(self, path: Steps, value: Any, *changes: Change) -> None:
-        """Note the changes by which the value at a path becomes another."""
+        """Note the changes that replace the value at a path."""
         self.changes += changes
         self._holder(path)[path[-1]] = value
 
@@ -101,7 +101,7 @@ class Draft(Struct, frozen=False):
         return holder
 
     def write(self, path: Steps, value: Written) -> None:
-        """Write a value, with the keys that are missing on the way. A mapping is written only where nothing is."""
+        """Write a value, with the missing keys above it. A mapping is written only in an empty place."""
         found = next(depth for depth in range(len(path), -1, -1) if find(self.tree, path[:depth]) is not None)
         holder = find(self.tree, path[:found])
         if found == len(path) and isinstance(holder, Scalar) and isinstance(value, str):
@@ -127,7 +127,7 @@ class Draft(Struct, frozen=False):
         self.changes.append(change)
 
     def numbers(self, path: Steps, texts: list[str]) -> None:
-        """Write a list of numbers; those that stay keep their text."""
+        """Write a list of numbers; unchanged numbers keep their text."""
         node, whole = find(self.tree, path), f"[{', '.join(texts)}]"
         if node is None:
             self.write(path, whole)
@@ -147,7 +147,7 @@ class Draft(Struct, frozen=False):
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
-        """Return the new text. Refuses a text with another meaning."""
+        """Return the new text. It refuses a text with a different meaning."""
         end = "\r\n" if "\r\n" in self.text else "\n"
         text = yaml_tree.changed(self.text, [Change(each.span, each.text.replace("\n", end)) for each in self.changes])
         tree: Node | None = load(text, self.file, sink := Sink())
@@ -196,7 +196,7 @@ class Offset:
 
     @property
     def computed(self) -> list[tuple[str, str]]:
-        """The keys that have an expression, each with it."""
+        """The keys that have an expression, each with its expression."""
         keys = [key for key in ("pos", self.form) if key is not None and key in self.mapping.entries]
         found = ((key, each.node) for key in keys for each in yaml_tree.walk(self.mapping.entries[key][1]))
         return [(key, node.text) for key, node in found if isinstance(node, Scalar) and is_template(node.text)]
@@ -207,7 +207,7 @@ class Offset:
         return Pose((x, y, z), IDENTITY_QUAT if self.form is None else self._quat(self.form, self._read(self.form)))
 
     def move(self, pose: Pose, *, anew: bool = False) -> list[str]:
-        """Write another pose and return its words; `anew` forgets which of several equal angles were written."""
+        """Write a new pose and return its words; `anew` forgets the written choice among equal angles."""
         before, written = self.pose, list[str]()
         texts = [short(each, _POS) for each in pose.pos]
         if texts != [short(each, _POS) for each in before.pos]:
@@ -221,7 +221,7 @@ class Offset:
             self.draft.numbers((*self.holder, self.form or form), texts)
             if self.form not in (None, form):
                 self.draft.rename((*self.holder, str(self.form)), form)
-                self.draft.notes.append(f"`{self.form}` cannot say this rotation: it is a `quat` now")
+                self.draft.notes.append(f"`{self.form}` cannot express this rotation: it is a `quat` now")
             written.append(f"{form}: [{', '.join(texts)}]")
         return written
 
@@ -234,7 +234,7 @@ class Offset:
         if not isinstance(node, Sequence) or len(values) < len(node.items):
             raise Refused(f"`{key}` is not a list of numbers")
         if len(values) != {"quat": 4, "axisangle": 4, "xyaxes": 6}.get(key, 3):
-            raise Refused(f"`{key}` does not have the right number of numbers")
+            raise Refused(f"`{key}` has the wrong length")
         return self._radians(key, values)
 
     def _radians(self, key: str, values: list[Any]) -> list[float]:
@@ -257,7 +257,7 @@ class Offset:
         return alone[form](values)
 
     def _texts(self, form: str, quat: Quat, old: list[float]) -> list[str]:
-        """Return the numbers of a rotation in a form; none if the form cannot say it."""
+        """Return the numbers of a rotation in a form; none if the form cannot express it."""
         values: Floats
         if form == "quat":
             sign = -1 if sum(a * b for a, b in zip(quat, old or quat, strict=True)) < 0 else 1

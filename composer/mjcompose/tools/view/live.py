@@ -22,7 +22,7 @@ _PATIENCE = 0.5
 
 
 class Service(Struct):
-    """The address for a page, whether a browser opens it, and whether the page may change recipes."""
+    """The address for a page, with flags for opening a browser and for changing recipes."""
 
     host: str = "127.0.0.1"
     port: int = 0

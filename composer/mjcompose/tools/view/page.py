@@ -77,7 +77,7 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
 
 
 class Names(Struct, frozen=False):
-    """Short unique names for files: the relative path below `folder`, else the shortest unique end of the path."""
+    """Short unique names for files: the relative path below `folder`, or else the shortest unique end of the path."""
 
     folder: Path
     _files: dict[str, str] = field(default_factory=dict)
@@ -152,7 +152,7 @@ class Origins:
         return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
-        """Return for each pair its place, words, and why it is excluded, or null: `exclude: auto` has a reason."""
+        """Return for each pair its place, its words, and the reason for its exclusion, or null."""
         why = {frozenset((each.one, each.other)): each.why for each in self.side.excluded if each.why}
         traced = self.side.traced
         nodes = () if traced is None else traced.model.root.iterfind("contact/exclude")
@@ -194,7 +194,7 @@ class Origins:
 
 
 class Description(Struct):
-    """A model as JSON for the page. `used` are the names of its blobs, `blobs` the bytes of the new ones."""
+    """A model as JSON for the page. `used` are the names of its blobs, and `blobs` has the bytes of new blobs."""
 
     title: str
     text: str
@@ -305,7 +305,7 @@ _LINE = 4096
 
 
 def alone(description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None) -> str:
-    """Return the page of one or two models, which share blobs; with the files of a bundle in `played` it has MuJoCo."""
+    """Return the page of one or two models, which share blobs; with files of a bundle in `played`, it has MuJoCo."""
     policy, body, programs = _ALONE, "", ["page.js"]
     for number, each in enumerate((description, *others)):
         new = [(name, each.blobs[name]) for name in each.used if name in each.blobs]
@@ -377,7 +377,7 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
 
 
 def _played(bundle: Bundle, session: Session) -> dict[str, bytes]:
-    """Return the files that MuJoCo reads, and no others, which reveal their origin; visual meshes are tiny."""
+    """Return only the files that MuJoCo reads, because others reveal their origin; visual meshes are tiny."""
     names = [name for name in bundle.files if name.startswith("assets/")]
     with scratch("physics") as folder:
         (source := folder / "in").mkdir()

@@ -61,10 +61,10 @@ class Format(StrEnum):
 class Wish(Struct):
     """The settings of a picture or film.
 
-    `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1. None keeps the model's own.
-    `key` and `camera` are names, None for the first keyframe and for a camera that shows the whole model, or only
-    `look`, the kind and name of an element. `labels` are kinds of elements whose names are shown. `play` are the
-    seconds of physics in a film, None for a film without physics.
+    `size` is the width and height in pixels, and `background` is RGB of 255 and an opacity of 0 or 1. None keeps the
+    model's own background. `key` and `camera` are names. Without a `key`, the picture shows the first keyframe; without
+    a `camera`, it shows the whole model, or the element `look`, given by kind and name. `labels` are kinds of elements
+    whose names are shown. `play` is the number of seconds of physics in a film, or None for a film without physics.
     """
 
     size: tuple[int, int] = (1920, 1440)
@@ -152,7 +152,7 @@ def render(
     kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = (),
     option: str = "-o",
 ) -> bool:  # fmt: skip
-    """Write a picture or film of a kept model, not over the files that were `read`; return False after an error."""
+    """Write a picture or film of a kept model, but never over a file that was `read`; return False after an error."""
     with suppress(_NotDrawn), context.sink:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out, option, inputs=read) as stage:
@@ -228,10 +228,11 @@ def render_sheet(
     operand: Operand, cells: Sequence[Cell], out: Path, wish: Wish, session: engine.Session, given: Given,
     tell: Callable[[str], None], jobs: int | None = None,
 ) -> int:  # fmt: skip
-    """Write one picture of all `cells`, each with its name below it; return how many are in it.
+    """Write one picture of all `cells`, each with its name below it; return their number.
 
-    Cells that cannot be built are left out, and their errors reported. If none is left, nothing is written. `tell` is
-    called with the name of each finished cell. `jobs` is the number of processes, by default as many as pay off.
+    Cells that cannot be built are left out, and their errors are reported. If none is left, nothing is written. `tell`
+    is called with the name of each finished cell. `jobs` is the number of processes; by default, it uses as many as pay
+    off.
     """
     context = operand.context
     tiles, read = list[str](), set[Path]()

@@ -1,4 +1,4 @@
-"""The server of a page, and who may talk to it."""
+"""The server of a page, and its access rules."""
 
 from __future__ import annotations
 
@@ -67,10 +67,10 @@ class Guard(Struct):
         return key if hmac.compare_digest(head.encode("utf-8", "surrogatepass"), own.encode()) else None
 
     def may_write(self, origins: Sequence[str], sites: Sequence[str]) -> bool:
-        """Return whether an answered request may change a recipe: it has to come from a page of this server itself.
+        """Return whether an answered request may change a recipe: it must come from a page of this server.
 
         `origins` has passed `key_of`; `sites` are the values of `Sec-Fetch-Site`, which a browser sends. Only a server
-        that nobody else can reach writes at all.
+        that nobody else can reach may write.
         """
         return self.writes and self.is_private and len(origins) == 1 and list(sites) in ([], ["same-origin"])
 
@@ -80,7 +80,6 @@ class Guard(Struct):
         return self.host == "localhost" or bool(self._ip and self._ip.is_loopback)
 
     def _is_everywhere(self) -> bool:
-        """Return whether the server listens on all addresses of this machine."""
         return not self.host or bool(self._ip and self._ip.is_unspecified)
 
     @property
@@ -115,7 +114,7 @@ class Page:
                 self._waiting.get_nowait()
 
     def messages(self) -> Iterator[bytes]:
-        """Yield the messages for the page, and now and then a comment, which reveals a page that is gone."""
+        """Yield the messages for the page, and now and then a comment, which reveals closed pages."""
         while True:
             try:
                 message = self._waiting.get(timeout=_BEAT_SECONDS)
@@ -176,7 +175,7 @@ _FILES = {"page.js": "text/javascript; charset=utf-8", "page.css": "text/css; ch
 
 
 class Server:
-    """Serves one workshop. `address` contains the token, without which nothing is answered."""
+    """Serves one workshop. `address` contains the token; requests without it get no answer."""
 
     def __init__(self, workshop: Workshop, host: str, port: int, writes: bool = False) -> None:
         self.workshop, self.hub, self.writer = workshop, Hub(), Writer(workshop)
@@ -272,7 +271,7 @@ class _Http(ThreadingHTTPServer):
         self._free.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Ignore errors of pages that are gone."""
+        """Ignore errors of closed pages."""
 
 
 class _Asked(io.RawIOBase):
@@ -374,7 +373,7 @@ class _Handler(BaseHTTPRequestHandler):
         return key
 
     def _said(self) -> Any:
-        """Return the JSON of a request. Raises an exception for any other content."""
+        """Return the JSON of a request. Raises an exception for other content."""
         (kind,), (length,) = (self.headers.get_all(name, []) for name in ("content-type", "content-length"))
         if kind != "application/json" or not (length.isascii() and length.isdecimal()):
             raise ValueError

@@ -1,4 +1,4 @@
-"""Parts and added elements whose place a recipe says. The page can move them."""
+"""Parts and added elements whose place a recipe sets. The page can move them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ KINDS = ("body", "geom", "site", "camera")
 
 
 class Target(Struct):
-    """A part or an added element: the recipe that says its place, and the path of its mapping there.
+    """A part or an added element: the recipe that sets its place, and the path of its mapping there.
 
     `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe.
     """
@@ -60,7 +60,7 @@ class Targets(Struct):
 
 
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
-    """Return the table of movable things for the page, and for the server."""
+    """Return the table of movable elements for the page and for the server."""
     operand = side.operand
     folder, is_recipe = operand.context.folder, not operand.revision and operand.path.suffix.lower() in RECIPES
     is_known = side.plan is not None and side.traced is not None and is_recipe

@@ -1,4 +1,4 @@
-"""The changes to recipes that a page may ask for: each is checked, and changes one file or nothing."""
+"""The changes to recipes that a page may request: each is checked, and changes one file or nothing."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _HINGE = 3
 _ELSEWHERE: dict[str, Steps] = {
     "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
 }  # fmt: skip
-"""Keys that say a place in another way than by an offset."""
+"""Keys that set a place other than by an offset."""
 _CHANGED = "the model has changed: select it again"
 _STALE = "`{}` has changed since this model was built, so nothing is written"
 Answer = dict[str, Any]
@@ -53,7 +53,8 @@ Done = tuple[str, bytes, bytes, str]
 class Writer:
     """Changes the recipes of a workshop's model. A page says which version of the model it shows.
 
-    `_history` has for each recipe the texts that were written one after the other, the first one as it was built.
+    `_history` has for each recipe the texts that were written one after the other, starting with the text that was
+    built.
     """
 
     def __init__(self, workshop: Workshop) -> None:
@@ -68,7 +69,7 @@ class Writer:
         self._scene: tuple[int, Any] = (-1, None)
 
     def answer(self, said: Any) -> Answer:
-        """Return the answer for the page; `refused` says why nothing has changed."""
+        """Return the answer for the page; `refused` is the reason if nothing has changed."""
         acts: dict[str, Callable[[Any], Answer]] = {
             "look": self._look, "place": self._place, "edit": self._edit, "keyframe": self._keyframe,
             "free": self._free, "attach": self._attach, "models": self._models, "parameter": self._parameter,
@@ -91,7 +92,7 @@ class Writer:
             return {**found, "undo": undo, "redo": redo}
 
     def know(self, shown: Shown) -> None:
-        """Remember a model, from which pages that are a little late still ask."""
+        """Remember a model for pages that still show it."""
         self._known = dict([*self._known.items(), (shown.version, shown)][-_MOST_VERSIONS:])
 
     # -- the model of the page --------------------------------------------------------------------------------------
@@ -116,7 +117,7 @@ class Writer:
         return str(names[number])
 
     def _own(self, file: str) -> Path:
-        """Return the path of a recipe that may be written: one of the user's own, in the folder of the project."""
+        """Return the path of a recipe that may be written: one of the user's own, in the project's folder."""
         targets = self._now.targets
         path, recipe = (targets.paths.get(each) for each in (file, targets.recipe))
         if path is not None and recipe is not None and path.suffix.lower() in RECIPES:
@@ -145,22 +146,21 @@ class Writer:
         return self._draft(self._now.targets.recipe, said)
 
     def _offset(self, target: Target, said: Any) -> Offset:
-        """Return the offset of a target, in the file that says it."""
         mapping = target.mapping
         for key, path in _ELSEWHERE.items():
             if find(mapping, path) is not None:
-                raise Refused(f"`{key}` says this place: change that")
+                raise Refused(f"`{key}` sets this place: change it there")
         spans = [mapping.entries[key][1].span for key in ("pos", *ORIENTATIONS) if key in mapping.entries]
         files = list(dict.fromkeys(span.file for span in spans)) or [target.span.file]
         if len(files) > 1:
-            raise Refused(f"{' and '.join(f'`{each}`' for each in files)} say this place together: change it there")
+            raise Refused(f"{' and '.join(f'`{each}`' for each in files)} set this place together: change it there")
         draft = self._draft(files[0], said)
         holder = self._raw_path(spans[0], key=False)[:-1] if spans else self._raw_path(target.span, key=True)
         known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
         saved = draft.tree if known else load(read_regular(draft.path), draft.file, Sink()) or draft.tree
         before, now = find(saved, holder), find(draft.tree, holder)
         if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
-            raise Refused("your unsaved text says another place: save it first", stale=True)
+            raise Refused("your unsaved text sets another place: save it first", stale=True)
         context = target.plan.angle_context
         found = Offset(draft, holder, context.others.get(draft.file, context.whole))
         if computed := found.computed:
@@ -183,7 +183,7 @@ class Writer:
         return found[0]
 
     def _parameters_in(self, text: str, said: Any) -> list[list[str]]:
-        """Return the parameters in an expression that the recipe says as a number, each with its number."""
+        """Return the parameters in an expression that the recipe sets as a number, each with its number."""
         with contextlib.suppress(ExpressionError, Refused, OSError):
             tree = self._recipe(said).tree
             names = dict.fromkeys(each.name for each in Template.parse(text).names())
@@ -191,7 +191,7 @@ class Writer:
         return []
 
     def _also(self, file: str) -> str:
-        """Return which other recipes and parts use a recipe, in words."""
+        """Return in words the other recipes and parts that use a recipe."""
         targets = self._now.targets
         if file == targets.recipe or targets.plan is None:
             return ""
@@ -209,7 +209,7 @@ class Writer:
     # -- changes -------------------------------------------------------------------------------------------------------
 
     def _look(self, said: Any) -> Answer:
-        """Say where a target is now, or why it cannot be moved."""
+        """Report the current place of a target, or the reason that it cannot be moved."""
         offset = self._offset(self._target(said), said)
         file, pose, line = offset.draft.file, offset.pose, offset.mapping.span.line
         return {"pos": pose.pos, "quat": pose.quat, "also": self._also(file), "where": f"{file}:{line}"}
@@ -233,25 +233,24 @@ class Writer:
         return target
 
     def _to_site(self, offset: Offset, target: Target, name: str) -> str:
-        """Write another site of a part."""
         draft, holder = offset.draft, offset.holder
         if "attach" not in target.at[-2:-1]:
             raise Refused("only a part can be attached to a site")
         outer = next((each for each in target.outer if name.startswith(each)), None)
         if outer is None:
-            raise Refused(f"`{name}` is outside the recipe that says the place of this part")
+            raise Refused(f"`{name}` is outside the recipe that places this part")
         text = name_text(name.removeprefix(outer))
         said = next((each for each in PLACES if each in target.mapping.entries), None)
         node = None if said is None else find(offset.mapping, (said,))
         if said is not None and (not isinstance(node, Scalar) or is_template(node.text)):
-            raise Refused(f"`{said}` is computed, or another file says it: change it there")
+            raise Refused(f"`{said}` is computed, or another file sets it: change it there")
         draft.write((*holder, said or "site"), text)
         if said not in (None, "site"):
             draft.rename((*holder, str(said)), "site")
         return f"site: {text}"
 
     def _edit(self, said: Any) -> Answer:
-        """Write an entry of `edit` that moves an element of a source; without `confirmed`, say which."""
+        """Write an entry of `edit` that moves an element of a source; without `confirmed`, only report it."""
         kind = str(said["of"])
         if kind not in ("body", "site", "camera"):
             raise ValueError
@@ -288,14 +287,13 @@ class Writer:
         return self._finish(draft, f"keyframe {name}", said)
 
     def _values(self, key: str, number: int, values: list[float]) -> str:
-        """Return the values of a joint or a mocap body as a keyframe has them."""
+        """Return the values of a joint or a mocap body in the form of a keyframe."""
         if key == "qpos" and self.scene["joint"]["type"][number] == _HINGE:
             return f"{short(math.degrees(values[0]), 4)}deg"
         texts = [short(each, 6) for each in values]
         return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
 
     def _free(self, said: Any) -> Answer:
-        """Write the place of a free body into a keyframe of the recipe."""
         draft, key = self._recipe(said), str(said["key"])
         if not isinstance(find(draft.tree, ("keyframe", key)), Mapping):
             raise Refused(f"`{draft.file}` does not write the keyframe `{key}`: save the pose under another name")
@@ -304,7 +302,6 @@ class Writer:
         return self._finish(draft, f"{name} in keyframe {key}", said)
 
     def _attach(self, said: Any) -> Answer:
-        """Write a new part at a site."""
         draft, prefix, model = self._recipe(said), str(said["prefix"]), str(said["model"])
         plan = self._now.targets.plan
         fault = prefix_fault(prefix, Settings(separator=plan.separator if plan else "/"))
@@ -319,7 +316,7 @@ class Writer:
         return self._finish(draft, f"attach {prefix}", said)
 
     def _models(self, said: Any) -> Answer:
-        """Sequence the models that can be attached: all of the folder, and all that the recipe uses."""
+        """Sequence the models that can be attached: all models of the folder, and all models that the recipe uses."""
         targets = self._now.targets
         if targets.plan is None:
             raise Refused("only a recipe can be changed here")
@@ -330,12 +327,11 @@ class Writer:
         return {"models": list(dict.fromkeys([*texts, *files]))}
 
     def _parameter(self, said: Any) -> Answer:
-        """Give a parameter of the recipe another number."""
         draft, name = self._recipe(said), str(said["name"])
         path, node = _parameter(draft.tree, name)
         (value,) = _numbers([said["value"]], 1)
         if node is None:
-            raise Refused(f"`{draft.file}` does not say `{name}` as a number")
+            raise Refused(f"`{draft.file}` does not give `{name}` as a number")
         draft.set(path, float(short(value, 6)), Change(node.span, short(value, 6)))
         return self._finish(draft, f"params: {name}: {short(value, 6)}", said)
 
@@ -364,7 +360,7 @@ class Writer:
         return {**found, "said": "; ".join([words, *draft.notes]), "file": draft.file}
 
     def _put(self, draft: Draft, after: bytes, said: Any) -> Answer:
-        """Write a text, or tell the editor what to replace, as it may have text that is not saved."""
+        """Write a text, or send the replacement to the editor, which may have unsaved text."""
         if said.get("texts") is not None:
             if draft.raw == read_regular(draft.path):
                 self._note(draft, after)  # the editor saves it
@@ -386,7 +382,6 @@ class Writer:
 
 
 def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
-    """Return the path of a parameter's number, and its node."""
     path: Steps = ("params", name)
     if isinstance(find(tree, path), Mapping):
         path = (*path, "default")
@@ -413,7 +408,7 @@ def _pose(said: Any) -> Pose:
 
 
 def _difference(before: str, after: str) -> Answer:
-    """Return what to replace: lines and columns from 0, in units of UTF-16, as editors count."""
+    """Return the replacement: lines and columns from 0, in units of UTF-16, as editors count."""
     (head, tail), ends = yaml_tree.common_ends(before, after), []
     for at in (head, len(before) - tail):
         *above, last = yaml_tree.lines_of(before[:at])

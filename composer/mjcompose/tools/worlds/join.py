@@ -1,4 +1,4 @@
-"""Separate models become worlds of the first of them."""
+"""Turn separate models into worlds of the first model."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Part(Struct):
 
 
 class Tree(Struct, frozen=False):
-    """A model as named bodies; `own` has the elements on each body, `children` its child bodies."""
+    """A model as named bodies; `own` has the elements on each body, and `children` has its child bodies."""
 
     model: Model
     name: str
@@ -154,7 +154,7 @@ _SHOWN = 4
 
 
 class Joined(NamedTuple):
-    """One model that becomes a world, or with a table several; its name, its cell and its sample."""
+    """One model that becomes one world, or several if it has a table; its name, its cell and its sample."""
 
     loaded: Loaded
     name: str
@@ -165,7 +165,7 @@ class Joined(NamedTuple):
 
 
 class Group(Struct, frozen=False):
-    """Models that differ from the `first` one in numbers only, and in a union have its `shape`: types and meshes."""
+    """Models that differ from the `first` one only in numbers. In a union, they have its `shape`: types and meshes."""
 
     first: Joined
     differences: Differences
@@ -190,7 +190,7 @@ class Group(Struct, frozen=False):
 
 
 class Joining(Struct, frozen=False):
-    """Joins models one by one, `expected` or more; also models with other elements if it `unites` them."""
+    """Joins models one by one, `expected` or more; also models with different elements if it `unites` them."""
 
     expected: int
     unites: bool = False
@@ -200,7 +200,7 @@ class Joining(Struct, frozen=False):
     _sample: list[int] = field(default_factory=list)
 
     def add(self, each: Joined) -> bool:
-        """Add a model; return whether it must be kept. Raises LoadError if it is another model."""
+        """Add a model; return whether it must be kept. Raises LoadError if it is a different model."""
         model = each.loaded.model
         shape = Tree(model, each.name).shape("world") if self.unites else None
         alike = (one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None)
@@ -237,7 +237,7 @@ class Joining(Struct, frozen=False):
 
 
 def unlike(first: Model, other: Model) -> list[str] | None:
-    """Return why a model is another one, or None if only numbers differ."""
+    """Return the reason that a model is a different one, or None if only numbers differ."""
     why = []
     for kind in KINDS:
         here, there = names(first, kind), names(other, kind)

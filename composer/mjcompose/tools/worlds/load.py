@@ -54,8 +54,8 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
         data.qpos[index.qpos["left/elbow"]] = 0.5
 
     Files are compared with the hashes of the manifest, and the addresses of the compiled model with its index; a
-    difference is an error, with `allow_changes` a warning. The index that is given always belongs to the compiled
-    model. A model that another version of MuJoCo verified is loaded with a warning.
+    difference is an error, with `allow_changes` a warning. The returned index always belongs to the compiled model. A
+    model that another version of MuJoCo verified is loaded with a warning.
 
     Raises LoadError; warns with BundleWarning.
     """

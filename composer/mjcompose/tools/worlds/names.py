@@ -133,7 +133,7 @@ UNLIMITED: Range = (-np.inf, np.inf)
 class Entry(Struct):
     """One element of the model in a vector: `units` and `limits` have an item for each of its numbers.
 
-    `body` is its body, `origin` where it is written; each is None if it does not apply or is unknown.
+    `body` is its body, and `origin` is the place where it is written; each is None if it does not apply or is unknown.
     """
 
     name: str
@@ -188,7 +188,7 @@ class Vector(_Named):
         return start if end - start == 1 else slice(start, end)
 
     def limits(self, names: Names = "**") -> NDArray[np.float64]:
-        """Return the least and greatest value of each number, shape (n, 2), infinite if not limited; in its unit."""
+        """Return the smallest and largest value of each number in its unit, shape (n, 2), infinite without a limit."""
         limits = [pair for each in self._entries(names) for pair in each.limits]
         return np.array(limits, dtype=np.float64).reshape(-1, 2)
 
@@ -197,7 +197,7 @@ class Vector(_Named):
         return tuple(unit for each in self._entries(names) for unit in each.units)
 
     def origin(self, name: str) -> str | None:
-        """Return where an element is written, as FILE:LINE."""
+        """Return the place where an element is written, as FILE:LINE."""
         (entry,) = self._entries(name)[:1]
         return entry.origin
 

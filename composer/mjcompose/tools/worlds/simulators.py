@@ -53,7 +53,7 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
     return batch
 
 
-_INSTEAD = "remove the changes of it from the recipe, or use `worlds.mujoco`"
+_INSTEAD = "remove its changes from the recipe, or use `worlds.mujoco`"
 _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
 _IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
@@ -93,7 +93,7 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
         if _can_vary(model, name):
             names.append(name)
         elif hasattr(*_owner(model, name)) and is_stepped(name) and name not in unread(worlds):
-            raise failure("not-per-world", f"MuJoCo Warp has `{name}` once for all worlds", _INSTEAD)
+            raise failure("not-per-world", f"MuJoCo Warp shares `{name}` among all worlds", _INSTEAD)
     return names
 
 
@@ -162,7 +162,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
         leaf = _leaf(plain, name)
         if leaf is None or not isinstance(leaf, jax.Array):
             if leaf is not None and is_stepped(name):
-                raise failure("not-per-world", f"MJX has `{name}` once for all worlds", _INSTEAD)
+                raise failure("not-per-world", f"MJX shares `{name}` among all worlds", _INSTEAD)
             continue
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
@@ -193,12 +193,12 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
 
     `entity` is the name of the bundle in the scene; without it the scene's model is the bundle's. The function of the
     term is like the functions of `mjlab.envs.mdp.dr`. Its `model_fields` lists the arrays with a row for each world,
-    for mjlab's `expand_model_fields`. In a scene, mjlab computes values again that depend on masses and poses, because
+    for mjlab's `expand_model_fields`. In a scene, mjlab recomputes values that depend on masses and poses, because
     the world body has more than the entity.
 
     Needs `mjlab`; raises LoadError without it, for a model that MuJoCo Warp does not take, and for arrays that it
-    shares between worlds. If the scene lacks an element, or has another number of environments than of worlds,
-    creating the environment raises LoadError.
+    shares between worlds. If the scene lacks an element, or its number of environments differs from the number of
+    worlds, creating the environment raises LoadError.
     """
     try:
         import mujoco_warp
@@ -208,7 +208,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     simulator = Simulator("warp", mujoco_warp.put_model)
     names = [name for name in per_world(simulator.take(worlds, worlds.nominal), worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
-        raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
+        raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", _INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
@@ -236,7 +236,7 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
 
 
 def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return which numbers of an array a scene takes, and their indices there. Raises LoadError."""
+    """Return the numbers of an array that a scene takes, and their indices there. Raises LoadError."""
     index = worlds.arrays[name].index
     if entity is None:
         if flat(scene, name).size != flat(worlds.nominal, name).size:
@@ -251,7 +251,7 @@ def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tupl
             continue  # mjlab recomputes it
         called = _in_scene(each.element, entity)
         if (found := there.get((called, each.attribute))) is None:
-            help = "keep it in the entity, or remove the changes of it from the recipe"
+            help = "keep it in the entity, or remove its changes from the recipe"
             raise failure("bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help)
         ours.append(at)
         theirs.append(found)
@@ -269,7 +269,7 @@ _OR_MUJOCO = "use `worlds.mujoco`, which takes all that MuJoCo compiles"
 
 
 class Simulator(Struct):
-    """`target` is its name in the table of targets, `put_model` its own function for a `mujoco.MjModel`."""
+    """`target` is its name in the table of targets, and `put_model` is its own function for a `mujoco.MjModel`."""
 
     target: str
     put_model: Callable[[Model], Any]
@@ -280,10 +280,10 @@ class Simulator(Struct):
         return TARGETS[self.target].title
 
     def take(self, worlds: Worlds, model: Model) -> Any:
-        """Return the simulator's own model of the nominal model of these worlds, or of another one of them.
+        """Return the simulator's own model of the nominal model of these worlds, or of another one of these worlds.
 
         Raises LoadError for a model that it does not take. The simulator decides; `build --target` knows the same
-        limits, and so which elements it means.
+        limits, so it can name the elements.
         """
         try:
             return self.put_model(model)
@@ -319,7 +319,7 @@ def _shown(table: NameTable, refusal: Refusal) -> str:
 
 
 def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
-    """Yield where the element is written, if the manifest knows it: that of joints, actuators and sensors."""
+    """Yield the place of an element if the manifest knows it, as for joints, actuators and sensors."""
     elements = getattr(worlds.manifest.index, f"{refusal.kind}s", ())
     if refusal.number < len(elements) and elements[refusal.number].origin is not None:
         yield Note(f"it is written in {elements[refusal.number].origin}")
@@ -336,10 +336,10 @@ def is_stepped(name: str) -> bool:
 
 
 def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collection[str]) -> None:
-    """Compare a simulator's conversions of the nominal model and of one in which every varying number differs.
+    """Compare a simulator's conversions of the nominal model and of a model in which every varying number differs.
 
     Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
-    its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.
+    its steps if the converted model has none, regardless of the arrays of the worlds. Raises LoadError.
     """
     before, after = (dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds)))
     last = {name.rpartition(".")[2] for name in varied}
@@ -350,7 +350,7 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
             only_more_flags = _FLAG in name and not np.any(np.asarray(after[name], bool) & ~np.asarray(value, bool))
             shared += [] if only_more_flags else [name]  # additional flags only cost time
     if shared:
-        message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
+        message = f"{simulator.name} shares {_listed(shared)} among all worlds, computed from what differs"
         raise failure("not-per-world", message, _INSTEAD, notes=[f"these worlds differ in {_listed(worlds.arrays)}"])
 
 

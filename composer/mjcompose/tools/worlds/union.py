@@ -1,4 +1,4 @@
-"""Models with different parts become worlds of one model with all parts."""
+"""Turn models with different parts into worlds of one model with all parts."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Plan(Struct):
 
 
 def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
-    """Plan a union: parts of all models but the first get prefixes from their labels. Raises LoadError."""
+    """Plan a union: parts of all models except the first get prefixes from their labels. Raises LoadError."""
     shared = common(trees)
     placed, active = list[Placed](), list[list[Placed]]()
     for number, tree in enumerate(trees):
@@ -65,7 +65,6 @@ def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
 
 
 def _prefix(label: str, placed: Sequence[Placed]) -> str:
-    """Return an unused prefix, such as `can/` for `./props/can.xml`."""
     stem = "".join(each if each.isalnum() else "_" for each in Path(label).stem) or "part"
     taken = {each.prefix for each in placed}
     names = (f"{stem}{number or ''}/" for number in range(len(placed) + 1))
@@ -228,7 +227,7 @@ _OTHER_LINKS = ("tendon_matid", "tendon_actuatorid")
 
 
 def references(model: Model, kind: str, number: int) -> References:
-    """Return kind and number of each element that one acts on. Raises LoadError for an unknown transmission."""
+    """Return the kind and number of each element that one acts on. Raises LoadError for an unknown transmission."""
     if kind == "actuator" and (transmission := int(model.actuator_trntype[number])) not in _TRANSMISSIONS:
         message = f"an actuator with a transmission of type {transmission} cannot be in a union"
         raise failure(CODE, message, _ALONE)
@@ -290,7 +289,7 @@ class Mapped:
             self.places[kind] = found
 
     def check_no_more_acts(self, unused: Collection[str]) -> None:
-        """Check that nothing acts in the union that the model lacks, except on absent parts. Raises LoadError."""
+        """Check that no element acts in the union that the model lacks, except on absent parts. Raises LoadError."""
         for kind in ACTING:
             known = {at for places in self.places[kind] for at in places}
             for number in range(self.ours.count(kind)):
@@ -371,7 +370,7 @@ def numbers(model: Model) -> Iterator[str]:
 
 
 def derived(model: Model) -> Iterator[str]:
-    """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleep depends on all children."""
+    """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleeping depends on all children."""
     for name in dir(model):
         if about(name).treatment in (Treatment.SUBTREE, Treatment.DERIVED) and name != "dof_length":
             yield name

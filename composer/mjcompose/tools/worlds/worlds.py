@@ -62,10 +62,10 @@ class Varying(Struct):
 class Table(Struct):
     """The numbers that differ, by array, in `count` worlds; and the cell and sample of the recipe for each world.
 
-    `cells` are the cells of its matrix, each with its `name` and its values, `cell` the number of each world's
-    cell, `(worlds,)`, and `sample` the number of its sample. For a union, `parts` are the bodies that not all
-    worlds have, and `has` says which each has, `(worlds, parts)`. `model` is the identity of the model, None in a
-    bundle that contains it.
+    `cells` are the cells of its matrix, each with its `name` and its values. `cell` has the number of each world's
+    cell, `(worlds,)`, and `sample` has the number of its sample. For a union, `parts` are the bodies that not all
+    worlds have, and `has` says which worlds have them, `(worlds, parts)`. `model` is the identity of the model, None in
+    a bundle that contains it.
     """
 
     arrays: Mapping[str, Varying]
@@ -202,7 +202,7 @@ def read(content: bytes) -> Table:
 
 
 def with_numbers(model: Model, numbers: Mapping[str, tuple[NDArray[np.int64], NDArray[Any]]]) -> Model:
-    """Return a copy of a model with other numbers: by array, their flat indices and values."""
+    """Return a copy of a model with these numbers: by array, their flat indices and values."""
     model = copy.copy(model)
     for name, (index, values) in numbers.items():
         whole = flat(model, name).copy()
@@ -246,7 +246,7 @@ class Worlds(Struct):
         )
 
     def models(self, worlds: Iterable[int] | None = None) -> Iterator[LoadModel]:
-        """Yield the models of these worlds, or of all, one after another."""
+        """Yield the models of these worlds, or of all worlds, one after another."""
         yield from map(self.model, range(self.count) if worlds is None else worlds)
 
     def take(self, worlds: Iterable[int]) -> Worlds:
@@ -317,7 +317,7 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
     except (ValueError, KeyError, TypeError, OSError) as error:
         raise failure("file-unreadable", f"`{called}` of `{shown}` cannot be read: {error}") from error
     if table.model not in (None, model_sha256(loaded.manifest)):
-        message = f"the worlds in `{called}` are of another model than `{shown}`"
+        message = f"the worlds in `{called}` belong to another model than `{shown}`"
         help = "load them with the bundle that was built with them, or build both again"
         notes = [f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"]
         raise failure("bundle-changed", message, help, notes=notes)

@@ -47,7 +47,7 @@ def test_what_is_lost_is_told(radian: Case) -> None:
     assert model.key("home").ctrl == pytest.approx([0, 0, 0.3, 0.4, 0.5, 0.6]), "they would be forces"
     model = radian.edited("{select: {actuator: a1}, convert: {to: velocity}}")
     assert model.actuator("a1").gainprm[0] == 10 and not model.actuator("a1").ctrllimited[0]
-    assert "`ctrlrange`, which limits another thing" in radian.said and "its position gain, 100" in radian.said
+    assert "`ctrlrange`, which limits something else" in radian.said and "its position gain, 100" in radian.said
     model = radian.edited("{select: {actuator: f1}, convert: {to: motor}}")
     assert model.na == 0 and "its dynamics, `filterexact`" in radian.said
     assert model.key("home").ctrl == pytest.approx([0.1, 0.2, 0.3, 0.4, 0, 0.6])
@@ -139,7 +139,7 @@ def test_a_pid_comes_back_from_its_general_form(servos: Case, name: str) -> None
         ("slow", "position", "its slew rate, 5", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
         ("two", "position", "a position now, not a position and a velocity|`velrange`", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
         ("two", "motor", "kp 3 and kv 1|a force now, not a position and a velocity", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
-        ("own", "motor", "`ctrlrange`, which limits another thing", ".1 .2 0 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        ("own", "motor", "`ctrlrange`, which limits something else", ".1 .2 0 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
     ],
 )  # fmt: skip
 def test_what_servos_lose_is_told(servos: Case, name: str, to: str, said: str, home: str) -> None:

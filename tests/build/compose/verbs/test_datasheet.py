@@ -124,7 +124,7 @@ def test_a_delay(tmp_path: Path) -> None:
         ("p", "model: knwn, bandwidth: 1", "unknown-name", "there is no data sheet `knwn`"),
         ("p", "model: known", "missing-key", "is a servo of unknown speed"),
         ("p", "model: bare, bandwidth: 1, error: 0.1", "exclusive-keys", "both `bandwidth` and `error`"),
-        ("p", "model: late, error: 0.1", "missing-key", "has no speed, from which `kv` would follow"),
+        ("p", "model: late, error: 0.1", "missing-key", "`kv` needs a speed"),
         ("p", "model: bare, effort: rated, error: 1", "missing-key", "has no rated torque"),
         ("p", "model: bare, effort: full, error: 1", "wrong-keyword", "`effort` of `datasheet` cannot be `full`"),
         ("p", "model: bare, bandwidth: 0", "out-of-range", "must be more than 0"),

@@ -1,9 +1,10 @@
 """Facts of a model as a program reads it: `python facts.py READER MODEL QUESTIONS.json FACTS.json`.
 
-A reader has a function `read` of the path of the model. It returns the facts without poses, and two functions: `placed`
-yields position and rotation matrix of each body by name for poses, `moved` returns where the joints are after some
-steps from the pose `home`, or None. The facts of MuJoCo are here too, for simulators that are made of a
-`mujoco.MjModel`; `composer/mjcompose/targets/judge.py` compares other programs with them. The names are MuJoCo's.
+A reader has a function `read`, which takes the path of the model. It returns the facts without poses, and two
+functions: `placed` yields the position and the rotation matrix of each body by name for poses, and `moved` returns the
+joint positions after some steps from the pose `home`, or None. The facts of MuJoCo are here too, for simulators that
+are made from a `mujoco.MjModel`; `composer/mjcompose/targets/judge.py` compares other programs with them. The names are
+MuJoCo's.
 """
 
 import json
@@ -42,7 +43,7 @@ def answered(asked: Any, found: Any, placed: Any, moved: Any) -> Any:
 
 
 def facts(version, **more):
-    """Return facts without anything in them yet."""
+    """Return empty facts."""
     return {"version": version, "bodies": {}, "joints": {}, "actuators": {}, "shapes": {}, **more}
 
 
@@ -74,7 +75,7 @@ def rotation(quat: Any) -> Any:
 def fallen(q, steps, damping, dynamics, moved):
     """Return the positions after some steps from rest that treat `damping` implicitly.
 
-    `dynamics(q, v)` gives mass matrix and force, `moved(q, way)` the positions after a way.
+    `dynamics(q, v)` gives the mass matrix and the force, and `moved(q, way)` gives the positions after a displacement.
     """
     v = np.zeros(len(damping))
     for _ in range(steps):
@@ -85,11 +86,11 @@ def fallen(q, steps, damping, dynamics, moved):
 
 
 def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any) -> Any:
-    """Return the same as `read`, for a simulator that is made of a `mujoco.MjModel`.
+    """Return the same as `read`, for a simulator that is made from a `mujoco.MjModel`.
 
     `array(name)` is an array of the simulator's model. `placed(qpos)` gives the positions and the matrices of all
-    bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)` is
-    where the joints are after a motion.
+    bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)`
+    gives the joint positions after a motion.
     """
     bodies = [(number, name) for number in range(1, model.nbody) if (name := model.body(number).name)]
     joints = [
