@@ -99,7 +99,7 @@ def test_of_a_cell_and_a_sample(folder: Path) -> None:
 
 def test_a_code(folder: Path) -> None:
     told = run("explain", "bare-angle").stdout
-    assert told.startswith("bare-angle\n\nMJCF expects an angle here") and "How to fix it" in told
+    assert told.startswith("bare-angle\n\nAn angle in your recipe has no unit") and "How to fix it" in told
     assert run("explain", "error[bare-angle]").stdout == told
     data = json.loads(run("explain", "bare-angle", "--output-format", "json").stdout)
     assert (data["explains"], data["code"]) == ("code", "bare-angle")

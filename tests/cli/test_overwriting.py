@@ -150,7 +150,7 @@ def test_what_cannot_be_judged_is_not_written(
     with files.run() as own:
         own.note([tmp_path / "a.yaml"])
         with (
-            pytest.raises(OutputError, match="cannot be found out"),
+            pytest.raises(OutputError, match="which may be a source of this run"),
             staged_file(tmp_path / "out.xml", "-o", inputs=[tmp_path / "c.xml"]),
         ):
             pytest.fail("it began to write")
