@@ -6,7 +6,7 @@ import pytest
 from lxml import etree
 from mjcompose.base.diagnostic import Span
 from mjcompose.tree.unit import FileText, Origins, Unit
-from mjcompose.urdf.robot import locate_in_urdf, mesh_of, name_fused_links
+from mjcompose.urdf.robot import _no_size, locate_in_urdf, mesh_of, name_fused_links
 
 URDF = b"""<robot name="arm">
   <mujoco><option timestep="0.1"/></mujoco>
@@ -98,3 +98,11 @@ def test_fused_links_get_their_names() -> None:
 )
 def test_the_mesh_that_names_a_file(file: str, line: int) -> None:
     assert mesh_of(etree.fromstring(URDF), file).sourceline == line
+
+
+def test_a_geometry_outside_of_a_shape_has_no_size_to_report() -> None:
+    flag = '<flag><geometry><sphere radius="0.1"/></geometry></flag>'
+    shape = '<collision><geometry><cylinder radius="0.1" length="0"/></geometry></collision>'
+    robot = etree.fromstring(f'<robot><link name="base">{flag}{shape}</link></robot>')
+    found = _no_size(robot, robot, lambda element, attribute=None: Span("arm.urdf", 1, 1))
+    assert found is not None and found.message == "`length` of `<cylinder>` must be positive"

@@ -383,8 +383,8 @@ def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """Find the geom, which has no name: MuJoCo does not identify it."""
     keeps_visuals = last_setting(robot, "discardvisual") == "false"
     for each in robot.iterfind("link/*/geometry/*"):
-        shape = each.iterancestors("collision", "visual")
-        if each.tag not in _SHAPES or (next(shape).tag == "visual" and not keeps_visuals):
+        shape = next(each.iterancestors("collision", "visual"), None)
+        if shape is None or each.tag not in _SHAPES or (shape.tag == "visual" and not keeps_visuals):
             continue
         for name in ("size", "radius", "length"):
             if any(map(_is_none, str(each.get(name) or "").split())):
