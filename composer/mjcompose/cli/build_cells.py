@@ -306,8 +306,7 @@ class _Worlds:
         assert task.session is not None
         again = CellMaker(task.maker, task.given, task.session, finish=partial(put, spec=task.spec)).make(first)
         if again.result is None or again.failed:
-            for each in again.diagnostics:
-                self.context.sink.add(each)
+            self.context.sink.extend(again.diagnostics)
             raise _Failed
         note_output(self.task.spec.target(again.result.name, again.result.mujoco))
         return report_of(again.result, self.task.spec)

@@ -135,8 +135,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     try:
         record = read_stamp(context.folder / options.stamp)
     except MjcomposeError as error:
-        for each in error.diagnostics:
-            context.sink.add(each)
+        context.sink.extend(error.diagnostics)
         raise Stop(USAGE) from None
     recipe = Path(os.path.normpath(options.stamp.parent / record.recipe)) if options.recipe is None else options.recipe
     bundle = build_again(record, context.folder / recipe, context)

@@ -131,8 +131,7 @@ class _Checking:
                         message = f"the process that checked this recipe {result.how}, twice"
                         own.sink.error("worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`")
                         result = RecipeResult((), (), frozenset(), timings=(), failed=True)
-                    for each in result.diagnostics:
-                        own.sink.add(each)
+                    own.sink.extend(result.diagnostics)
                     own.timings.extend(result.timings)
                     self._take(self._of_model(recipe, result, own, notes_cells=True), own)
 

@@ -189,8 +189,7 @@ def fix(options: FixOptions, run: Run) -> int:
 
     context = run.context
     found = fix(options.recipe, context, options.choices.given(run))
-    for diagnostic in found.left:
-        context.sink.add(diagnostic)
+    context.sink.extend(found.left)
     writes = True if options.yes else options.write
     if run.form != "json":
         show_differences(found.files, context, done="fixed")

@@ -196,8 +196,7 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     found = recover(merged, list(parts), target, context=context, progress=progress, references=references)
     if found is not None:
         rewrite(target, found.text.encode(), context)
-        for fault in found.faults:
-            context.sink.add(fault)
+        context.sink.extend(found.faults)
     if found is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(merged, *parts))
     return _answer(found, target, shown=context.shown(merged), run=run)

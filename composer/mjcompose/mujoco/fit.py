@@ -188,7 +188,8 @@ def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
 def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
     """Return the same for a mesh that replaces another mesh: the distances of each surface from the other."""
     points = [numpy.vstack((on_surface(each.solid, _POINTS), _some(each.vertices))) for each in (other, mesh)]
-    beyond, short = (float(_to_surface(*each).max()) for each in zip((mesh, other), points, strict=True))
+    pairs = zip((mesh, other), points, strict=True)
+    beyond, short = (float(geometry.to_surface(each.solid, some).max()) for each, some in pairs)
     closed = mesh.is_closed and other.is_closed
     return {
         **_distances(beyond, short), "uncovered": None, "samples": sum(map(len, points)),
@@ -233,7 +234,7 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
             points, behind = points[free], behind[free]
         outer.append(points)
     points = numpy.vstack(outer)
-    away = _to_surface(mesh, points) if len(points) else numpy.zeros(0)
+    away = geometry.to_surface(mesh.solid, points) if len(points) else numpy.zeros(0)
     order = numpy.argsort(-away, kind="stable")
     for start in range(0, len(order), _AT_ONCE):
         some = order[start : start + _AT_ONCE]
@@ -249,12 +250,6 @@ def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]
     corners = _some(solid.triangles.reshape(-1, 3))
     every = _some(numpy.repeat(numpy.arange(len(solid.faces)), 3))
     return numpy.vstack((points, corners)), solid.face_normals[numpy.concatenate((faces, every))]
-
-
-def _to_surface(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
-    from trimesh.proximity import closest_point
-
-    return numpy.asarray(closest_point(mesh.solid, points)[1])
 
 
 def _winding(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:

@@ -106,6 +106,13 @@ def rounded(number: float) -> float:
     return float(f"{number:.7g}") + 0.0
 
 
+def to_surface(solid: Any, points: numpy.ndarray) -> numpy.ndarray:
+    """Return the distance of each point to the surface of a solid of trimesh."""
+    from trimesh.proximity import closest_point
+
+    return numpy.asarray(closest_point(solid, points)[1])
+
+
 @dataclass(frozen=True)
 class Hull:
     """The convex hull of its vertices."""
@@ -138,9 +145,7 @@ class Hull:
 
     def distance(self, points: numpy.ndarray) -> numpy.ndarray:
         """The distance of points that are outside."""
-        from trimesh.proximity import closest_point
-
-        return numpy.asarray(closest_point(self.solid, points)[1])
+        return to_surface(self.solid, points)
 
 
 @dataclass(frozen=True)

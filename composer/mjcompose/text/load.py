@@ -152,8 +152,7 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
         except (yaml.YAMLError, ValueError, OverflowError) as error:
             faults.append(_unreadable(error, source, file))
         break
-    for diagnostic in [*faults, *found.diagnostics]:
-        sink.add(diagnostic)
+    sink.extend([*faults, *found.diagnostics])
     return root
 
 

@@ -103,8 +103,7 @@ def _interface(recipe: Path, plan: Plan, context: Context, given: Given) -> dict
         operand = Operand(str(recipe), Kind.RECIPE, context.folder / recipe, context=own)
         side = load_cell(operand, "lock", session, given=given, cell=None)
         found = None if side is None else names_of(side, session, own)
-    for each in own.sink.errors:
-        context.sink.add(each)
+    context.sink.extend(own.sink.errors)
     return None if found is None else locked_interface(plan.interface, found.index)
 
 

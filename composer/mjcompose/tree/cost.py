@@ -233,10 +233,14 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
         place = next((node for node in reversed(made) if sizes[node] > most), None)
         needed = needed if place is None else sizes[place]
         shown = str(needed) if needed < 10**18 else f"more than {10**18}"
-        message, notes = "" if place is None else f"`<{place.tag}>` makes {shown} {words}", []
-        if place is None:
+        notes: list[Note] = []
+        if place is not None:
+            message = f"`<{place.tag}>` makes {shown} {words}"
+        else:
             is_made = limit == "expansion"
-            message = f"the model {'makes' if is_made else 'has'} {shown} {words}{' of what is written' * is_made}"
+            message = f"the model has {shown} {words}"
+            if is_made:
+                message = f"the model makes {shown} {words} of what is written"
             largest = max(made, key=sizes.__getitem__, default=None)
             if largest is not None and (is_made or sizes[largest] > needed // 2):
                 place = largest
@@ -413,9 +417,10 @@ def check_text(data: bytes, file: str, sink: Sink) -> bool:
 
 def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
     """Return whether no element of `data` has too many attributes, each of which may be a fault; report the first."""
-    most, found = in_force().attributes, cast(list[Node], [])
-    if _has_long_tag(data, most * len('a=""')):
-        found = cast(list[Node], root.xpath(f"(descendant-or-self::*[count(@*) > {most}])[1]"))
+    most = in_force().attributes
+    if not _has_long_tag(data, most * len('a=""')):
+        return True
+    found = cast(list[Node], root.xpath(f"(descendant-or-self::*[count(@*) > {most}])[1]"))
     for node in found:
         message = f"`<{node.tag}>` has {len(node.attrib)} attributes; {most} are allowed"
         sink.error(CODE, message, Span(file, line_of(node) or 1, 1), help=advice("attributes", len(node.attrib)))

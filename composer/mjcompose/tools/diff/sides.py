@@ -354,8 +354,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
     unit = parse_file(path, aside := Sink(), file=shown)
     too_much = any(each.code == TOO_MUCH for each in aside.errors)
     if unit is None or too_much or not all_admitted(unit, aside, context.shown):
-        for each in aside.errors:
-            context.sink.add(each)
+        context.sink.extend(aside.errors)
         return None
     compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
     if not compiled.ok:
@@ -376,8 +375,7 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         bundle = read(operand.path, shown=shown)
         verified = verify(bundle, session=session, keep=kept, stranger=shown)
     except (OutsideFilesError, ReadError, OutputError) as error:
-        for each in error.found if isinstance(error, OutsideFilesError) else [error.diagnostic]:
-            context.sink.add(each)
+        context.sink.extend(error.found if isinstance(error, OutsideFilesError) else [error.diagnostic])
         return None
     if verified.error is not None and not verified.compiled.ok:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)
