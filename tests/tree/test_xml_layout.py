@@ -2,11 +2,14 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mjcompose.base.sink import Sink
+from mjcompose.tree import xml_layout
 from mjcompose.tree.xml_layout import format_mjcf
 from sampling import rest_slow, without_meshes
 
@@ -100,6 +103,50 @@ def test_a_piece_of_a_model() -> None:
     text = "<mujocoinclude>\n  <geom size='1' name='a'/>\n  <body pos='0 0 1' name='b'/>\n</mujocoinclude>\n"
     tidy = '<mujocoinclude>\n  <geom name="a" size="1"/>\n  <body name="b" pos="0 0 1"/>\n</mujocoinclude>\n'
     assert formatted(text) == tidy
+
+
+class CountedText(str):
+    """A text that counts the characters of its slices."""
+
+    copied = 0
+
+    def __getitem__(self, at: Any) -> str:
+        part = super().__getitem__(at)
+        self.copied += len(part)
+        return part
+
+
+class CountedPattern:
+    """A pattern that counts the characters of its matches."""
+
+    def __init__(self, pattern: re.Pattern[str]) -> None:
+        self.pattern = pattern
+        self.matched = 0
+
+    def match(self, text: str, at: int = 0) -> re.Match[str] | None:
+        match = self.pattern.match(text, at)
+        self.matched += 0 if match is None else match.end() - at
+        return match
+
+
+@pytest.mark.parametrize("between", ["\n    ", " ", "\n\n  "])
+@pytest.mark.parametrize("section", ["worldbody", "asset"])
+def test_each_comment_is_read_once(between: str, section: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four times as many comments need four times as many characters, not sixteen times."""
+
+    def characters(count: int) -> int:
+        pattern = CountedPattern(xml_layout._LEADS)
+        monkeypatch.setattr(xml_layout, "_LEADS", pattern)
+        comments = between.join(f'<!-- <geom name="g{number}" size="1"/> -->' for number in range(count))
+        text = CountedText(
+            f"<mujoco>\n  <{section}>\n    {comments}\n  </{section}>\n  {comments}\n  <option/>\n</mujoco>\n"
+        )
+        layout = xml_layout._Layout(text)
+        layout.write()
+        monkeypatch.setattr(xml_layout, "_LEADS", pattern.pattern)
+        return text.copied + pattern.matched + sum(map(len, layout.written))
+
+    assert characters(400) < 5 * characters(100)
 
 
 @pytest.mark.parametrize(

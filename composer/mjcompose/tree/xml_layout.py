@@ -56,10 +56,15 @@ class Unusual(Exception):
         self.at = at
 
 
+_LEADS = re.compile(r"[ \t]*\n[ \t]*<(?!/)")
+"""Matches after a comment on its own line that another comment or an element follows."""
+
+
 class _Layout:
     def __init__(self, text: str) -> None:
         self.text, self.parts = text, list(pieces(text))
-        self.lines: list[str] = []
+        self.written: list[str] = []
+        """The pieces of the result: a long line is not copied for each comment on it."""
         self.kinds: list[Mapping[str, ElementType]] = []
         self.before: Piece | None = None
         """The piece before the next one, without blank text."""
@@ -86,13 +91,15 @@ class _Layout:
                 case _:
                     raise Unusual("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
             self.breaks = breaks
-        return "\n".join([*self.lines, ""])
+        return "".join([*self.written, "\n"])
 
     def line(self, text: str, blank: bool = False) -> None:
         is_first = self.before is None or (self.before.kind == "start" and not self.before.closed)
-        if self.lines and not is_first and (blank or self.breaks > 1):
-            self.lines.append("")
-        self.lines.append("  " * len(self.kinds) + text)
+        if self.written:
+            self.written.append("\n")
+        if self.written and not is_first and (blank or self.breaks > 1):
+            self.written.append("\n")
+        self.written.append("  " * len(self.kinds) + text)
 
     def start(self, piece: Piece, at: int) -> int:
         """Write a start tag, and the rest of its element if it has no children. Return the number of pieces."""
@@ -110,7 +117,7 @@ class _Layout:
         self.line(self.tag(piece, kind), blank=is_section and not alike)
         self.before = piece
         if content:
-            self.lines[-1] += content + f"</{piece.tag}>"
+            self.written.append(f"{content}</{piece.tag}>")
             self.before = self.parts[inner]
         elif piece.tag == "mujocoinclude" and not self.kinds and not piece.closed:
             self.kinds.append(place_of_fragment(outermost(self.parts)))
@@ -125,18 +132,16 @@ class _Layout:
 
     def comment(self, piece: Piece) -> None:
         text = self.text[piece.start : piece.end]
-        line = self.text.rfind("\n", 0, piece.start) + 1
-        indent = self.text[line : piece.start]
         # Lines below the first one move with it; MuJoCo copies the first comment in the root, if it saves a model.
-        if not indent.strip() and len(self.kinds) > 1:
+        if self.breaks and len(self.kinds) > 1:
+            line = self.text.rfind("\n", 0, piece.start) + 1
+            indent = self.text[line : piece.start]
             text = re.sub(rf"\n{indent}(?!\n)", f"\n{'  ' * len(self.kinds)}", text)
-        if self.lines and not self.breaks:
-            self.lines[-1] += f" {text}"
+        if self.written and not self.breaks:
+            self.written.append(f" {text}")
             return
         is_section = len(self.kinds) == 1 and self.before is not None and self.before.kind != "comment"
-        after = self.text[piece.end :].lstrip(" \t")
-        leads = re.match(r"\n[ \t]*(<!--.*?-->\s*)*<(?!/)", after, re.DOTALL) is not None
-        self.line(text, blank=is_section and leads)
+        self.line(text, blank=is_section and _LEADS.match(self.text, piece.end) is not None)
         self.before = piece
 
     def tag(self, piece: Piece, kind: ElementType | None) -> str:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from mjcompose.tools.cluster.uploads import lay_out, layout_of, loaded, without_root
+from mjcompose.tools.cluster import uploads
+from mjcompose.tools.cluster.uploads import batches, lay_out, layout_of, loaded, without_root
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="links")
 
@@ -68,3 +69,26 @@ def test_paths_go_below_the_root_and_come_home() -> None:
     assert loaded(pickle.dumps(Path("models/a.xml")), "/mirror") == Path("models/a.xml")
     said = Told(there.path, ("in /mirror/project/a.xml:3", "b"))
     assert without_root([said, {"/mirror/a": 1}], "/mirror") == [told, {"/a": 1}]
+
+
+class CountedBytes(bytes):
+    """A file's content that counts how often something takes its length."""
+
+    lengths = 0
+
+    def __len__(self) -> int:
+        CountedBytes.lengths += 1
+        return super().__len__()
+
+
+def test_batches_are_limited_and_measure_each_file_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    contents = {f"mesh{number}.obj": CountedBytes(b"v %d 0 0" % number) for number in range(200)}
+    digests = {hashlib.sha256(content).hexdigest(): path for path, content in contents.items()}
+    monkeypatch.setattr(uploads, "read_regular", contents.__getitem__)
+    monkeypatch.setattr(uploads, "_AT_ONCE", 500)
+    CountedBytes.lengths = 0
+    sent = list(batches(digests))
+    assert CountedBytes.lengths == len(contents)
+    assert [digest for batch in sent for digest in batch] == list(digests)
+    sizes = [sum(map(len, batch.values())) for batch in sent]
+    assert len(sizes) > 2 and all(500 < size < 520 for size in sizes[:-1])

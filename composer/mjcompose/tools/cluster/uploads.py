@@ -201,6 +201,7 @@ def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
 def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
     """Yield the contents of files in batches of limited size, by their sha256. Raises ClusterError."""
     batch: dict[str, bytes] = {}
+    size = 0
     for digest, path in paths.items():
         content = b""
         with contextlib.suppress(OSError):
@@ -209,9 +210,11 @@ def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
             message = f"`{path}` changed while it was sent to the workers"
             raise ClusterError("cluster-worker", message, "run the same command again")
         batch[digest] = content
-        if sum(map(len, batch.values())) > _AT_ONCE:
+        size += len(content)
+        if size > _AT_ONCE:
             yield batch
             batch = {}
+            size = 0
     if batch:
         yield batch
 
