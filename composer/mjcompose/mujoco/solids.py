@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
+from itertools import product
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
@@ -35,73 +37,135 @@ def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
     return (center + half * np.array(SIGNS)) @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
 
 
+class WeldedGeoms:
+    """The geoms of bodies that are fixed to each other. What all of these bodies share is computed once."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any, geoms: list[int]) -> None:
+        self.mujoco = mujoco
+        self.model = model
+        self.data = data
+        self.geoms = geoms
+
+    @cached_property
+    def corners(self) -> Any:
+        """The corners of the boxes around the geoms, in the world frame (m), shape (8 n, 3)."""
+        import numpy as np
+
+        boxes = self.model.geom_aabb[self.geoms]
+        center = boxes[:, None, :3]
+        half = boxes[:, None, 3:]
+        matrices = self.data.geom_xmat[self.geoms].reshape(-1, 3, 3)
+        in_frame = center + half * np.array(SIGNS)
+        in_world = in_frame @ matrices.transpose(0, 2, 1) + self.data.geom_xpos[self.geoms][:, None, :]
+        return in_world.reshape(-1, 3)
+
+    @cached_property
+    def bounds(self) -> tuple[Any, Any]:
+        """The least and the greatest coordinates of the corners, each of shape (3,)."""
+        return self.corners.min(axis=0), self.corners.max(axis=0)
+
+    @cached_property
+    def outermost(self) -> Any:
+        """A few corners that lie farthest out, shape (n, 3), at most 26."""
+        import numpy as np
+
+        directions = np.array([direction for direction in product((-1, 0, 1), repeat=3) if any(direction)])
+        return self.corners[np.unique(np.argmax(self.corners @ directions.T, axis=0))]
+
+    @cached_property
+    def volume(self) -> Volume:
+        """The volume of the largest group of geoms in m³, because visual geoms repeat collision geoms."""
+        return largest_volume(self.mujoco, self.model, self.geoms)
+
+    @cached_property
+    def volume_of_boxes(self) -> float:
+        """The sum of the volumes of the boxes around the geoms, in m³."""
+        import numpy as np
+
+        return float(8 * np.prod(self.model.geom_aabb[self.geoms][:, 3:], axis=1).sum())
+
+    def reach(self, point: Any) -> float:
+        """Return the greatest distance of the corners from a point of the world, in meters."""
+        return _farthest(self.corners, point)
+
+    def reaches(self, point: Any, distance: float) -> bool:
+        """Return whether a corner is farther than `distance` (m) from a point of the world.
+
+        The outermost corners answer for nearly all points, so a scene with many bodies does not compare each body with
+        each corner.
+        """
+        return _farthest(self.outermost, point) > distance or self.reach(point) > distance
+
+
 class Shapes:
     """The geoms of bodies at their places in the reference configuration."""
 
     def __init__(self, mujoco: Any, model: Model) -> None:
         import numpy as np
 
-        self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
+        self.mujoco = mujoco
+        self.model = model
+        self.data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, self.data)
         endless = [int(getattr(mujoco.mjtGeom, name)) for name in _ENDLESS]
-        self._of: dict[int, list[int]] = {}
+        by_weld: dict[int, list[int]] = {}
+        self._own: dict[int, list[int]] = {}
         for geom in np.flatnonzero(~np.isin(model.geom_type, endless)).tolist():
-            self._of.setdefault(int(model.body_weldid[model.geom_bodyid[geom]]), []).append(geom)
+            body = int(model.geom_bodyid[geom])
+            by_weld.setdefault(int(model.body_weldid[body]), []).append(geom)
+            self._own.setdefault(body, []).append(geom)
+        self._welded = {weld: WeldedGeoms(mujoco, model, self.data, geoms) for weld, geoms in by_weld.items()}
 
-    def of(self, body: int) -> list[int]:
+    def welded(self, body: int) -> WeldedGeoms | None:
         """Return the geoms of a body and of bodies fixed to it, since exporters often split shapes and inertia."""
-        return self._of.get(int(self.model.body_weldid[body]), [])
+        return self._welded.get(int(self.model.body_weldid[body]))
 
     def own(self, body: int) -> list[int]:
         """Return the geoms of the body alone."""
-        return [each for each in self.of(body) if int(self.model.geom_bodyid[each]) == body]
+        return self._own.get(body, [])
 
-    def corners(self, geoms: list[int]) -> Any:
-        """Return the corners of the boxes around geoms, in the world frame (m), shape (8 n, 3)."""
-        import numpy as np
 
-        sides = (np.split(self.model.geom_aabb[geom], 2) for geom in geoms)
-        boxes = zip(geoms, sides, strict=True)
-        return np.concatenate([box_corners(self.data, geom, center=at, half=half) for geom, (at, half) in boxes])
+def largest_volume(mujoco: Any, model: Model, geoms: list[int]) -> Volume:
+    """Return the volume of the largest group of geoms in m³, because visual geoms repeat collision geoms."""
+    groups: dict[int, Volume] = {}
+    for geom in geoms:
+        number = int(model.geom_group[geom])
+        groups[number] = groups.get(number, Volume(0.0, 0.0)) + volume(mujoco, model, geom)
+    least = max((group.least for group in groups.values()), default=0.0)
+    most = max((group.most for group in groups.values()), default=0.0)
+    return Volume(least, most)
 
-    def reach(self, body: int) -> float:
-        """Return the greatest distance of the body's geoms from its center of mass, in meters."""
-        import numpy as np
 
-        return float(np.linalg.norm(self.corners(self.of(body)) - self.data.xipos[body], axis=1).max())
+def _farthest(points: Any, point: Any) -> float:
+    import numpy as np
 
-    def volume(self, geoms: list[int]) -> Volume:
-        """Return the volume of the largest group of geoms in m³, because visual geoms repeat collision geoms."""
-        groups: dict[int, Volume] = {}
-        for geom in geoms:
-            group = int(self.model.geom_group[geom])
-            groups[group] = groups.get(group, Volume(0.0, 0.0)) + volume(self.mujoco, self.model, geom)
-        least = max((each.least for each in groups.values()), default=0.0)
-        return Volume(least, max((each.most for each in groups.values()), default=0.0))
+    return float(np.linalg.norm(points - point, axis=1).max())
 
 
 def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterator[str]:
     """Yield the impossible values of a body with geoms, in words. The limits are those of `InertiaImplausible`."""
     import numpy as np
 
-    model = shapes.model
-    mass, moments = float(model.body_mass[body]), sorted(map(float, model.body_inertia[body]))
+    geoms = shapes.welded(body)
+    if geoms is None:
+        return
+    mass = float(shapes.model.body_mass[body])
+    moments = sorted(map(float, shapes.model.body_inertia[body]))
     if moments[0] + moments[1] < moments[2] * (1 - _ROUNDING):
-        shown = ", ".join(f"{each:.4g}" for each in moments)
+        shown = ", ".join(f"{moment:.4g}" for moment in moments)
         yield f"the two smaller of its principal moments {shown} kg·m² add up to less than the largest"
-    corners, center = shapes.corners(shapes.of(body)), shapes.data.xipos[body]
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    center = shapes.data.xipos[body]
+    low, high = geoms.bounds
     diagonal = float(np.linalg.norm(high - low))
     # The distance to a box; inside of it all of these are negative.
     away = float(np.linalg.norm(np.maximum(np.maximum(low - center, center - high), 0.0)))
     if away > outside * diagonal + _ROUNDING:
         yield (f"its center of mass is {away:.4g} m outside the box around its geoms, which is {diagonal:.4g} m across")
-    farthest = shapes.reach(body)
     radius = float(np.sqrt(moments[2] / mass))
-    if radius > gyration * farthest * (1 + _ROUNDING):
+    if not geoms.reaches(center, radius / (gyration * (1 + _ROUNDING))):
         yield (
-            f"its radius of gyration is {radius:.4g} m, and no point of its geoms is farther than {farthest:.4g} m"
-            " from its center of mass"
+            f"its radius of gyration is {radius:.4g} m, and no point of its geoms is farther than"
+            f" {geoms.reach(center):.4g} m from its center of mass"
         )
 
 

@@ -30,7 +30,7 @@ from mjcompose.language.forms.scalars import (
     Unit,
 )
 from mjcompose.mujoco.arrays import HINGE, SLIDE
-from mjcompose.mujoco.solids import Shapes, faults
+from mjcompose.mujoco.solids import Shapes, faults, largest_volume
 
 
 class Rule(CheckPart):
@@ -89,7 +89,7 @@ class InertiaImplausible(Rule):
     def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
         shapes = Shapes(scope.mujoco, scope.model)
         named = chosen(scope, "body", settings, usual=scope.own("body"))
-        bodies = [each for each in named if each and scope.model.body_mass[each] > 0 and shapes.of(each)]
+        bodies = [each for each in named if each and scope.model.body_mass[each] > 0 and shapes.welded(each)]
         wrong = [
             f"{scope.called('body', body)}: {each}"
             for body in bodies
@@ -103,13 +103,16 @@ class InertiaImplausible(Rule):
 
 def _faults(scope: Scope, shapes: Shapes, body: int, settings: Mapping[str, Any]) -> Iterator[str]:
     yield from faults(shapes, body, gyration=settings["gyration"], outside=settings["outside"])
-    if settings["density"] is not None and (own := shapes.own(body)):
-        mass, found, (low, high) = float(scope.model.body_mass[body]), shapes.volume(own), settings["density"]
+    own = shapes.own(body)
+    if settings["density"] is not None and own:
+        mass = float(scope.model.body_mass[body])
+        volume = largest_volume(scope.mujoco, scope.model, own)
+        low, high = settings["density"]
         weighs = f"it weighs {mass:.4g} kg, which is {{:.4g}} kg/m³ of the volume of its geoms, {{}}"
-        if found.most > 0 and mass / found.most > high:
-            yield weighs.format(mass / found.most, f"above {high:g}")
-        elif found.least > 0 and mass / found.least < low:
-            yield weighs.format(mass / found.least, f"below {low:g}")
+        if volume.most > 0 and mass / volume.most > high:
+            yield weighs.format(mass / volume.most, f"above {high:g}")
+        elif volume.least > 0 and mass / volume.least < low:
+            yield weighs.format(mass / volume.least, f"below {low:g}")
 
 
 class JointUnactuated(Rule):

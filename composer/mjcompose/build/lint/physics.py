@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
     from mjcompose.mujoco.servos import Servos
+    from mjcompose.mujoco.solids import Shapes
 
 _HEAVIEST, _DENSE = 22_590.0, 100_000.0
 """The density of osmium, in kg/m³, and a density that is too high even for a geom that is too small."""
@@ -38,13 +39,23 @@ def inertia_implausible(subject: Subject) -> Found:
 
     shapes = subject.shapes
     for body in range(1, subject.model.nbody):
-        node, inertial = subject.node("body", body), _inertial(subject, body)
-        mass, whole = subject.model.body_mass[body], subject.model.body_subtreemass[subject.model.body_rootid[body]]
-        if mass > _NEGLIGIBLE * whole and shapes.own(body) and shapes.reach(body) > _SMALL:
-            for fault in faults(shapes, body, gyration=_GYRATION, outside=_OUTSIDE):
-                help = "correct `<inertial>`, or remove it to compute the inertia from the geoms"
-                place = node if inertial is None else inertial
-                yield Finding(place, f"{subject.name('body', body)}: {fault}", help=help)
+        if not _is_worth_a_look(shapes, body):
+            continue
+        inertial = _inertial(subject, body)
+        place = subject.node("body", body) if inertial is None else inertial
+        for fault in faults(shapes, body, gyration=_GYRATION, outside=_OUTSIDE):
+            help = "correct `<inertial>`, or remove it to compute the inertia from the geoms"
+            yield Finding(place, f"{subject.name('body', body)}: {fault}", help=help)
+
+
+def _is_worth_a_look(shapes: Shapes, body: int) -> bool:
+    """Return whether a body has geoms that are not tiny, and a share in the mass of its tree."""
+    model = shapes.model
+    whole = model.body_subtreemass[model.body_rootid[body]]
+    geoms = shapes.welded(body)
+    if geoms is None or not shapes.own(body) or model.body_mass[body] <= _NEGLIGIBLE * whole:
+        return False
+    return geoms.reaches(shapes.data.xipos[body], _SMALL)
 
 
 def _inertial(subject: Subject, body: int) -> Node | None:
@@ -55,14 +66,12 @@ def _inertial(subject: Subject, body: int) -> Node | None:
 @rule("density-impossible", in_mujoco=True, profiles={"robot-asset": _UNITS})
 def density_impossible(subject: Subject) -> Found:
     """A body that is denser than any metal."""
-    import numpy as np
-
-    shapes, model = subject.shapes, subject.model
-    for body in range(1, model.nbody):
-        mass, geoms = float(model.body_mass[body]), shapes.of(body)
-        if not geoms or mass <= _DENSE * _BOXES * sum(8 * float(np.prod(model.geom_aabb[each][3:])) for each in geoms):
+    for body in range(1, subject.model.nbody):
+        mass = float(subject.model.body_mass[body])
+        geoms = subject.shapes.welded(body)
+        if geoms is None or mass <= _DENSE * _BOXES * geoms.volume_of_boxes:
             continue
-        most = shapes.volume(geoms).most
+        most = geoms.volume.most
         if most > _MARKER and mass / most > _DENSE:
             density = f"{mass / most:,.0f} kg/m³; the densest metal has {_HEAVIEST:,.0f} kg/m³"
             name = subject.name("body", body)
