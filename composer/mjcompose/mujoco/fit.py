@@ -17,6 +17,7 @@ import numpy
 
 from mjcompose.mujoco import shapes as geometry
 from mjcompose.mujoco.shapes import Hull, Mesh, Primitive, Shape, UnusableError, hull_of, on_surface, rounded
+from mjcompose.mujoco.surface import Surface
 
 _POINTS, _ROUNDS = 4000, 20
 
@@ -97,12 +98,43 @@ def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.nda
     return turn, inner.min(axis=0), inner.max(axis=0)
 
 
+_BALL_AT_ONCE = 2000
+"""The number of points whose smallest ball is computed at once. `minimum_nsphere` compares each point with each other,
+which takes up to 4 GB for 20,000 points."""
+_BALL_FIRST, _BALL_MORE = 500, 50
+_INSIDE = 1e-9
+"""By the radius: a point that is at most this far outside counts as inside."""
+
+
 def _ball(points: numpy.ndarray, around: numpy.ndarray | None = None) -> tuple[numpy.ndarray, float]:
     """Return center and radius of the smallest ball, or of the ball around a point."""
+    center = _center(points) if around is None else around
+    return center, float(numpy.linalg.norm(points - center, axis=1).max())
+
+
+def _center(points: numpy.ndarray) -> numpy.ndarray:
+    """Return the center of the smallest ball around points.
+
+    The smallest ball around some of many points is the smallest ball around all of them if no point is outside.
+    """
+    if len(points) <= _BALL_AT_ONCE:
+        return _center_at_once(points)
+    from_mean = numpy.linalg.norm(points - points.mean(axis=0), axis=1)
+    chosen = numpy.argsort(-from_mean, kind="stable")[:_BALL_FIRST]
+    while True:
+        center = _center_at_once(points[chosen])
+        distances = numpy.linalg.norm(points - center, axis=1)
+        is_outside = distances > distances[chosen].max() * (1 + _INSIDE)
+        if not is_outside.any():
+            return center
+        farthest = numpy.argsort(-distances, kind="stable")[:_BALL_MORE]
+        chosen = numpy.unique(numpy.concatenate((chosen, farthest)))
+
+
+def _center_at_once(points: numpy.ndarray) -> numpy.ndarray:
     from trimesh.nsphere import minimum_nsphere
 
-    center: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64) if around is None else around
-    return center, float(numpy.linalg.norm(points - center, axis=1).max())
+    return numpy.array(minimum_nsphere(points)[0], numpy.float64)
 
 
 def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
@@ -189,7 +221,7 @@ def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
     """Return the same for a mesh that replaces another mesh: the distances of each surface from the other."""
     points = [numpy.vstack((on_surface(each.solid, _POINTS), _some(each.vertices))) for each in (other, mesh)]
     pairs = zip((mesh, other), points, strict=True)
-    beyond, short = (float(geometry.to_surface(each.solid, some).max()) for each, some in pairs)
+    beyond, short = (float(Surface(each.solid.triangles).distances(some).max()) for each, some in pairs)
     closed = mesh.is_closed and other.is_closed
     return {
         **_distances(beyond, short), "uncovered": None, "samples": sum(map(len, points)),
@@ -234,14 +266,32 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
             points, behind = points[free], behind[free]
         outer.append(points)
     points = numpy.vstack(outer)
-    away = geometry.to_surface(mesh.solid, points) if len(points) else numpy.zeros(0)
-    order = numpy.argsort(-away, kind="stable")
+    return _farthest_outside(mesh, numpy.unique(points, axis=0)), len(points)
+
+
+def _farthest_outside(mesh: Mesh, points: numpy.ndarray) -> float:
+    """Return the largest distance from the mesh of the points that are outside of it.
+
+    The points are taken in the order of an upper bound of their distance, which is cheap, until no other point can be
+    farther away.
+    """
+    if not len(points):
+        return 0.0
+    surface = Surface(mesh.solid.triangles)
+    bounds = surface.upper_bounds(points)
+    order = numpy.argsort(-bounds, kind="stable")
+    farthest = 0.0
     for start in range(0, len(order), _AT_ONCE):
-        some = order[start : start + _AT_ONCE]
-        out = _winding(mesh, points[some]) < 0.5
-        if out.any():
-            return float(away[some[out.argmax()]]), len(points)
-    return 0.0, len(points)
+        batch = order[start : start + _AT_ONCE]
+        if bounds[batch[0]] <= farthest:
+            break
+        distances = surface.distances(points[batch])
+        for number in numpy.argsort(-distances, kind="stable"):
+            if distances[number] <= farthest:
+                break
+            if _winding(mesh, points[batch[number]]) < 0.5:
+                farthest = float(distances[number])
+    return farthest
 
 
 def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]:
@@ -252,19 +302,16 @@ def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]
     return numpy.vstack((points, corners)), solid.face_normals[numpy.concatenate((faces, every))]
 
 
-def _winding(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
-    """The number of times that the surface surrounds points: one inside, zero outside, and a fraction near a hole."""
-    found = numpy.empty(len(points))
-    for number, point in enumerate(points):
-        one, two, three = (mesh.solid.triangles[:, at] - point for at in range(3))
-        lengths = [numpy.linalg.norm(side, axis=1) for side in (one, two, three)]
-        triple = (one * numpy.cross(two, three)).sum(axis=1)
-        below = lengths[0] * lengths[1] * lengths[2]
-        below += (one * two).sum(axis=1) * lengths[2]
-        below += (two * three).sum(axis=1) * lengths[0] + (three * one).sum(axis=1) * lengths[1]
-        found[number] = numpy.arctan2(triple, below).sum() / (2 * numpy.pi)
+def _winding(mesh: Mesh, point: numpy.ndarray) -> float:
+    """The number of times that the surface surrounds a point: one inside, zero outside, and a fraction near a hole."""
+    one, two, three = (mesh.solid.triangles[:, at] - point for at in range(3))
+    lengths = [numpy.linalg.norm(side, axis=1) for side in (one, two, three)]
+    triple = (one * numpy.cross(two, three)).sum(axis=1)
+    below = lengths[0] * lengths[1] * lengths[2]
+    below += (one * two).sum(axis=1) * lengths[2]
+    below += (two * three).sum(axis=1) * lengths[0] + (three * one).sum(axis=1) * lengths[1]
     # A mesh may be inside out as a whole.
-    return numpy.abs(found)
+    return float(numpy.abs(numpy.arctan2(triple, below).sum() / (2 * numpy.pi)))
 
 
 def _volume(shapes: Sequence[Shape]) -> float:

@@ -14,6 +14,7 @@ from xml.sax.saxutils import quoteattr
 import numpy
 
 from mjcompose.base.dataclass import Struct, dataclass
+from mjcompose.mujoco.surface import Surface
 
 
 class UnusableError(Exception):
@@ -106,13 +107,6 @@ def rounded(number: float) -> float:
     return float(f"{number:.7g}") + 0.0
 
 
-def to_surface(solid: Any, points: numpy.ndarray) -> numpy.ndarray:
-    """Return the distance of each point to the surface of a solid of trimesh."""
-    from trimesh.proximity import closest_point
-
-    return numpy.asarray(closest_point(solid, points)[1])
-
-
 @dataclass(frozen=True)
 class Hull:
     """The convex hull of its vertices."""
@@ -145,7 +139,7 @@ class Hull:
 
     def distance(self, points: numpy.ndarray) -> numpy.ndarray:
         """The distance of points that are outside."""
-        return to_surface(self.solid, points)
+        return Surface(self.solid.triangles).distances(points)
 
 
 @dataclass(frozen=True)
