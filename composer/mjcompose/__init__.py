@@ -11,13 +11,19 @@ Input that these do not accept raises a `MjcomposeError`; an index out of range 
 nothing: each name is imported when you first use it.
 """
 
-from __future__ import annotations
+import sys
+
+if sys.argv[:1] == ["-m"] and not sys.flags.safe_path:
+    # `python -m mjcompose`: Python puts the current folder first, where anyone may have a `typing.py`.
+    _module = sys.orig_argv[len(sys.orig_argv) - len(sys.argv)].split(".")[0]
+    if _module == "mjcompose" or (_module.startswith("-") and _module.endswith("mmjcompose")):
+        del sys.path[0]
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from mjcompose import mjcf, mujoco_plugin, worlds
     from mjcompose.base import __version__
@@ -33,7 +39,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-def _lazy(own: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def _lazy(own: dict[str, Any], homes: dict[str, str]) -> "tuple[Callable[[str], object], Callable[[], list[str]]]":
     """Return `__getattr__` and `__dir__` of a module that imports names on first use. `homes` has them by module."""
     home_of = {name: home for home, names in homes.items() for name in names.split()}
 

@@ -1,10 +1,17 @@
-"""Child processes that end with this process, and pools of them."""
+"""The one door to other programs: each child starts here, and ends with this process. Also pools of workers.
+
+A folder that somebody else made can have a `json.py`, a `uv.toml` or a `.git/config`, and many programs obey what is in
+their current folder. So a child starts in an empty folder of ours, unless its caller names one and gives the reason.
+`PATH` and the like are searched only in their absolute folders: an empty entry means the current folder.
+"""
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
 import itertools
+import json
 import os
 import pickle
 import queue
@@ -13,40 +20,71 @@ import subprocess
 import sys
 import threading
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
 from functools import cache
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Generic, TypeVar
+from typing import IO, Any, Generic, TypeVar
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.runtime import hear_signals, patience
+from mjcompose.base.files import untrusted
+from mjcompose.base.limits import in_force
+from mjcompose.base.runtime import absolute_folders, hear_signals, patience, without_current_folder
+from mjcompose.base.scratch import scratch
+
+PIPE, DEVNULL, STDOUT = subprocess.PIPE, subprocess.DEVNULL, subprocess.STDOUT
 
 _GUARD = str(Path(__file__).with_name("guard.py"))
+_OWN = str(Path(__file__).with_name("own_command.py"))
 _POSIX = os.name == "posix"
 _begun: weakref.WeakSet[Process] = weakref.WeakSet()
+
+
+class WorkFolder(Struct):
+    """The current folder of a child that does not start in an empty one, and the reason for it."""
+
+    path: Path | str
+    reason: str
+
+
+class Overrun(Exception):
+    """A program took too long or wrote too much, and was killed; the message says which."""
+
+    def __init__(self, message: str, *, is_late: bool) -> None:
+        super().__init__(message)
+        self.is_late = is_late
 
 
 class Process(subprocess.Popen[Any]):
     """A program in its own process group, which is killed when this process ends, even by `kill -9`.
 
-    `memory` and `size` limit its data and each file that it writes, in bytes, on POSIX; 0 means no limit. With
-    `watches` the program is Python that calls `guard.end_with` itself, with the last two numbers of its command
-    line. On Windows a job object is used instead, without the limits.
+    It starts in an empty folder if `folder` is None, without standard input unless the caller gives it one. The first
+    word of the command is the name of a program in an absolute folder of `PATH`, or an absolute path. `memory` and
+    `size` limit its data and each file that it writes, in bytes, on POSIX; None means the limit `memory` of this run,
+    0 means no limit. With `watches` the program is Python that calls `guard.end_with` itself, with the last two numbers
+    of its command line, and limits itself. On Windows a job object is used instead, without the limits.
+
+    Raises OSError if the program does not exist or there is no trusted folder for temporary files.
     """
 
     def __init__(
-        self, command: Sequence[str], *, memory: int = 0, size: int = 0, watches: bool = False, **options: Any
-    ) -> None:
+        self, command: Sequence[str], *, folder: WorkFolder | None = None, env: Mapping[str, str] | None = None,
+        memory: int | None = None, size: int = 0, watches: bool = False, **options: Any,
+    ) -> None:  # fmt: skip
         self._life: int | None = None
+        environment = without_current_folder(os.environ if env is None else env)
+        command = [_located(command[0], environment), *command[1:]]
+        options = {"stdin": DEVNULL, **options, "env": environment}
+        options["cwd"] = empty_folder() if folder is None else folder.path
         if not _POSIX:
             super().__init__(command, **options)
             tie(int(getattr(self, "_handle")))  # noqa: B009  it exists on Windows alone
             return
         reading, self._life = os.pipe()
         ends = [str(reading), str(os.getpid())]
-        guarded = [sys.executable, "-I", "-S", _GUARD, *ends, str(memory), str(size), *command]
+        bounds = [str(in_force().memory if memory is None else memory), str(size)]
+        guarded = isolated(sys.executable, ["-S", _GUARD, *ends, *bounds, *command])
         try:
             super().__init__(
                 [*command, *ends] if watches else guarded, pass_fds=(reading,), start_new_session=True, **options
@@ -57,6 +95,33 @@ class Process(subprocess.Popen[Any]):
         finally:
             os.close(reading)
         _begun.add(self)
+
+    def finish(self, *, seconds: float, most: int, content: bytes = b"") -> tuple[bytes, bytes]:
+        """Return the output and the last part of the errors once the program has ended; `content` is its input.
+
+        Raises Overrun if it takes longer than `seconds`, or if its output has more than `most` bytes.
+        """
+        output = _Reader(self.stdout, most, self.end)
+        errors = _Reader(self.stderr, _MOST_ERRORS, None)
+        writer = threading.Thread(target=self._write, args=(content,), daemon=True)
+        writer.start()
+        try:
+            self.wait(min(seconds, threading.TIMEOUT_MAX))
+        except subprocess.TimeoutExpired:
+            raise Overrun(f"it takes longer than {seconds:g} s", is_late=True) from None
+        finally:
+            self.end()
+            for thread in (writer, output.thread, errors.thread):
+                thread.join(_SECONDS_TO_END)  # a program that it has started may hold its pipes open
+        if output.is_over:
+            raise Overrun(f"it prints more than {most} bytes", is_late=False)
+        return output.content, errors.content
+
+    def _write(self, content: bytes) -> None:
+        if self.stdin is not None:
+            with contextlib.suppress(OSError, ValueError):  # it has ended, or reads nothing
+                self.stdin.write(content)
+                self.stdin.close()
 
     def end(self) -> None:
         """Kill the program and all its children, and wait for it."""
@@ -89,6 +154,45 @@ class Process(subprocess.Popen[Any]):
         super().__del__(*arguments)
 
 
+_MOST_ERRORS = 64 << 10
+_PIECE = 64 << 10
+
+
+class _Reader:
+    """Reads a pipe to its end and keeps at most `most` bytes: the first if `stop` is called for more, else the last."""
+
+    def __init__(self, pipe: IO[bytes] | None, most: int, stop: Callable[[], None] | None) -> None:
+        self.is_over = False
+        self._pieces: list[bytes] = []
+        self._pipe = pipe
+        self._most = most
+        self._stop = stop
+        self.thread = threading.Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self) -> None:
+        if self._pipe is None:
+            return
+        size = 0
+        with contextlib.suppress(OSError, ValueError), self._pipe as pipe:  # closed from this side
+            while piece := os.read(pipe.fileno(), _PIECE):
+                self._pieces.append(piece)
+                size += len(piece)
+                if size <= self._most:
+                    continue
+                if self._stop is not None:
+                    self.is_over = True
+                    self._stop()
+                    break
+                self._pieces = [self.content[-self._most :]]
+                size = len(self._pieces[0])
+
+    @property
+    def content(self) -> bytes:
+        """What it has read so far."""
+        return b"".join(self._pieces)
+
+
 def kill_all() -> None:
     """Kill every program that this process has started; the last action of the process."""
     for process in list(_begun):
@@ -97,9 +201,83 @@ def kill_all() -> None:
                 os.killpg(process.pid, signal.SIGKILL)
 
 
+_emptied: dict[int, Path] = {}
+"""The empty folder of this process, by its number: a forked process makes its own."""
+_emptying = threading.Lock()
+_until_exit = ExitStack()
+atexit.register(_until_exit.close)
+
+
+def empty_folder() -> Path:
+    """Return an empty folder of ours, which this process removes at its end. Raises OSError."""
+    with _emptying:
+        folder = _emptied.get(os.getpid())
+        if folder is None or not os.path.isdir(folder) or os.listdir(folder):
+            folder = _until_exit.enter_context(scratch("empty"))
+            if (why := untrusted(folder.parent.parent, is_temporary=True)) is not None:
+                raise PermissionError(
+                    f"the folder for temporary files, `{folder.parent.parent}`, is not trusted: {why}"
+                )
+            folder.chmod(0o500)
+            _emptied[os.getpid()] = folder
+        return folder
+
+
+def program(name: str, environment: Mapping[str, str]) -> str | None:
+    """Return the path of a program in the absolute folders of `PATH`, or None.
+
+    `shutil.which` also searches relative folders, and on Windows the current one.
+    """
+    endings = [""] if _POSIX else ["", *environment.get("PATHEXT", ".COM;.EXE;.BAT;.CMD").split(os.pathsep)]
+    for folder in absolute_folders(environment.get("PATH", os.defpath)):
+        for ending in endings:
+            path = os.path.join(folder, name + ending)
+            if os.path.isfile(path) and os.access(path, os.X_OK):
+                return path
+    return None
+
+
+def _located(name: str, environment: Mapping[str, str]) -> str:
+    if os.path.isabs(name):
+        return name
+    path = None if os.path.dirname(name) else program(name, environment)
+    if path is None:
+        raise FileNotFoundError(f"there is no program `{name}` in the absolute folders of PATH")
+    return path
+
+
+def isolated(python: str, words: Sequence[str]) -> list[str]:
+    """Return the command of a Python that imports only what is installed with it, and obeys no variable of Python.
+
+    >>> isolated("/usr/bin/python3", ["-c", "print()"])
+    ['/usr/bin/python3', '-I', '-c', 'print()']
+    """
+    return [python, "-I", *words]
+
+
+def open_in_browser(address: str) -> None:
+    """Open an address in the user's browser; the result of that is unknown."""
+    if os.name == "nt":  # Windows itself starts the browser, which a job object of ours would end
+        import webbrowser
+
+        webbrowser.open_new_tab(address)
+        return
+    command = isolated(sys.executable, ["-m", "webbrowser", address])
+    with contextlib.suppress(OSError, Overrun), Process(command, stdout=DEVNULL, memory=0) as process:
+        process.finish(seconds=_SECONDS_TO_OPEN, most=0)
+
+
+def own_command(*words: str) -> list[str]:
+    """Return `mjcompose WORDS` as a command for this Python, with the module path of this process."""
+    if not sys.executable:
+        raise FileNotFoundError("this Python does not know its own executable")
+    utf8 = f"utf8={sys.flags.utf8_mode}"
+    return isolated(sys.executable, ["-X", utf8, _OWN, json.dumps(module_path()), *words])
+
+
 def module_path() -> list[str]:
-    """Return this process's sys.path for another Python: absolute, with the folder of this package at the end."""
-    path = [str(Path(entry).absolute()) for entry in sys.path]
+    """Return the absolute folders of this process's sys.path for another Python, and the folder of this package."""
+    path = [entry for entry in sys.path if os.path.isabs(entry)]
     root = str(Path(__file__).resolve().parents[2])
     return path if root in path else [*path, root]
 
@@ -134,6 +312,7 @@ Opening = Callable[[], AbstractContextManager[Callable[[Task], Result]]]
 
 _TRIES = 2
 _SECONDS_TO_END = 5.0
+_SECONDS_TO_OPEN = 3600.0  # a browser of the terminal ends with its page
 
 
 class Died(Struct):
@@ -163,8 +342,8 @@ class Helper:
             if self._process is not None or self.ends:
                 return
             self._process = Process(
-                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _GUARD, "worker"], watches=True,
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=self._folder,
+                isolated(sys.executable, ["-X", f"utf8={sys.flags.utf8_mode}", _GUARD, "worker"]), watches=True,
+                stdin=PIPE, stdout=PIPE, folder=WorkFolder(self._folder or os.getcwd(), "tasks name files from it"),
             )  # fmt: skip
             self._is_open = False
         assert self._process.stdin is not None

@@ -1,15 +1,55 @@
-"""How this process runs: signals wait until an output is complete, and garbage is collected rarely."""
+"""How this process runs: where it looks for modules and programs, when signals arrive, when garbage is collected."""
 
 from __future__ import annotations
 
 import atexit
 import gc
+import os
 import signal
+import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
+
+_SEARCHED = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
+"""Variables with folders in which programs, modules and libraries are searched."""
+
+
+def without_current_folder(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment whose search paths have only absolute folders: an empty entry is the current folder.
+
+    >>> without_current_folder({"PATH": "/usr/bin::bin:.", "PYTHONPATH": "", "HOME": "/root"})
+    {'HOME': '/root', 'PATH': '/usr/bin'}
+    """
+    result = {name: value for name, value in environment.items() if name not in _SEARCHED}
+    for name in _SEARCHED:
+        if folders := absolute_folders(environment.get(name, "")):
+            result[name] = os.pathsep.join(folders)
+    result.setdefault("PATH", os.defpath)  # without it, some systems search the current folder
+    return result
+
+
+def absolute_folders(path: str) -> list[str]:
+    """Return the absolute folders of a search path. No I/O."""
+    return [folder for folder in path.split(os.pathsep) if os.path.isabs(folder)]
+
+
+def forget_current_folder() -> None:
+    """Let this process, and Pythons that libraries start, find modules and programs in absolute folders alone.
+
+    Python has made the relative folders of PYTHONPATH absolute when it started.
+    """
+    for folder in os.environ.get("PYTHONPATH", os.sep).split(os.pathsep):
+        if not os.path.isabs(folder) and (place := os.path.abspath(folder)) in sys.path:
+            sys.path.remove(place)
+    sys.path[:] = [folder for folder in sys.path if os.path.isabs(folder)]
+    environment = {**without_current_folder(os.environ), "PYTHONSAFEPATH": "1"}
+    for name in os.environ.keys() - environment.keys():
+        del os.environ[name]
+    os.environ.update(environment)
+
 
 _FIRST, _NEW, _YOUNG, _OLD = 700_000, 50_000, 20, 50
 

@@ -34,27 +34,24 @@ def call_confined(
     """Call `function` (`module:name`) with JSON data in a new process that can read `readable`, and Python's own files.
 
     The answer has `ok`, `value` (JSON data) and `confined`, how it was confined; or `error` and `crash`, which is
-    `timeout`, `memory`, `unconfined`, `start` or `exit N`. An exception of the function is an `error` without `crash`.
+    `timeout`, `output`, `memory`, `unconfined`, `start` or `exit N`. An exception of the function is an `error` without
+    `crash`.
     """
-    import subprocess
-
-    from mjcompose.base.processes import Process, module_path
+    from mjcompose.base.processes import PIPE, Overrun, Process, isolated, module_path
 
     task = {"path": module_path(), "function": function, "argument": argument, "readable": sorted(readable),
             "memory": min(memory, _MEMORY), "seconds": seconds}  # fmt: skip
     try:
         process = Process(
-            [sys.executable, "-I", "-X", "utf8", __file__], watches=True, stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            isolated(sys.executable, ["-X", "utf8", __file__]), watches=True, stdin=PIPE, stdout=PIPE, stderr=PIPE,
         )  # fmt: skip
     except (OSError, ValueError) as error:
         return _failure(f"no process can be started: {error}", "start")
+    content = json.dumps(task).encode() + b"\n"
     try:
-        out, words = process.communicate(json.dumps(task).encode() + b"\n", timeout=seconds)
-    except subprocess.TimeoutExpired:
-        return _failure(f"it takes longer than {seconds:g} s", "timeout")
-    finally:
-        process.end()
+        out, words = process.finish(seconds=seconds, most=_MOST_OUTPUT, content=content)
+    except Overrun as overrun:
+        return _failure(str(overrun), "timeout" if overrun.is_late else "output")
     try:
         answer = json.loads(out)
     except ValueError:

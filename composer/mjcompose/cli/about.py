@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import platform
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -16,6 +14,7 @@ import click
 from mjcompose.base import __version__
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.processes import PIPE, Overrun, Process, program
 from mjcompose.base.sandbox import call_confined
 from mjcompose.base.scratch import scratch
 from mjcompose.cli import completion
@@ -25,6 +24,8 @@ from mjcompose.cli.run import Answer, Group, Run, argument, command
 from mjcompose.sources.blobs import blobs_in
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
+_ANSWERING = 60.0
+_MOST_WORDS = 4096
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 
@@ -99,11 +100,15 @@ def _plugin() -> Finding:
 
 
 def _git() -> Finding:
-    git = shutil.which("git")
+    git = program("git", os.environ)
     if git is None:
         return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
-    version = subprocess.run([git, "--version"], capture_output=True, text=True, check=False).stdout.strip()
-    return Finding("git", version.removeprefix("git version "))
+    try:
+        with Process([git, "--version"], stdout=PIPE) as process:
+            out, _ = process.finish(seconds=_ANSWERING, most=_MOST_WORDS)
+    except (OSError, Overrun) as error:
+        return Finding("git", f"`{git}` cannot be run: {error}", None)
+    return Finding("git", out.decode("utf-8", "replace").strip().removeprefix("git version "))
 
 
 def _store() -> Finding:

@@ -14,7 +14,7 @@ from functools import cache
 from types import FrameType
 from typing import Any
 
-from mjcompose.base.runtime import rarely_collecting, with_deferring
+from mjcompose.base.runtime import forget_current_folder, rarely_collecting, with_deferring
 
 NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, if the machine has it"
 LEAST = 160 << 20
@@ -23,6 +23,7 @@ LEAST = 160 << 20
 
 def main() -> None:
     """Run the command with the arguments of this process."""
+    forget_current_folder()
     end_in_order()
     end_in_a_second()
     rarely_collecting()

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import sys
 from base64 import b64encode
 from collections.abc import Mapping
 from functools import partial
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base import __version__
+from mjcompose.base.processes import PIPE, Overrun, Process, WorkFolder, own_command
 from mjcompose.base.scratch import scratch
 from mjcompose.cli.options import formats
 from mjcompose.cli.reporting import USAGE
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 
 _MOST = 40_000
+_MOST_BYTES = 64 << 20
+_SECONDS = 3600.0
 _INSTRUCTIONS = (
     "Compose MuJoCo models from YAML recipes. Write recipes with your own file tools. `reference` has the keys, `check`"
     " the errors with exact fixes, `tree` the names to attach to, `explain` the origin of a value or the page of an"
@@ -177,15 +179,21 @@ def _reference(key: str) -> tuple[bool, str]:
 
 async def _run(root: Path, words: list[str]) -> tuple[int, str]:
     """Return the exit code and the output of the command; a call that the agent cancels ends it."""
-    from anyio import run_process
+    from anyio import to_thread
 
     environment = {**os.environ, "MJCOMPOSE_SERVED": os.path.realpath(root), "NO_COLOR": "1"}
-    done = await run_process(
-        [sys.executable, "-P", "-m", "mjcompose", *words], input=b"", cwd=root, check=False, env=environment
-    )
-    text = (done.stdout + done.stderr).decode(errors="replace").strip() or "no errors"
+    folder = WorkFolder(root, "the agent names recipes from the folder of its server")
+    process = Process(own_command(*words), folder=folder, env=environment, stdout=PIPE, stderr=PIPE)
+    try:
+        finish = partial(process.finish, seconds=_SECONDS, most=_MOST_BYTES)
+        out, errors = await to_thread.run_sync(finish, abandon_on_cancel=True)
+    except Overrun as overrun:
+        return USAGE, f"`mjcompose {words[0]}` was ended: {overrun}"
+    finally:
+        process.end()
+    text = (out + errors).decode(errors="replace").strip() or "no errors"
     more = len(text) - _MOST
-    return done.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: request less"
+    return process.returncode, text if more <= 0 else f"{text[:_MOST]}\n… {more} more characters: request less"
 
 
 _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")

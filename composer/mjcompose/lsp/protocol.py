@@ -11,8 +11,6 @@ import contextlib
 import json
 import os
 import re
-import subprocess
-import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -21,7 +19,7 @@ from lsprotocol import types as lsp
 
 from mjcompose.base.codes import address
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
-from mjcompose.base.processes import Process
+from mjcompose.base.processes import PIPE, STDOUT, Overrun, Process, WorkFolder, own_command
 from mjcompose.base.report import printable
 from mjcompose.lsp import analysis
 from mjcompose.text.node import Change
@@ -265,6 +263,14 @@ def _words(found: Diagnostic) -> str:
     return printable("\n".join([found.message, *notes, *help]))
 
 
+_SECONDS = 3600.0
+_MOST_OUTPUT = 16 << 20
+
+
+def _text(output: bytes) -> str:
+    return output.decode("utf-8", "replace").strip()
+
+
 class Errands:
     """Runs commands in a folder. A `view` runs until the same model is viewed again, or the server ends."""
 
@@ -281,22 +287,25 @@ class Errands:
 
     def _run(self, words: list[str]) -> tuple[str, bool]:
         if words[0] != "view":
-            process = self._start(words)
-            out, _ = process.communicate()
-            return out.strip() or f"{words[0]}: done", process.returncode == 0
+            with self._start(words) as process:
+                try:
+                    out, _ = process.finish(seconds=_SECONDS, most=_MOST_OUTPUT)
+                except Overrun as overrun:
+                    return f"`mjcompose {words[0]}` was ended: {overrun}", False
+            return _text(out) or f"{words[0]}: done", process.returncode == 0
         if (known := self._views.pop(tuple(words), None)) is not None:
             known.end()
         process = self._views[tuple(words)] = self._start(words)
         assert process.stdout is not None  # its first line is the address
-        line = process.stdout.readline().strip()
+        line = _text(process.stdout.readline(_MOST_LINE))
         return line or "the model cannot be shown: see its diagnostics", line.startswith("http")
 
     def _start(self, words: list[str]) -> Process:
         if words[0] == "build":
             (self.folder / "build").mkdir(exist_ok=True)
         return Process(
-            [sys.executable, "-m", "mjcompose", *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, cwd=self.folder, encoding="utf-8", errors="replace",
+            own_command(*words), stdout=PIPE, stderr=STDOUT,
+            folder=WorkFolder(self.folder, "messages name recipes from the folder of the editor"),
         )  # fmt: skip
 
     def end(self) -> None:

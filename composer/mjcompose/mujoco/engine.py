@@ -8,7 +8,6 @@ import os
 import queue
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import threading
@@ -22,7 +21,7 @@ from typing import IO, TYPE_CHECKING, Any
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import untrusted
 from mjcompose.base.limits import GIB, in_force
-from mjcompose.base.processes import Process, module_path
+from mjcompose.base.processes import PIPE, Process, WorkFolder, isolated, module_path
 from mjcompose.base.scratch import scratch
 from mjcompose.tree.grammar import version_key
 
@@ -265,8 +264,9 @@ class Session:
         with (self._folder / "log").open("wb") as log:
             # File names are bytes: the child's are UTF-8 in every locale.
             self._process = Process(
-                [sys.executable, "-I", "-X", "utf8", str(Path(__file__).with_name("child.py"))],
-                watches=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=work, env=environment,
+                isolated(sys.executable, ["-X", "utf8", str(Path(__file__).with_name("child.py"))]),
+                folder=WorkFolder(work, "MuJoCo writes its log there"),
+                watches=True, stdin=PIPE, stdout=PIPE, stderr=log, env=environment,
                 encoding="utf-8", errors="surrogateescape",
             )  # fmt: skip
         self._lines = queue.Queue()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import in_force
-from mjcompose.base.processes import Process
+from mjcompose.base.processes import DEVNULL, PIPE, Overrun, Process, WorkFolder, isolated
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.mujoco import engine
@@ -32,7 +32,12 @@ from mjcompose.targets.target import Loss, grouped, in_words
 _READERS = Path(__file__).with_name("readers")
 _INTERPRETER = "Scripts/python.exe" if os.name == "nt" else "bin/python"
 _ASK = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)"
+_ANSWERING = 60.0
+"""The seconds in which a Python says whether it has a module."""
 _LAST_WORDS = 400
+_MOST_FACTS = 256 << 20
+_LARGEST = 4 << 30
+"""The most bytes of a file that a program writes while it reads a model: Warp and JAX compile kernels."""
 _RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
 
 
@@ -78,9 +83,11 @@ def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
     named = Path(folder, reader.program, _INTERPRETER) if folder else None
     for python in (named, Path(sys.executable)):
         if python is not None and os.path.isfile(python):
-            command = [str(python), "-I", "-c", _ASK, reader.module]
-            if subprocess.run(command, capture_output=True, check=False).returncode == 0:
-                return str(python)
+            question = isolated(str(python), ["-c", _ASK, reader.module])
+            with suppress(OSError, Overrun), Process(question, stdout=DEVNULL, stderr=DEVNULL) as process:
+                process.finish(seconds=_ANSWERING, most=0)
+                if process.returncode == 0:
+                    return str(python)
     return None
 
 
@@ -93,21 +100,23 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
     asked.write_text(json.dumps(questions), encoding="utf-8")
     program = _READERS / f"{reader.program}.py"
-    command = [python, "-I", facts_module.__file__, str(program), str(model), str(asked), str(out)]
+    command = isolated(python, [facts_module.__file__, str(program), str(model), str(asked), str(out)])
     seconds = in_force().time
-    with Process(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=model.parent.parent
-    ) as process:
+    folder = WorkFolder(model.parent.parent, "a folder of ours: programs write what they make of the model there")
+    with Process(command, stdout=DEVNULL, stderr=PIPE, folder=folder, size=_LARGEST) as process:
         try:
-            _, said = process.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            process.end()
+            _, said = process.finish(seconds=seconds, most=0)
+        except Overrun:
             return f"it took longer than {seconds:g} seconds"
     if process.returncode or not os.path.isfile(out):
         lines: list[str] = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip(" -")]
         raised = [line for line in lines if _RAISED.match(line)]  # JAX and Genesis write more after it
         return (raised or lines or [f"it ended with the code {process.returncode}"])[-1][:_LAST_WORDS]
-    facts: dict[str, Any] = json.loads(out.read_bytes())
+    with out.open("rb") as stream:
+        content = stream.read(_MOST_FACTS + 1)
+    if len(content) > _MOST_FACTS:
+        return f"it wrote more than {_MOST_FACTS >> 20} MiB of facts"
+    facts: dict[str, Any] = json.loads(content)
     return facts
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import stat
 import time
-import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -231,7 +230,7 @@ def test_the_browser_gets_the_token_through_a_file_of_this_user(
     (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
     opened: list[str] = []
     monkeypatch.setattr(live, "_no_browser", lambda: None)
-    monkeypatch.setattr(webbrowser, "open", opened.append)
+    monkeypatch.setattr(live, "open_in_browser", opened.append)
     with running("arm.xml", tmp_path, opens=True) as server:
         for _ in range(200):
             if opened:

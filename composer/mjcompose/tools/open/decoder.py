@@ -13,9 +13,7 @@ import contextlib
 import ctypes
 import glob
 import os
-import shutil
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -27,6 +25,7 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError
 from mjcompose.base.files import read_regular
+from mjcompose.base.processes import DEVNULL, PIPE, Overrun, Process, program
 from mjcompose.base.report import MjcomposeError, render
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import unwritable_error
@@ -308,6 +307,7 @@ def _folder(scheme: str, owner: str) -> Path:
 
 SOURCE = Path(__file__).with_name("decoder.c")
 NAME = "libmjcompose_decoder.so"
+_COMPILING = 120.0
 
 
 class PluginError(DiagnosticError):
@@ -343,22 +343,33 @@ def install(folder: Path) -> Path:
     if int(version) < 4_000_000:
         raise PluginError("not-supported", f"the MuJoCo in `{folder}` is older than 4.0, the first that opens recipes",
                           "install `mujoco>=4`, or build a bundle with `mjcompose build`")  # fmt: skip
-    compiler = shutil.which(os.environ.get("CC", "cc"))
+    named = os.environ.get("CC", "cc")
+    compiler = named if os.path.isabs(named) else program(named, os.environ)
     if compiler is None:
         raise PluginError("not-installed", "there is no C compiler", "install one, such as `gcc`, or set `CC`")
     place = library_in(folder)
     with scratch("plugin") as build:
         made = build / NAME
         python = sys.executable.replace("\\", "\\\\").replace('"', '\\"')
-        words = [compiler, "-O2", "-shared", "-fPIC", f"-I{folder / 'include'}", f'-DMJCOMPOSE_PYTHON="{python}"',
-                 str(SOURCE), "-o", str(made), "-ldl"]  # fmt: skip
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            lines = done.stderr.strip().splitlines() or ["no reason given"]
-            raise PluginError("not-supported", f"`{compiler}` cannot compile the plugin: {lines[0]}")
+        words = [compiler, "-O2", "-shared", "-fPIC", f"-I{folder.absolute() / 'include'}",
+                 f'-DMJCOMPOSE_PYTHON="{python}"', str(SOURCE), "-o", str(made), "-ldl"]  # fmt: skip
+        _compile(words)
         with staged_file(place) as stage:  # raises OutputError
             stage.write_bytes(read_regular(made))
     return place
+
+
+def _compile(words: list[str]) -> None:
+    reason = "no reason given"
+    try:
+        with Process(words, stdout=DEVNULL, stderr=PIPE) as process:
+            _, said = process.finish(seconds=_COMPILING, most=0)
+        if process.returncode == 0:
+            return
+        reason = next(iter(said.decode("utf-8", "replace").strip().splitlines()), reason)
+    except (OSError, Overrun) as error:
+        reason = str(error)
+    raise PluginError("not-supported", f"`{words[0]}` cannot compile the plugin: {reason}")
 
 
 def remove(folder: Path) -> Path | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import os
 import sys
-import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -13,6 +12,7 @@ from threading import Event, Thread
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Mark
+from mjcompose.base.processes import open_in_browser
 from mjcompose.base.scratch import scratch
 from mjcompose.sources.context import Context
 from mjcompose.tools.view.builder import Shown, Watch, Workshop, marks
@@ -91,7 +91,7 @@ def _opened(address: str) -> Iterator[None]:
                 "<!doctype html>\n<meta charset=utf-8>\n<title>mjcompose</title>\n"
                 f'<meta http-equiv=refresh content="0; url={shown}">\n<a href="{shown}">{shown}</a>\n'
             )
-        Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
+        Thread(target=open_in_browser, args=(page.as_uri(),), daemon=True).start()
         yield
 
 
