@@ -82,7 +82,7 @@ def test_the_tree_says_what_mujoco_says(tmp_path: Path, actuator: str) -> None:
         meant = found.of(found.linking.base.root.find("actuator")[0])
     wanted = WORDS.get(controls.of_control(model, mujoco, 0) or "")
     assert (*meant.controls, None)[0] == wanted
-    assert ("_models" in found.__dict__) == ('"mixed"' in actuator or '"rate"' in actuator)
+    assert ("_measured" in found.__dict__) == ('"mixed"' in actuator or '"rate"' in actuator)
 
 
 def test_a_tendon_has_no_angles(tmp_path: Path) -> None:

@@ -587,8 +587,8 @@ def test_what_is_in_a_flexcomp_decides_on_its_joints(built: Built, edit: str) ->
 @pytest.mark.parametrize("attribute", ["joint", "jointinparent"])
 def test_a_control_by_the_joint_of_its_actuator(built: Built, attribute: str) -> None:
     motor = '<motor name="shoulder" joint="shoulder"/>'
-    arm = ARM.replace(motor, f'<motor name="first" {attribute}="hip"/>')
-    model = built("base: ./arm.xml\nkeyframe: {k: {ctrl: {joint: {hip: 3, slide: 4}}}}\n", arm__xml=arm)
+    arm = ARM.replace(motor, f'<motor name="first" {attribute}="shoulder"/>')
+    model = built("base: ./arm.xml\nkeyframe: {k: {ctrl: {joint: {shoulder: 3, slide: 4}}}}\n", arm__xml=arm)
     assert model.key("k").ctrl.tolist() == [3, 4]
 
 

@@ -34,10 +34,30 @@ _ARRAYS = (
 )  # fmt: skip
 PLUGIN = "plugin"
 """The gain and the bias of an actuator whose force a plugin computes."""
-_JOINTS, _TENDON = (0, 1), 3  # mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON
-_FORCES = {2: "N", 3: "N·m"}  # mjJNT_SLIDE, mjJNT_HINGE
+_JOINTS = (0, 1)  # mjTRN_JOINT, mjTRN_JOINTINPARENT
+_ALONG = (2, 3)  # mjTRN_SLIDERCRANK, mjTRN_TENDON
+_SLIDE, _HINGE = 2, 3  # mjJNT_SLIDE, mjJNT_HINGE
+_FORCES = {_SLIDE: "N", _HINGE: "N·m"}
 INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 """The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, each with its meaning."""
+
+
+# With these dynamics, the control reaches the gain as it is, filtered, or integrated over time.
+_PASSING = ("none", "filter", "filterexact", "integrator")
+
+
+class JointScale(NamedTuple):
+    """A control as a function of a number of its joint, `factor` · number + `offset`, and the quantity of that number.
+
+    The quantity is `position`, `velocity` or `force`, or the rate of one of these.
+    """
+
+    quantity: str
+    factor: float
+    offset: float = 0.0
+
+    def control(self, number: float) -> float:
+        return self.factor * number + self.offset
 
 
 class ActuatorModel(Struct):
@@ -61,6 +81,13 @@ class ActuatorModel(Struct):
     """The change of its length if its joint or tendon moves by 1; 0 if it moves none along one axis."""
     unit: str = ""
     """The unit of the force on its joint, N or N·m; "" except for a hinge or a slide."""
+    axes: tuple[float, ...] = ()
+    """Its `gear` on a ball, a free joint or a site, where the numbers are an axis; empty for other targets."""
+
+    @property
+    def turns(self) -> bool:
+        """Return whether the actuator acts on a hinge."""
+        return self.unit == _FORCES[_HINGE]
 
     @property
     def is_affine(self) -> bool:
@@ -100,6 +127,31 @@ class ActuatorModel(Struct):
     def control(self) -> str:
         """Return the quantity of the control: the quantity of `form`, or its rate if the activation integrates it."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
+
+    def joint_scales(self) -> tuple[JointScale, ...] | None:
+        """Return how each control follows from a number of the joint; None if none does."""
+        if not self.unit or not self.gear:
+            return None
+        if self.gain == "pid":
+            return tuple(self._scale_of_input(INPUTS[name]) for name in self.inputs)
+        if self.gain != "fixed" or self.bias not in ("none", "affine") or self.dynamics not in _PASSING:
+            return None
+        gain = self.gainprm[0]
+        if not gain:
+            return None
+        bias, stiffness, damping = (0.0, 0.0, 0.0) if self.bias == "none" else self.biasprm[:3]
+        rate = "rate of " if self.dynamics == "integrator" else ""
+        offset = 0.0 if rate else 0.0 - bias / gain
+        # In MuJoCo 4.0, force = gain · input + bias + stiffness · length + damping · velocity, and the joint feels the
+        # force times `gear`: the control below gives no force at the position or the velocity.
+        if stiffness:
+            return (JointScale(f"{rate}position", self.gear * (-stiffness / gain), offset),)
+        if damping:
+            return (JointScale(f"{rate}velocity", self.gear * (-damping / gain), offset),)
+        return (JointScale(f"{rate}force", 1 / (self.gear * gain), offset),)
+
+    def _scale_of_input(self, quantity: str) -> JointScale:
+        return JointScale(quantity, 1 / self.gear if quantity == "force" else self.gear)
 
 
 def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
@@ -173,16 +225,20 @@ def _model(arrays: Mapping[str, list[float]], row: int, count: int, general: Map
     )  # fmt: skip
 
 
-def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, str]:
-    """Return the gear of an actuator, and the unit of its force on a joint."""
+def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, str, tuple[float, ...]]:
+    """Return the gear of an actuator, the unit of its force on a joint, and the axes of its gear if it has some."""
     kind, target = int(arrays["actuator_trntype"][row]), int(arrays["actuator_trnid"][2 * row])
     unit = _FORCES.get(int(arrays["jnt_type"][target]), "") if kind in _JOINTS else ""
     output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
-    return arrays["actuator_gear"][6 * output] if unit or kind == _TENDON else 0.0, unit
+    gear = tuple(arrays["actuator_gear"][6 * output : 6 * output + 6])
+    if unit or kind in _ALONG:
+        return gear[0], unit, ()
+    return 0.0, unit, gear
 
 
 _POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
 _ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
+_ANGLES_AT_JOINT = {**_ANGLES, "rate of velocity": "an angular acceleration"}
 _BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
 _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
 """The controls of these actuators are never positions or velocities of a joint."""
@@ -218,6 +274,19 @@ class ControlUnits:
             control = self._models[actuator].control if actuator in self._models else "other"
         return control is not None and control.startswith(_POSITION)
 
+    def at_joint(self, actuator: Node) -> tuple[tuple[JointScale, str | None], ...] | None:
+        """Return for each control how it follows from a number of the joint, and words for that number as an angle.
+
+        The words are None for a number that is not an angle. Return None if no number of the joint determines the
+        control, as with a muscle.
+        """
+        model = self._models.get(actuator)
+        scales = None if model is None else model.joint_scales()
+        if model is None or scales is None:
+            return None
+        words = _ANGLES_AT_JOINT if model.turns else {}
+        return tuple((scale, words.get(scale.quantity)) for scale in scales)
+
     def _found(self, actuator: Node) -> ControlMeaning:
         joint = actuator.get("joint") or actuator.get("jointinparent")
         if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
@@ -233,11 +302,19 @@ class ControlUnits:
         held = control.removeprefix("rate of ")
         return ControlMeaning(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
 
+    @property
+    def are_unknown(self) -> bool:
+        """Return whether MuJoCo cannot compile the model, for a reason that is reported."""
+        return self.in_doubt or self._measured is None
+
     @cached_property
+    def _measured(self) -> Mapping[Node, ActuatorModel] | None:
+        """Return the models of all actuators. MuJoCo computes them once."""
+        return actuator_models(self.linking, self.sink, self.linking.base.root.findall("actuator/*"))
+
+    @property
     def _models(self) -> Mapping[Node, ActuatorModel]:
-        """Return the actuator models of all actuators that may be servos. MuJoCo computes them once."""
-        found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
-        return actuator_models(self.linking, self.sink, found) or {}
+        return self._measured or {}
 
     def _control(self, actuator: Node) -> str | None:
         """Return the quantity of a control if the tree determines it. All actuator tags share settings of classes."""

@@ -217,6 +217,12 @@ class Editing:
             settings.pop(name, None)
 
 
+def is_limited_by_range(editing: Editing, node: Node, switch: str) -> bool:
+    """Return whether a range that is written limits: by the word `switch`, or by itself, as with `autolimits`."""
+    word = editing.effective(node, switch)
+    return word == "true" or (word in (None, "auto") and editing.linking.flat().settings.autolimits != "false")
+
+
 def take_files(editing: Editing) -> None:
     """Resolve the files that edits name relative to the recipe. They replace the elements' previous files."""
     making, linking = editing.making, editing.linking

@@ -37,6 +37,7 @@ from mjcompose.tree.unit import Key, KeySource, Number, numbers_of, taken, texts
 _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for an element that always has the same width."""
 _JOINTS = ("joint", "freejoint")
+_QUANTITIES = "a position, velocity or force"
 _MEANT = {
     ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",
     ("free", "qvel"): "linear and angular velocity, `[x, y, z, a, b, c]`",
@@ -138,7 +139,7 @@ class _KeyWriter(Struct, frozen=False):
                     self._place(vector, name, holder, entry=entry, path=(name,))
         for joint, entry in recipe_key.controls.joints.items():
             if (actuator := self._of_joint(joint)) is not None:
-                self._place("ctrl", joint, actuator, entry=entry, path=(JOINT, joint))
+                self._place_at_joint(joint, actuator, entry)
         return key
 
     def _hold(self) -> None:
@@ -226,21 +227,73 @@ class _KeyWriter(Struct, frozen=False):
     def _place(self, vector: str, name: str, holder: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
         """Write the numbers of an entry. `path` is the place of the entry below its vector."""
         node, slot = holder
-        if slot is not None:
-            width = slot.widths[vector in ("qvel", "act")]
-            if len(entry) != width:
-                self._wrong_width(vector, name, slot, entry=entry, width=width, path=path)
-                return
+        if not self._has_width(vector, name, slot, entry=entry, path=path):
+            return
         meant = self._meant(vector, name, node, slot=slot, width=len(entry))
         values = [
             pose_number(value) if words is None else self._angle(vector, value, words, path=path)
             for value, words in zip(entry, meant, strict=True)
         ]
+        self._write(vector, node, values, path=path)
+
+    def _place_at_joint(self, joint: str, holder: _Holder, entry: Entry) -> None:
+        """Write the controls of the actuator of a joint, from numbers on the joint's side of the gear."""
+        node, slot = holder
+        path = (JOINT, joint)
+        if self.units.are_unknown:
+            self._place("ctrl", joint, holder, entry=entry, path=path)
+            return
+        if not self._has_width("ctrl", joint, slot, entry=entry, path=path):
+            return
+        scales = self.units.at_joint(node)
+        if scales is None or len(scales) != len(entry):
+            self._no_quantity(joint, node)
+            return
+        values = []
+        for value, (scale, words) in zip(entry, scales, strict=True):
+            if words is not None:
+                words = f"`ctrl` of the joint `{joint}` is {words}"
+                number = self._angle("ctrl", value, words, path=path)
+            else:
+                number = self._without_angle(joint, value, scale.quantity)
+            values.append(scale.control(number))
+        self._write("ctrl", node, values, path=path)
+
+    def _write(self, vector: str, node: Node, values: list[float], path: tuple[str, ...]) -> None:
         span = self._at(vector, *path)
         source = KeySource("entry", vector, span=span)
         self.noted.entries.setdefault(vector, {})[node] = (values, span)
         row = [Number(text, source, at) for at, text in enumerate(numbers.text(values).split())]
         self.values.setdefault(vector, {})[node] = row
+
+    def _no_quantity(self, joint: str, actuator: Node) -> None:
+        """Report an actuator whose control is nothing that the joint has."""
+        name = _name(actuator)
+        if name:
+            called = f"the `{actuator.tag}` actuator `{name}`"
+            message = f"the control of {called} is not {_QUANTITIES} of the joint `{joint}`"
+            help = f"write the control itself, by the name of the actuator: `ctrl: {{{name}: …}}`"
+        else:
+            message = f"the control of the `{actuator.tag}` actuator of the joint `{joint}` is not {_QUANTITIES} of it"
+            help = _naming([actuator], joint)
+        self.making.sink.error("wrong-type", message, self._at("ctrl", JOINT, joint), help=help, subjects=(joint,))
+
+    def _without_angle(self, joint: str, value: Single, quantity: str) -> float:
+        if isinstance(value, Angle):
+            message = f"`ctrl` of the joint `{joint}` is a {quantity}, not an angle: `{shown(value)}`"
+            span = self._at("ctrl", JOINT, joint)
+            self.making.sink.error("wrong-type", message, span, help="write the number without `deg` or `rad`")
+        return pose_number(value)
+
+    def _has_width(self, vector: str, name: str, slot: Slot | None, entry: Entry, path: tuple[str, ...]) -> bool:
+        """Return whether an entry has as many numbers as its joint, actuator or body. Report another count."""
+        if slot is None:
+            return True
+        width = slot.widths[vector in ("qvel", "act")]
+        if len(entry) != width:
+            self._wrong_width(vector, name, slot, entry=entry, width=width, path=path)
+            return False
+        return True
 
     def _meant(self, vector: str, name: str, node: Node, slot: Slot | None, width: int) -> Sequence[str | None]:
         """Return words for each number of an entry that is an angle, else None."""

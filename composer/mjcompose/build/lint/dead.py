@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.mujoco.addresses import rows_of
 from mjcompose.tree.names import GENERATORS, own_name
 
 _REMOVE = Edit(removes=True)
@@ -71,11 +72,11 @@ def dead_actuator(subject: Subject) -> Found:
     """An actuator that cannot exert a force."""
     model, kinds = subject.model, subject.mujoco
     user = {int(kinds.mjtGain.mjGAIN_USER), int(kinds.mjtGain.mjGAIN_MUSCLE)}
-    for row in range(model.nu):
+    for row in range(len(model.actuator_gaintype)):
         element = subject.node("actuator", row)
         if element is None or int(model.actuator_gaintype[row]) in user or int(model.actuator_plugin[row]) >= 0:
             continue
-        if not model.actuator_gear[row].any():
+        if not model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row)].any():
             yield Finding(element, f"{subject.name('actuator', row)} has the gear 0 and moves nothing", "gear")
         elif not model.actuator_gainprm[row].any() and not model.actuator_biasprm[row].any():
             message = f"{subject.name('actuator', row)} has no gain and no bias, so it exerts no force"

@@ -32,21 +32,25 @@ def actuator_order(subject: Subject) -> Found:
 def key_does_not_hold(subject: Subject) -> Found:
     """A keyframe whose controls move the joints away from its pose."""
     model = subject.model
-    pairs = position_servos(subject)
+    servos = position_servos(subject)
     for row, name, data in subject.at_keys():
         element, away = subject.node("key", row), []
+        geared = False
         if element is None:
             continue
-        for actuator, joint in pairs:
-            aim, at = float(model.key_ctrl[row, actuator]), float(data.actuator_length[actuator])
+        for actuator, joint, control, gear in servos:
+            aim = float(model.key_ctrl[row, control]) / gear
+            at = float(data.qpos[model.jnt_qposadr[joint]])
             low, high = map(float, model.jnt_range[joint])
-            width = (high - low if model.jnt_limited[joint] else 3.14) * abs(float(model.actuator_gear[actuator, 0]))
+            width = high - low if model.jnt_limited[joint] else 3.14
             if abs(aim - at) > _FAR * width:
                 away.append((actuator, joint, aim, at))
+                geared = geared or gear != 1
         if away and not model.key_ctrl[row].any() and not element.get("ctrl"):
             moved = f"{len(away)} position actuator{'s' * (len(away) > 1)}"
             message = f"{name} has no `ctrl`: {moved}, such as {subject.name('actuator', away[0][0])}, leave its pose"
-            yield Finding(element, message, "qpos", help="write the positions of the joints as `ctrl`")
+            help = f"write the positions of the joints{', times the `gear`,' if geared else ''} as `ctrl`"
+            yield Finding(element, message, "qpos", help=help)
             continue
         for actuator, joint, aim, at in away:
             aims = f"in {name} {subject.name('actuator', actuator)} aims at {aim:.4g}"

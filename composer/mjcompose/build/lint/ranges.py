@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from lxml.etree import _Element as Node
 
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
+from mjcompose.mujoco.references import ON_JOINTS
 
 _LIMITS = {
     "joint": (("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")),
@@ -93,11 +97,10 @@ def reference_out_of_range(subject: Subject) -> Found:
 def control_misses_range(subject: Subject) -> Found:
     """A position actuator whose controls leave a part of its joint's range out of reach."""
     model = subject.model
-    for row, joint in position_servos(subject):
-        if not (model.actuator_ctrllimited[row] and model.jnt_limited[joint]):
+    for row, joint, control, gear in position_servos(subject):
+        if not (model.actuator_ctrllimited[control] and model.jnt_limited[joint]):
             continue
-        gear = float(model.actuator_gear[row, 0])
-        low, high = sorted(float(each) / gear for each in model.actuator_ctrlrange[row])
+        low, high = sorted(float(each) / gear for each in model.actuator_ctrlrange[control])
         least, most = map(float, model.jnt_range[joint])
         width, common = most - least, max(min(high, most) - max(low, least), 0.0)
         if width <= 0 or common >= 0.8 * width:
@@ -105,23 +108,37 @@ def control_misses_range(subject: Subject) -> Found:
         aim = f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}"
         moves = f"{subject.name('joint', joint)} moves from {least:.4g} to {most:.4g}"
         message = f"{aim}, and {moves}: {1 - common / width:.0%} of its range cannot be reached"
-        yield Finding(subject.node("actuator", row), message, "ctrlrange", help='write `inheritrange="1"`')
+        # MuJoCo 4.0 gives the range of the joint to the control, which a gear multiplies.
+        ends = " ".join(f"{each:.6g}" for each in sorted((least * gear, most * gear)))
+        help = 'write `inheritrange="1"`' if gear == 1 else f'write `ctrlrange="{ends}"`'
+        yield Finding(subject.node("actuator", row), message, "ctrlrange", help=help)
 
 
-def position_servos(subject: Subject) -> list[tuple[int, int]]:
-    """Return the position actuators on a hinge or slide, and these joints."""
+class JointServo(NamedTuple):
+    """An actuator that moves a hinge or slide to its control: its number, joint, address of its control, and gear."""
+
+    actuator: int
+    joint: int
+    control: int
+    gear: float
+
+
+def position_servos(subject: Subject) -> list[JointServo]:
     model, mujoco = subject.model, subject.mujoco
+    dynamics = mujoco.mjtDyn
+    to_a_position = {int(dynamics.mjDYN_NONE), int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT)}
     found = []
-    for row in range(model.nu):
+    for row in range(len(model.actuator_gaintype)):
         joint = int(model.actuator_trnid[row, 0])
         gain, bias = float(model.actuator_gainprm[row, 0]), float(model.actuator_biasprm[row, 1])
+        gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start, 0])
         if (
-            int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT) and int(model.jnt_type[joint]) >= SLIDE
+            int(model.actuator_trntype[row]) in ON_JOINTS and int(model.jnt_type[joint]) >= SLIDE
+            and int(model.actuator_dyntype[row]) in to_a_position
             and int(model.actuator_biastype[row]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
-            and gain > 0 and abs(gain + bias) <= 1e-6 * gain and model.actuator_gear[row, 0]
-            and not float(model.actuator_biasprm[row, 0])
+            and gain > 0 and abs(gain + bias) <= 1e-6 * gain and gear and not float(model.actuator_biasprm[row, 0])
         ):  # fmt: skip
-            found.append((row, joint))
+            found.append(JointServo(row, joint, span(model, "ctrl", row).start, gear))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
@@ -11,7 +12,7 @@ from pydantic import Field
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.build.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
-from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.editing import Editing, is_limited_by_range
 from mjcompose.build.compose.elements import pose_number
 from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.build.verbs.values import Entry
@@ -38,7 +39,10 @@ _PLAIN = {
 }  # fmt: skip
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
 # MuJoCo 4.0: "kv and dampratio cannot both be defined", and "ctrlrange and inheritrange cannot both be defined".
-_INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange")}
+_INSTEAD = {
+    "kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange"),
+    "inheritrange": ("posrange",), "posrange": ("inheritrange",),
+}  # fmt: skip
 # Settings that no attribute of another kind expresses: they are lost if that kind has none of the same name.
 _UNSAID = ("actrange", "actearly", "actdim")
 
@@ -164,12 +168,14 @@ def _given(
                 report_unusable(editing, node, Fault("missing-key", message, path, help=help))
             found[name] = str(text)
             continue
-        if name == "inheritrange" and abs(gear) != 1 and item:
+        if name == "inheritrange" and gear != 1 and item:
             # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
             message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
             help = "write `ctrlrange`, with the joint's range"
             report_unusable(editing, node, Fault("not-supported", message, path, help=help))
         power = 0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
+        if power:
+            _check_axes(values, written, model, at=path)
         old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
         now = values.now(old) if old is not None else None
         if now is not None and power and not isinstance(now, str):
@@ -188,6 +194,7 @@ _POWERS = {
     "kp": -2, "kv": -2, "ki": -2, "forcerange": -1, "ffrange": -1, "posrange": 1, "velrange": 1, "slewmax": 1,
     "imax": 1,
 }  # fmt: skip
+_ROUNDING = 1e-6
 _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
 
@@ -198,6 +205,20 @@ def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, 
     first = values.of(given, (*at, "gear"))
     first = first[0] if isinstance(first, list | tuple) else first
     return float(first) if isinstance(first, int | float) and first else 1.0
+
+
+def _check_axes(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> None:
+    """Report a number for an actuator that acts along or about an axis with a gear that is not of length 1."""
+    axes = values.of(written["gear"], (*at[:-1], "gear")) if "gear" in written and model.axes else model.axes
+    axes = axes if isinstance(axes, list | tuple) else (axes,)
+    if not model.axes or model.gain == "so3" or not all(isinstance(each, int | float) for each in axes):
+        return
+    if abs(math.hypot(*axes) - 1) > _ROUNDING:
+        called = values.editing.called(values.node)
+        shown = numbers.text(axes).removesuffix(" 0" * (len(axes) - 3))
+        message = f"`{at[-1]}` describes a joint with one axis, and {called} acts through the gear `{shown}`"
+        help = "write a `gear` of length 1 next to it, or convert it to `general`, whose numbers are the actuator's"
+        report_unusable(values.editing, values.node, Fault("not-supported", message, at, help=help))
 
 
 def _geared(value: Any, gear: float, power: int) -> Any:
@@ -230,7 +251,7 @@ def _converted(
             is_now += f" ({gear:g} times the inertia that it moves)"
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
-    if old != to or "ctrlrange" in given:
+    if old != to or any(name in given for name in _POSITION_LIMITS):
         keeps = before.split("+")[0] == after.split("+")[0]
         limits = _limits(editing, node, to, model=model, keeps=keeps, written={**made, **given})
     if limits is None:
@@ -246,6 +267,7 @@ def _converted(
     lost += _lost_attributes(to, model, wrong)
     if old != to and not _keeps_activation(to, {**made, **given}):
         _refuse_actrange(editing, node, to, at=at)
+    limits |= _switches(editing, node, given)
     _rewrite(editing, node, to, written={**limits, **made, **given}, wrong=wrong)
     editing.write(node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given})
     for name in given:
@@ -255,6 +277,15 @@ def _converted(
         lost += _lost_in_keys(editing, node)
         editing.linking.keys.void_keys.add(node)
     return lost
+
+
+def _switches(editing: Editing, node: Node, given: Mapping[str, str]) -> dict[str, str]:
+    """Return the words that turn on the limits of force and activation that the entry gives."""
+    found = {}
+    for name, switch in (("forcerange", "forcelimited"), ("actrange", "actlimited")):
+        if name in given and any(numbers.read(given[name])) and not is_limited_by_range(editing, node, switch):
+            found[switch] = "true"
+    return found
 
 
 def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterator[str]:
@@ -437,8 +468,8 @@ def _limits(
     inherits = editing.effective(node, "inheritrange") not in (None, "") and to in ("position", "pid")
     of_range = {"inheritrange": "0"} if inherits and _in_classes(editing) else {}
     limited = editing.effective(node, "ctrllimited")
-    if "ctrlrange" in written:
-        return of_range | ({} if limited in (None, "auto", "true") else {"ctrllimited": "true"})
+    if any(any(numbers.read(written.get(name, "0"))) for name in _POSITION_LIMITS):
+        return _limited_anew(editing, node, written, of_range)
     inputs = written.get("input", "").split() if to == "pid" else model.inputs if to == "general" else ()
     by_input = bool(inputs) and inputs[0] != "pos"  # MuJoCo reads `ctrlrange` for positions only
     if by_input and model.inputs[:1] == tuple(inputs[:1]):
@@ -461,6 +492,19 @@ def _limits(
     if limited != "true" and editing.linking.flat().settings.autolimits == "false":
         limits["ctrllimited"] = "true"
     return limits
+
+
+# Each of these limits the control of a position servo, unless `ctrllimited` is false.
+_POSITION_LIMITS = ("ctrlrange", "posrange", "inheritrange")
+
+
+def _limited_anew(editing: Editing, node: Node, written: Mapping[str, str], of_range: dict[str, str]) -> dict[str, str]:
+    """Return the attributes that let the limits of the entry hold, and remove the older limit."""
+    limits = {} if "inheritrange" in written else of_range
+    if "ctrlrange" not in written:
+        node.attrib.pop("ctrlrange", "")
+    # In MuJoCo 4.0, `<position joint="j" inheritrange="1" ctrllimited="false"/>` has a range and no limit.
+    return limits | ({} if is_limited_by_range(editing, node, "ctrllimited") else {"ctrllimited": "true"})
 
 
 def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> dict[str, str]:

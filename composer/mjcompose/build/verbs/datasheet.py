@@ -11,7 +11,7 @@ from pydantic import Field
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.editing import Editing, is_limited_by_range
 from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.assign import Changed
@@ -124,6 +124,8 @@ class _Drive(Struct):
         # The force of an actuator turns the joint `gear` times as strong, and its length is `gear` times the angle.
         limit = self.effort / abs(self.gear)
         values: dict[str, Any] = {"forcerange": [-limit, limit]}
+        if not is_limited_by_range(self.editing, self.node, "forcelimited"):
+            values["forcelimited"] = True
         if self.node.tag in _SERVOS:
             kp, kv = self._gains()
             values["kv"] = kv / self.gear**2

@@ -44,6 +44,8 @@ class Inertia(Verb):
     def carry_out(self, entry: Entry, at: Path) -> None:
         editing, found = entry.editing, entry.found
         wanted = {body: _geoms(editing, body, self, at=at) for body in found}
+        for body, geoms in wanted.items():
+            _refuse_shells(editing, body, geoms, at=at)
         entry.masses.settle(*_RULES)
         survey, there = _measured(editing, wanted, self.density, at=at)
         for body in found:
@@ -106,6 +108,24 @@ def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Nod
         help = f"select those that count: `group: {min(groups)}`"
         report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     return geoms
+
+
+def _refuse_shells(editing: Editing, body: Node, geoms: Collection[Node], at: Path) -> None:
+    """Report a geom whose mass follows from its surface: MuJoCo 4.0 reads its density in kg/m²."""
+    for geom in geoms:
+        name = editing.effective(geom, "mesh")
+        mesh = editing.find_node("mesh", str(name)) if editing.effective(geom, "type") == "mesh" and name else None
+        if mesh is not None and editing.effective(mesh, "inertia") == "shell":
+            called = f"the mesh `{name}`"
+            help = f"make it solid first, `{{select: {{mesh: {name}}}, set: {{inertia: convex}}}}`"
+        elif editing.effective(geom, "shellinertia") == "true":
+            called = editing.called(geom)
+            help = "make it solid first, `set: {shellinertia: false}`"
+        else:
+            continue
+        message = f"{called} is a shell, whose mass follows from its surface, not from a density in kg/m³"
+        help += ", or write the mass of the body: `set: {mass: …}`"
+        report_unusable(editing, body, Fault("wrong-type", message, (*at, "density"), help=help), it="it")
 
 
 def _measured(

@@ -21,7 +21,7 @@ from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.verify.compile import WHOLE
-from mjcompose.language.keyframe import CTRL, HOLD, Keyframe
+from mjcompose.language.keyframe import CTRL, HOLD, JOINT, Keyframe
 from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.mujoco import engine
@@ -277,6 +277,10 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
                 for each in found.get((vector, name), ()):
                     if not each.is_within():
                         _report_range(plan, model, step.key, entry=(vector, name), bound=each, sink=sink)
+        for joint in step.key.controls.joints:
+            for each in found.get((CTRL, _only_actuator(model.root, joint)), ()):
+                if not each.is_within():
+                    _report_control_by_joint(plan, model, step.key, joint=joint, bound=each, index=index, sink=sink)
 
 
 def _name(index: Index, each: Ranged) -> str:
@@ -336,6 +340,28 @@ def _report_range(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str]
     notes = () if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),)
     span = locate(plan.document, (*key.at, *entry))
     sink.warning("out-of-range", message, span, notes=notes, help=_instead(key, entry, bound))
+
+
+def _only_actuator(root: Node, joint: str) -> str:
+    """Return the name of the actuator of a joint, or "" if there are several."""
+    names = [
+        str(each.get("name") or "")
+        for each in root.iterfind("actuator/*")
+        if joint in (each.get("joint"), each.get("jointinparent"))
+    ]
+    return names[0] if len(names) == 1 else ""
+
+
+def _report_control_by_joint(
+    plan: Plan, model: Unit, key: Keyframe, joint: str, bound: Ranged, index: Index, sink: Sink
+) -> None:
+    name = _name(index, bound)
+    holder = _element(model.root, "actuator", name)
+    low, high = bound.range
+    numbers = f"{bound.value:.6g}, outside its range from {low:.6g} to {high:.6g}"
+    message = f"`{CTRL}` of `{name}`, which follows from the joint `{joint}`, is {numbers}"
+    notes = () if holder is None else (Note("the actuator", model.origins.span(holder, model.file)),)
+    sink.warning("out-of-range", message, locate(plan.document, (*key.at, CTRL, JOINT, joint)), notes=notes)
 
 
 def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None:

@@ -14,7 +14,7 @@ from mjcompose.sources.context import Context
 CORNERS = "0 0 0 .4 0 0 0 .3 0 0 0 .2 .1 .1 .3"
 MODEL = """<mujoco{settings}
   <default><default class="seen"><geom group="2" contype="0" conaffinity="0" mass="0"/></default></default>
-  <asset><mesh name="link" vertex="{corners}"/><mesh name="thin" inertia="shell" vertex="{corners}"/></asset>
+  <asset><mesh name="link" vertex="{corners}"/><mesh name="thin" inertia="exact" vertex="{corners}"/></asset>
   <worldbody>
     <body name="link" pos="0 0 1">
       <joint name="j" axis="0 1 0"/>
@@ -155,3 +155,16 @@ def test_what_mujoco_refuses_is_told_where_it_is_written(tmp_path: Path) -> None
     flat = re.sub(r'vertex="[^"]*"', 'vertex="0 0 0 1 0 0 0 1 0 1 1 0" face="0 1 2 1 3 2"', source())
     found = edited(flat, "edit: [{select: {body: link}, inertia: {from: mesh, density: 1}}]", tmp_path)
     assert isinstance(found, list) and found[0][0] == "mujoco-rejects"
+
+
+def test_a_shell_is_refused_until_it_is_solid(tmp_path: Path) -> None:
+    """MuJoCo 4.0 reads the density of a shell in kg/m²: 500 would be a plate of 500 kg/m², not a body of 500 kg/m³."""
+    text = source().replace('name="link" vertex', 'name="link" inertia="shell" vertex')
+    verb = "edit: [{select: {body: link}, inertia: {from: mesh, density: 500}}]"
+    ((code, message),) = edited(text, verb, tmp_path)  # type: ignore[misc]
+    assert code == "wrong-type" and "the mesh `link` is a shell" in message
+    solid = "edit: [{select: {mesh: link}, set: {inertia: convex}}, {select: {body: link}, inertia: {from: mesh, density: 500}}]"
+    model = edited(text, solid, tmp_path)
+    assert isinstance(model, mujoco.MjModel)
+    whole = source(inertial="").replace('name="link" vertex', 'name="link" inertia="convex" vertex')
+    assert model.body("link").mass == pytest.approx(of(500, "2", whole).body("link").mass)
