@@ -176,3 +176,31 @@ def test_a_note_has_all_that_is_not_in_the_model(reader: ExtrasReader) -> None:
     lines = [each.message for each in note.notes]
     assert [line.split(":")[1] for line in lines] == ["7", "8", "9"]
     assert "`<made_up>` (1)" in lines[-1]
+
+
+PREFIXED = """<robot name="r">
+<link name="base"/>
+<link name="tip">{inertial}<visual drake:accepting="g"><geometry><sphere radius="0.1"/></geometry></visual><drake:inertial/></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="tip"/><drake:rotor_inertia value="0.1"/>
+<limit lower="-1" upper="1" drake:acceleration="3"/></joint>
+<drake:joint name="k"/>
+<gazebo reference="tip"><ignition:plugin/></gazebo>
+</robot>"""
+
+
+@pytest.mark.parametrize("is_declared", [True, False])
+@pytest.mark.parametrize("visuals", [None, "keep"])
+def test_elements_of_other_programs_are_not_taken_for_those_of_urdf(
+    reader: Reader, is_declared: bool, visuals: str | None
+) -> None:
+    """A prefix need not be declared; `visuals` has MuJoCo read another text than the file's own."""
+    text = PREFIXED.replace("{inertial}", INERTIAL)
+    if is_declared:
+        names = 'xmlns:drake="https://drake.mit.edu" xmlns:ignition="https://gazebosim.org"'
+        text = text.replace('name="r"', f'name="r" {names}')
+    reading = reader("r.urdf", text, visuals=visuals)
+    read(reading)
+    unread = {row.what for row in reading.rows if row.why and row.what != "link/visual"}
+    assert unread == {"link/drake:inertial", "joint/drake:rotor_inertia", "drake:joint", "gazebo/ignition:plugin"}
+    (note,) = (each for each in reading.sink.sorted() if each.code == "urdf-unread")
+    assert "`<drake:joint>` (1)" in "".join(each.message for each in note.notes)

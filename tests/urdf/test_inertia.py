@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pytest
+from lxml import etree
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.inertia import eigen
 from mjcompose.urdf.read import UrdfReader
 from urdf.parts import ARM, joint, link, robot
 
 Reader = Callable[..., UrdfReader]
+
+
+def unit_of(reader: UrdfReader) -> Unit:
+    unit = reader.unit()
+    assert unit is not None, [each.message for each in reader.sink.errors]
+    return unit
 
 
 def inertial(mass: float, *diagonal: float, xy: float = 0.0) -> str:
@@ -124,3 +133,68 @@ def test_what_mujoco_accepts_is_not_touched(reader: Reader) -> None:
     read = reader("r.urdf", robot(*parts), inertia="repair")
     assert read.unit() is not None
     assert "urdf-inertia" not in {each.code for each in read.sink.sorted()}
+
+
+def turned(rpy: str) -> str:
+    inside = f'<inertial><origin xyz="0.1 0.2 0.3" rpy="{rpy}"/><mass value="2"/>{_MOMENTS}</inertial>'
+    return robot(ARM[0], link("upper", inside), *ARM[2:])
+
+
+_MOMENTS = '<inertia ixx="0.02" iyy="0.05" izz="0.06" ixy="0.004" ixz="-0.003" iyz="0.002"/>'
+
+
+def moments_of(reader: UrdfReader, name: str = "upper") -> tuple[np.ndarray, np.ndarray]:
+    """Return the inertia of a body in its frame, and its center of mass, as MuJoCo compiles them."""
+    (body,) = (each for each in unit_of(reader).root.iter("body") if each.get("name") == name)
+    inertial = etree.tostring(body.find("inertial")).decode()
+    text = f"<mujoco><worldbody><body><joint/>{inertial}</body></worldbody></mujoco>"
+    model = mujoco.MjModel.from_xml_string(text)
+    axes = rotation(model.body_iquat[1])
+    return axes @ np.diag(model.body_inertia[1]) @ axes.T, model.body_ipos[1]
+
+
+def rotation(quat: np.ndarray) -> np.ndarray:
+    matrix = np.zeros(9)
+    mujoco.mju_quat2Mat(matrix, quat)
+    return matrix.reshape(3, 3)
+
+
+@pytest.mark.parametrize("rpy", ["0 0 1.5707963267948966", "0.3 -0.5 1.1", "-2 0.7 0", "3.14159 0 0.4"])
+def test_an_inertia_is_in_the_axes_of_its_origin(reader: Reader, rpy: str) -> None:
+    """MuJoCo 3.12 and 3.13 ignore `rpy` of an `<inertial>`. The expected axes are those of a site with `euler`."""
+    frame = f'<mujoco><compiler angle="radian" eulerseq="XYZ"/><worldbody><site euler="{rpy}"/></worldbody></mujoco>'
+    axes = rotation(mujoco.MjModel.from_xml_string(frame).site_quat[0])
+    written = np.array([[0.02, 0.004, -0.003], [0.004, 0.05, 0.002], [-0.003, 0.002, 0.06]])
+    moments, center = moments_of(reader("r.urdf", turned(rpy)))
+    assert np.allclose(moments, axes @ written @ axes.T, atol=1e-9)
+    assert np.allclose(center, [0.1, 0.2, 0.3])
+
+
+def test_an_inertia_that_is_repaired_is_turned_too(reader: Reader) -> None:
+    text = turned("0 0 1.5707963267948966").replace('iyy="0.05"', 'iyy="0.5"')
+    moments, _ = moments_of(reader("r.urdf", text, inertia="repair"))
+    assert np.isclose(moments[0, 0], 0.5, rtol=1e-3) and moments[1, 1] < 0.49
+
+
+BOX = '<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision>'
+
+
+def guessed(reader: UrdfReader) -> list[str]:
+    unit_of(reader)
+    return [each.message for each in reader.sink.sorted() if each.code == "urdf-mass"]
+
+
+def test_links_without_mass_are_one_note(reader: Reader) -> None:
+    text = robot(ARM[0], link("upper", BOX), link("fore", BOX), *ARM[3:])
+    expected = "2 links have no `<inertial>` and weigh as much as their shapes at 1000 kg/m³: `upper`, `fore`"
+    assert guessed(reader("r.urdf", text)) == [expected]
+    assert guessed(reader("r.urdf", robot(*ARM))) == []
+
+
+def test_what_is_fixed_in_the_world_needs_no_mass(reader: Reader) -> None:
+    stand = joint("stand", "base", "upper", kind="fixed")
+    text = robot(link("base", BOX), link("upper", BOX), ARM[2], stand, ARM[4])
+    assert guessed(reader("r.urdf", text)) == []
+    moving = reader("r.urdf", text)
+    moving.is_fixed_in_world = False
+    assert [message.partition(" ")[0] for message in guessed(moving)] == ["2"]

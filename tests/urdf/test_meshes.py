@@ -50,7 +50,7 @@ def told(read: UrdfReader) -> list[str]:
         (obj(300.0), INERTIAL, ["mesh-size"]),
         (obj(0.0005), INERTIAL, ["mesh-size"]),
         (obj(faces=3), INERTIAL, []),
-        (obj(faces=3), "", ["mesh-shape"]),
+        (obj(faces=3), "", ["mesh-shape", "urdf-mass"]),
     ],
     ids=["plausible", "in millimeters", "scaled twice", "open beside an inertial", "open"],
 )

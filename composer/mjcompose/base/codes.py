@@ -108,6 +108,8 @@ BY_TOPIC: dict[str, dict[str, str]] = {
     "URDF and xacro": {
         "not-urdf": "a file with the name of a URDF is not URDF",
         "urdf-inertia": "a link of a URDF has an inertia that no body can have",
+        "urdf-limits": "a joint of a URDF moves without limits, although its type has them",
+        "urdf-mass": "links of a URDF have no mass, so their shapes decide it",
         "urdf-roots": "a URDF has several links without a parent",
         "urdf-unread": "elements of a URDF are not in the model",
         "xacro": "a template for xacro cannot be expanded",

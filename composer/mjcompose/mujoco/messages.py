@@ -63,6 +63,7 @@ class Topic(Enum):
     URDF_PARENTS = r"has multiple parents"
     URDF_LINK = r"^URDF joint parent or child missing$"
     URDF_JOINT_TYPE = r"^invalid joint type"
+    URDF_EQUAL_LIMITS = r"has equal lower and upper limits"
 
 
 class Sentence(Struct):

@@ -16,7 +16,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.sources.ros import Actuators
 from mjcompose.tree.merged_settings import ReadRow
 from mjcompose.tree.unit import Unit
-from mjcompose.urdf.robot import by_name, locate_as
+from mjcompose.urdf.robot import by_name, locate_as, written_name
 
 _KP = ("kp", "p", "position_kp", "position_proportional_gain")
 _KD = ("kd", "d", "position_kd", "position_derivative_gain")
@@ -288,13 +288,13 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
         return what, element, became, "" if became else _UNREAD.get(what, "MJCF has no words for it")
 
     for child in root.iterchildren("*"):
-        tag = etree.QName(child).localname
+        tag = written_name(child)
         if tag in ("link", "joint"):
             yield fate(tag, child)
             if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
                 yield "link without inertial", child, "the mass of its shapes at 1000 kg/m³", ""
             for inner in child.iterchildren("*"):
-                name = etree.QName(inner).localname
+                name = written_name(inner)
                 what = f"{tag}/{name}"
                 if what == "link/visual":
                     why = "MuJoCo omits visuals; add `urdf: {visuals: keep}` next to `model`"
@@ -304,7 +304,7 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
                 if what == "joint/limit" and 0 < (parse(inner.get("velocity")) or 0) < 1e6:
                     yield "joint/limit velocity", inner, "", "MuJoCo does not limit the velocity of joints"
         elif tag == "gazebo" and child not in known:
-            yield from (fate(f"gazebo/{etree.QName(inner).localname}", inner) for inner in child.iterchildren("*"))
+            yield from (fate(f"gazebo/{written_name(inner)}", inner) for inner in child.iterchildren("*"))
         elif tag != "material" or child in known:
             yield fate(tag, child)
             for reduction in child.iter("mechanicalReduction") if child in known else ():

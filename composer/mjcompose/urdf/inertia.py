@@ -1,17 +1,20 @@
-"""Impossible inertias: found before MuJoCo refuses them, and repaired if the recipe requests it."""
+"""Inertias: impossible ones, repaired if the recipe requests it, and turned ones, which old MuJoCo misreads."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator
+from typing import Any
 
+import numpy
 from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.sink import Sink
+from mjcompose.mujoco.engine import Session, call
 from mjcompose.urdf.robot import Robot, by_name, end_of
 
 CODE = "urdf-inertia"
@@ -20,7 +23,20 @@ _SMALLEST, _LIGHTEST = 1e-9, 1e-6
 """The moment (kg m²) and mass (kg) for a body without any: above MuJoCo's bounds, and negligible."""
 _LEAST_MOMENT, _LEAST_MASS = 1e-14, 1e-15
 """MuJoCo refuses smaller moments of any body, and smaller masses of moving bodies."""
+_NAMED = 8
 Matrix = list[list[float]]
+_TURNED = """<robot name="turned">
+  <mujoco><compiler fusestatic="false"/></mujoco>
+  <link name="base"/>
+  <link name="turned">
+    <inertial>
+      <origin rpy="0 0 1.5707963267948966"/><mass value="1"/>
+      <inertia ixx="1" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+  </link>
+  <joint name="joint" type="continuous"><parent link="base"/><child link="turned"/><axis xyz="0 0 1"/></joint>
+</robot>"""
+"""A link whose smallest moment is about its y axis, because its inertia is turned."""
 
 
 class Bad(Struct):
@@ -99,6 +115,56 @@ def repair(robot: Robot, sink: Sink) -> list[str]:
     return massless
 
 
+def reads_turned(mujoco: Any, _: None) -> bool:
+    """Return whether MuJoCo reads `rpy` of an `<inertial>`. Runs in the child: MuJoCo 3.12 and 3.13 ignore it."""
+    model = mujoco.MjSpec.from_string(_TURNED).compile()
+    matrix = numpy.zeros(9)
+    mujoco.mju_quat2Mat(matrix, model.body("turned").iquat)
+    axes = matrix.reshape(3, 3)
+    moments = axes @ numpy.diag(model.body("turned").inertia) @ axes.T
+    return bool(moments[1, 1] < moments[0, 0])
+
+
+def turn(robot: Robot, session: Session) -> None:
+    """Write inertias in the axes of their links if MuJoCo ignores the `rpy` of their origins."""
+    turned = []
+    for inertial in robot.root.iterfind("link/inertial"):
+        origin, tensor = inertial.find("origin"), _tensor(inertial)
+        angles = None if origin is None else _angles(origin)
+        if origin is not None and tensor is not None and angles is not None:
+            turned.append((inertial, origin, tensor, angles))
+    if not turned or call(session, reads_turned, (), argument=None).value is not False:
+        return
+    for inertial, origin, tensor, angles in turned:
+        axes = _axes(*angles)
+        moments = axes @ numpy.array(tensor) @ axes.T
+        _write(inertial, None, ((moments + moments.T) / 2).tolist())
+        del origin.attrib["rpy"]
+        robot.changed = True
+
+
+def _angles(origin: Node) -> tuple[float, float, float] | None:
+    """Return roll, pitch and yaw (rad) of an origin, or None if it is not turned, or if they are no numbers."""
+    try:
+        roll, pitch, yaw = (float(each) for each in str(origin.get("rpy") or "0 0 0").split())
+    except ValueError:
+        return None
+    is_turned = any((roll, pitch, yaw)) and all(map(math.isfinite, (roll, pitch, yaw)))
+    return (roll, pitch, yaw) if is_turned else None
+
+
+def _axes(roll: float, pitch: float, yaw: float) -> numpy.ndarray:
+    """Return the rotation matrix of roll, pitch and yaw (rad), about the fixed axes x, y and z in this order.
+
+    >>> _axes(0, 0, math.pi / 2).round(9).tolist()[0]
+    [0.0, -1.0, 0.0]
+    """
+    about_x = numpy.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
+    about_y = numpy.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
+    about_z = numpy.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
 def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
     """Return the tensor with the same axes and large enough moments, and the moments."""
     values, axes = eigen(tensor)
@@ -132,6 +198,34 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
         name = str(end_of(joint, "child"))
         if joint.get("type") != "fixed" and name in links and not heavy(name, set()):
             yield links[name]
+
+
+GUESSED = "urdf-mass"
+
+
+def note_guessed(robot: Robot, sink: Sink, *, is_fixed: bool) -> None:
+    """Add one note about the links with shapes and without `<inertial>`, except those that are fixed in the world."""
+    joints = list(robot.root.iterchildren("joint"))
+    held = {end_of(joint, "child") for joint in joints}
+    still = [link.get("name") for link in robot.root.iterchildren("link") if link.get("name") not in held]
+    for name in still if is_fixed else ():
+        still += [end_of(joint, "child") for joint in joints
+                  if joint.get("type") == "fixed" and end_of(joint, "parent") == name]  # fmt: skip
+    guessed = [
+        link for link in robot.root.iterchildren("link")
+        if link.find("inertial") is None and link.find("collision") is not None
+        and not (is_fixed and link.get("name") in still)
+    ]  # fmt: skip
+    if not guessed:
+        return
+    subject = "1 link has no `<inertial>` and weighs as much as its shapes"
+    if len(guessed) > 1:
+        subject = f"{len(guessed)} links have no `<inertial>` and weigh as much as their shapes"
+    names = ", ".join(f"`{link.get('name')}`" for link in guessed[:_NAMED])
+    more = f" and {len(guessed) - _NAMED} more" if len(guessed) > _NAMED else ""
+    message = f"{subject} at 1000 kg/m³: {names}{more}"
+    span = robot.unit.origins.span(guessed[0], robot.unit.file, "name")
+    sink.note(GUESSED, message, span, help=f"write the `<inertial>`, or `allow: [{GUESSED}]`")
 
 
 def _mass(inertial: Node) -> float:

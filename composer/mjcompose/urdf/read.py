@@ -15,7 +15,7 @@ from mjcompose.base.diagnostic import Note, Severity, Span
 from mjcompose.base.files import SDF, Refused
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
+from mjcompose.base.suggest import exists_note, unknown_attribute
 from mjcompose.mujoco.convert import PACKAGE, Converted, convert_urdf
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Topic, parse, read_sentence
@@ -28,7 +28,9 @@ from mjcompose.tree.parse import includes_admitted, parse_text, parse_xml, read_
 from mjcompose.tree.unit import FileText, Unit
 from mjcompose.urdf import inertia
 from mjcompose.urdf.actuators import Extras, add_actuators, note_unread, read_rows
+from mjcompose.urdf.limits import complete_limits, report_unlimited
 from mjcompose.urdf.meshes import Meshes, add_looks
+from mjcompose.urdf.mimics import free_lost_mimics
 from mjcompose.urdf.robot import Robot, explain, locate_in_urdf, mesh_of, name_fused_links, named_in
 from mjcompose.urdf.xacro import Template, is_template, owned, parsed
 
@@ -75,7 +77,11 @@ class UrdfReader(Struct, frozen=False):
             if choice is not None:
                 robot.set(setting, "false" if choice == "keep" else "true")
         robot.simplified()
+        free_lost_mimics(robot, self.sink)
+        report_unlimited(robot, self.sink)
+        complete_limits(robot)
         assert self.session is not None
+        inertia.turn(robot, self.session)
         meshes = Meshes(robot, self.session, self.sink, shown=self.shown)
         meshes.prepare()
         if self.sink.error_count > before:
@@ -94,6 +100,7 @@ class UrdfReader(Struct, frozen=False):
             return None
         self._report_roots(robot)
         self._report_joints(robot)
+        inertia.note_guessed(robot, self.sink, is_fixed=self.is_fixed_in_world)
         for path in meshes.files:
             robot.unit.origins.texts.setdefault(self.shown(path), FileText(path, b""))
         return self._completed(robot, converted.text)
@@ -203,20 +210,10 @@ class UrdfReader(Struct, frozen=False):
         return root.tag == "robot"
 
     def _report_warnings(self, converted: Converted, robot: Robot) -> None:
-        """Report MuJoCo's warnings, and each `<mimic>` of a missing joint, for which MuJoCo gives a wrong reason."""
-        joints = [str(each.get("name")) for each in robot.root.iterchildren("joint")]
-        lost = [each for each in robot.root.iterfind("joint/mimic") if each.get("joint") not in joints]
         for warning in converted.warnings:
-            element = named_in(warning, robot.root)
-            if element.find("mimic") not in lost:
+            if read_sentence(warning).topic is not Topic.URDF_EQUAL_LIMITS:  # reported with all joints without limits
+                element = named_in(warning, robot.root)
                 self.sink.warning("mujoco-warning", f"MuJoCo warns: {warning}", self._span(element))
-        for mimic in lost:
-            name, joint = str(mimic.get("joint")), mimic.getparent()
-            own = "" if joint is None else joint.get("name")
-            message = f"the joint `{name}`, which `{own}` mimics, does not exist: `{own}` moves by itself"
-            help = did_you_mean(name, joints) or "name a joint of this file"
-            note = exists_note("joint", joints, name)
-            self.sink.warning("mujoco-warning", message, self._span(mimic, "joint"), notes=(note,), help=help)
 
     def _report_joints(self, robot: Robot) -> None:
         """Warn about joints with the name of another joint: MuJoCo drops their names."""

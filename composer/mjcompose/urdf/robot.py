@@ -95,6 +95,15 @@ def by_name(holder: Node, tag: str) -> dict[str, Node]:
     return {str(each.get("name")): each for each in holder.iterchildren(tag)}
 
 
+def written_name(element: Node) -> str:
+    """Return the tag as the file has it: `drake:joint`, which MuJoCo does not read as a `joint`.
+
+    The prefix need not be declared. lxml then reads `drake:joint` as a tag, but builds no element with that tag.
+    """
+    tag = str(element.tag).rpartition("}")[2]
+    return tag if element.prefix is None else f"{element.prefix}:{tag}"
+
+
 class _Sources:
     def __init__(self, robot: Node) -> None:
         self.robot, self.links, self.joints = robot, by_name(robot, "link"), by_name(robot, "joint")
@@ -223,7 +232,10 @@ class Robot(Struct, frozen=False):
         etree.cleanup_namespaces(self.root)
         # A line for each element: MuJoCo reports only lines.
         text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
-        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True)
+        parser = etree.XMLParser(
+            huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True,
+            recover=True,  # lxml may write prefixes that the file does not declare
+        )  # fmt: skip
         new = etree.fromstring(text, parser)
         origins = Origins(texts=self.unit.origins.texts)
         for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):

@@ -104,3 +104,20 @@ def test_a_fault_is_found_and_a_near_model_is_not(
 def test_joints_that_an_equality_couples_are_not_judged_alone(tmp_path: Path, session: Session) -> None:
     coupled = arm(STIFF.format(1e6)).replace("<actuator>", '<equality><joint joint1="shoulder"/></equality><actuator>')
     assert not linted(coupled, "timestep-too-long", tmp_path, session)
+
+
+def test_a_mass_that_is_guessed_is_found_in_urdf_alone(tmp_path: Path, session: Session) -> None:
+    box = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+    mass = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+    def found(inside: str) -> list[tuple[str, int]]:
+        text = f"""<robot name="r">
+          <link name="base">{box}</link>
+          <link name="arm">{box}{inside}</link>
+          <joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>"""
+        findings = linted(text, "mass-guessed", tmp_path, session, name="r.urdf")
+        return [(each.message, 0 if each.span is None else each.span.line) for each in findings]
+
+    assert found("") == [("the link `arm` has no `<inertial>`: its shapes weigh 1000 kg/m³", 3)]
+    assert found(mass) == []
+    assert not linted(body(BOX), "mass-guessed", tmp_path, session)

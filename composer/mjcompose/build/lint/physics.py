@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from mjcompose.base.files import URDF_FILES
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
 from mjcompose.mujoco.arrays import HINGE, SLIDE
 from mjcompose.tree.classes import class_in_force
@@ -90,6 +91,27 @@ def inertial_missing(subject: Subject) -> Found:
         if joints and geoms and not is_given and body.find("inertial") is None:
             message = f"{subject.called(body)} has no `<inertial>`, and none of its geoms has a `mass` or `density`"
             yield Finding(body, message, help="add `<inertial>`, or `mass` to a geom")
+
+
+@rule("mass-guessed")
+def mass_guessed(subject: Subject) -> Found:
+    """A moving link of a URDF whose mass is guessed from its shapes."""
+    unit = subject.unit
+    for body in subject.each("body"):
+        if unit is None or not unit.origins.span(body, unit.file).file.endswith(URDF_FILES):
+            continue
+        weighed = ("mass", "density")
+        guessed = [geom for geom in body.iter("geom") if all(subject.given(geom, name) is None for name in weighed)]
+        own = [geom for geom in guessed if next(geom.iterancestors("body"), None) is body]
+        if own and body.find("inertial") is None and _moves(body):
+            message = f"the link `{body.get('name')}` has no `<inertial>`: its shapes weigh 1000 kg/m³"
+            yield Finding(body, message, help="write its `<inertial>`")
+
+
+def _moves(body: Node) -> bool:
+    """Return whether a body, or a body that holds it, has a joint."""
+    return any(each.find("joint") is not None or each.find("freejoint") is not None
+               for each in (body, *body.iterancestors("body")))  # fmt: skip
 
 
 @rule("inertial-ignored", in_mujoco=True)
