@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import mujoco
+import numpy as np
 import pytest
-from mjcompose.mujoco.collision_exclusions import needless
+from mjcompose.mujoco import collision_exclusions
+from mjcompose.mujoco.collision_exclusions import Branches, needless
 
 ARM = """\
 <mujoco>
@@ -38,7 +40,7 @@ ARM = """\
 
 def found(samples: int = 200, seed: int = 1, text: str = ARM) -> dict[tuple[str, ...], tuple[str, str]]:
     model = mujoco.MjModel.from_xml_string(text)
-    pairs = needless(mujoco, model, {"samples": samples, "seed": seed})
+    pairs = needless(mujoco, model, {"samples": samples, "seed": seed})["pairs"]
     return {tuple(each["bodies"]): (each["why"], each["where"]) for each in pairs}
 
 
@@ -129,6 +131,63 @@ def test_the_same_seed_gives_the_same() -> None:
 
 def test_a_body_without_a_name_is_called_by_where_it_is() -> None:
     model = mujoco.MjModel.from_xml_string(ARM.replace('<body name="upper">', "<body>"))
-    pairs = needless(mujoco, model, {"samples": 10, "seed": 0})
+    pairs = needless(mujoco, model, {"samples": 10, "seed": 0})["pairs"]
     (first, *_) = [each for each in pairs if not all(each["bodies"])]
     assert first["called"] == ["`pedestal`", "a body in `pedestal`"]
+
+
+def _chain(count: int, start: str = "0 0 0", name: str = "b") -> str:
+    links = "".join(
+        f'<body name="{name}{number}" pos="{start if number == 0 else "0 0.01 0.06"}">'
+        f'<joint axis="{number % 2} 1 0.3" pos="0.01 0 0.02" range="-20 35"/>'
+        '<geom size="0.02 0.02" type="capsule" pos="0 0.005 0"/>'
+        for number in range(count)
+    )
+    return links + "</body>" * count
+
+
+def _model(*chains: str) -> str:
+    return f"<mujoco><worldbody>{''.join(chains)}</worldbody></mujoco>"
+
+
+def test_no_pose_brings_two_bodies_closer_than_the_bound() -> None:
+    slider = (
+        '<body name="rail" pos="0.4 0 0"><joint type="slide" axis="1 0 0" range="-0.1 0.2" ref="0.05"/>'
+        '<geom type="box" size="0.1 0.02 0.03" pos="0 0.1 0"/><body name="ball" pos="0 0.2 0"><joint type="ball" pos="0 0 0.1"/>'
+        '<geom size="0.03" pos="0 0 0.2"/></body></body>'
+    )
+    model = mujoco.MjModel.from_xml_string(_model(_chain(6), _chain(3, "0 1 0", "c"), slider))
+    branches = Branches(mujoco, model)
+    data = mujoco.MjData(model)
+    random = np.random.default_rng(3)
+    pairs = [(one, other) for one in range(1, model.nbody) for other in range(one + 1, model.nbody)]
+    bounds = {pair: branches.least_distance(pair) for pair in pairs}
+    assert sum(bound > 0 for bound in bounds.values()) > 10
+    for _ in range(200):
+        for joint in range(model.njnt):
+            at, (low, high) = model.jnt_qposadr[joint], model.jnt_range[joint]
+            is_ball = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_BALL
+            data.qpos[at : at + 1 + 3 * is_ball] = random.normal(size=4) if is_ball else random.uniform(low, high)
+        mujoco.mj_kinematics(model, data)
+        for (one, other), bound in bounds.items():
+            distance = mujoco.mj_geomDistance(
+                model, data, model.body_geomadr[one], model.body_geomadr[other], 10.0, None
+            )
+            assert distance >= bound - 1e-9
+
+
+def test_arms_that_cannot_reach_each_other_are_not_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collision_exclusions, "_MOST_POSES", 0)
+    text = _model(_chain(4), _chain(4, "0 2 0", "c"))
+    answer = needless(mujoco, mujoco.MjModel.from_xml_string(text), {"samples": 5, "seed": 1})
+    never = {tuple(pair["bodies"]) for pair in answer["pairs"] if pair["why"] == "never"}
+    assert {(f"b{one}", f"c{other}") for one in range(4) for other in range(4)} <= never
+
+
+def test_pairs_without_a_search_still_collide_and_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = mujoco.MjModel.from_xml_string(_model(_chain(14)))
+    every = needless(mujoco, model, {"samples": 5, "seed": 1})
+    monkeypatch.setattr(collision_exclusions, "_MOST_POSES", 200)
+    some = needless(mujoco, model, {"samples": 5, "seed": 1})
+    assert every["unsearched"] == 0 < some["unsearched"]
+    assert len(some["pairs"]) < len(every["pairs"])

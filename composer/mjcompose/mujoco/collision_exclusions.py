@@ -15,6 +15,9 @@ _CLOSE = 1e-9
 _NEAR, _FAR = 0.002, 10.0
 """Two bodies that come so near can touch: limits are soft, and a search takes steps."""
 _STARTS, _ROUNDS, _STEPS = 3, 3, 7
+_CURLS = 40
+_MOST_POSES = 500_000
+"""The number of poses of one search, a few seconds: a chain of N bodies has N² / 2 pairs with N / 3 joints each."""
 _geoms, _joints = (Run(f"body_{of}adr", counted(f"body_{of}num")).rows for of in ("geom", "jnt"))
 
 Pair = tuple[int, int]
@@ -73,7 +76,7 @@ def _named(model: Any, body: int) -> str:
     return str(model.body(next((each for each in _chain(model, body) if model.body(each).name), 0)).name)
 
 
-def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, Any]]:
+def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> dict[str, Any]:
     """Return the pairs of bodies that MuJoCo checks unnecessarily; runs under `mjcompose.mujoco.engine.call`.
 
     A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
@@ -85,17 +88,19 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
     messages, `why` and `where`.
     """
     _let_collide(mujoco, model)
+    branches = Branches(mujoco, model)
     rest = set(_checked(mujoco, model))
     hung = (pair for pair in sorted(rest) if int(model.body_parentid[pair[1]]) == pair[0])
     found: dict[Pair, tuple[str, str]] = {pair: (ADJACENT, "") for pair in hung if not _is_free(mujoco, model, pair[1])}
     for where, data in _keys(mujoco, model):
         for pair in sorted(_touched(mujoco, model, data).keys() & rest):
-            if _is_tied(mujoco, model, pair, sliding=True):
+            if branches.is_tied(pair, sliding=True):
                 found.setdefault(pair, (TOUCHING, where))
-    moved = _moved(mujoco, model)
-    jaws = {pair for pair in rest if _are_jaws(model, pair, moved)}
+    jaws = {pair for pair in rest if branches.are_jaws(pair)}
     closing = {pair for pair, (why, _) in found.items() if why == TOUCHING and pair in jaws}
-    left = {pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)}
+    left = {pair for pair in rest - jaws if pair not in found and branches.is_tied(pair, sliding=False)}
+    apart = {pair for pair in left if branches.least_distance(pair) > _NEAR}
+    left -= apart
     for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
         touched = _touched(mujoco, model, pose).keys()
         left -= touched
@@ -104,9 +109,125 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
         closing &= touched
         if not (left or closing):
             break
-    random = np.random.Generator(np.random.PCG64(asked["seed"]))
-    found |= {pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR}
-    return [_in_words(model, pair) | {"why": why, "where": where} for pair, (why, where) in sorted(found.items())]
+    search = _Search(mujoco, model, asked["seed"], branches=branches)
+    apart |= search.apart(left)
+    found |= dict.fromkeys(apart, (NEVER, ""))
+    pairs = [_in_words(model, pair) | {"why": why, "where": where} for pair, (why, where) in sorted(found.items())]
+    return {"pairs": pairs, "unsearched": len(search.unsearched)}
+
+
+class Branches:
+    """What pairs of bodies have on the two branches of the tree that lead to them from the body that carries both.
+
+    Every body adds its own values to those of its parent, so the values of a branch are a difference.
+    """
+
+    def __init__(self, mujoco: Any, model: Any) -> None:
+        self.model = model
+        self.carriers = _carriers(model.body_parentid)
+        joints = mujoco.mjtJoint
+        is_free = model.jnt_type == int(joints.mjJNT_FREE)
+        is_endless_slide = (model.jnt_type == int(joints.mjJNT_SLIDE)) & (model.jnt_limited == 0)
+        moved = np.isin(np.arange(model.njnt), list(_moved(mujoco, model)))
+        self._loose = self._summed(self._of_joints(is_free) + (model.body_mocapid >= 0))
+        self._endless = self._summed(self._of_joints(is_endless_slide))
+        self._actuated = self._summed(self._of_joints(moved))
+        self._reach = self._summed(self._steps(mujoco))
+        self._radii = self._radii_of_geoms(mujoco)
+
+    def is_tied(self, pair: Pair, *, sliding: bool) -> bool:
+        """Return whether the two cannot move apart freely; `sliding` says that slides without a range do not count."""
+        return not self._on_branches(self._loose, pair) and (sliding or not self._on_branches(self._endless, pair))
+
+    def are_jaws(self, pair: Pair) -> bool:
+        """Return whether neither body carries the other, and actuators move both relative to their carrier."""
+        carrier = self.carriers[pair]
+        return all(self._actuated[body] > self._actuated[carrier] for body in pair)
+
+    def joints(self, pair: Pair) -> Iterator[int]:
+        """Yield the joints that move one of two bodies against the other."""
+        carrier = int(self.carriers[pair])
+        for body in sorted(body for one in pair for body in _up_to(self.model, one, carrier)):
+            yield from _joints(self.model, body)
+
+    def least_distance(self, pair: Pair) -> float:
+        """Return a distance (m) that the two bodies keep at least, whatever their joints do; negative if unknown.
+
+        A body with hinges stays in a ball around the place that its first body has in the body that carries both.
+        """
+        carrier = int(self.carriers[pair])
+        centers = []
+        radius = 0.0
+        for body in pair:
+            radius += self._radii[body]
+            first = self._first_on_branch(body, carrier)
+            center = np.zeros(3) if first is None else self.model.body_pos[first]
+            if first is not None:
+                # The place of the first body is the center of the ball, and everything else adds to the radius.
+                radius += self._reach[body] - self._reach[carrier] - np.linalg.norm(center)
+            centers.append(center)
+        return float(np.linalg.norm(centers[0] - centers[1]) - radius)
+
+    def _first_on_branch(self, body: int, carrier: int) -> int | None:
+        return next(
+            (each for each in _up_to(self.model, body, carrier) if self.model.body_parentid[each] == carrier), None
+        )
+
+    def _on_branches(self, summed: np.ndarray, pair: Pair) -> float:
+        """Return the sum of the values of the bodies on both branches."""
+        one, other = pair
+        return float(summed[one] + summed[other] - 2 * summed[self.carriers[pair]])
+
+    def _summed(self, values: np.ndarray) -> np.ndarray:
+        """Return the value of each body with those of all bodies that carry it."""
+        summed = np.array(values, dtype=float)
+        for body, parent in enumerate(self.model.body_parentid.tolist()):
+            if body:
+                summed[body] += summed[parent]
+        return summed
+
+    def _of_joints(self, values: np.ndarray) -> np.ndarray:
+        """Return the sum of the values of each body's joints."""
+        return np.bincount(self.model.jnt_bodyid, weights=values.astype(float), minlength=self.model.nbody)
+
+    def _steps(self, mujoco: Any) -> np.ndarray:
+        """Return how far (m) each body can be from its parent, wherever its joints are."""
+        model = self.model
+        kinds = mujoco.mjtJoint
+        # A turn about an anchor moves the frame of the body by at most twice its distance from the anchor.
+        by_joint = 2 * np.linalg.norm(model.jnt_pos, axis=1)
+        reference = model.qpos0[model.jnt_qposadr]
+        strokes = np.abs(model.jnt_range - reference[:, None]).max(axis=1) if model.njnt else np.zeros(0)
+        by_joint = np.where(model.jnt_type == int(kinds.mjJNT_SLIDE), strokes, by_joint)
+        return np.linalg.norm(model.body_pos, axis=1) + self._of_joints(by_joint)
+
+    def _radii_of_geoms(self, mujoco: Any) -> np.ndarray:
+        """Return the radius (m) of a ball around each body's frame that contains its geoms."""
+        model = self.model
+        reaches = np.linalg.norm(model.geom_pos, axis=1) + model.geom_rbound
+        reaches[model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE)] = np.inf
+        radii = np.zeros(model.nbody)
+        np.maximum.at(radii, model.geom_bodyid, reaches)
+        return radii
+
+
+def _carriers(parents: np.ndarray) -> np.ndarray:
+    """Return the body that carries each two bodies, or one of the two, shape (nbody, nbody)."""
+    count = len(parents)
+    carriers = np.zeros((count, count), dtype=int)
+    for body in range(1, count):
+        # Parents come before their children, so an earlier body is never below this one.
+        carriers[body, :body] = carriers[parents[body], :body]
+        carriers[:body, body] = carriers[body, :body]
+        carriers[body, body] = body
+    return carriers
+
+
+def _up_to(model: Any, body: int, carrier: int) -> Iterator[int]:
+    """Yield a body and the bodies that carry it, up to `carrier`, which is left out."""
+    while body != carrier:
+        yield body
+        body = int(model.body_parentid[body])
 
 
 def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
@@ -136,7 +257,9 @@ def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
 
 def _touched(mujoco: Any, model: Any, data: Any, explicit: Collection[frozenset[int]] = ()) -> dict[Pair, None]:
     """Return the pairs of bodies that touch, except by two geoms that are an `explicit` pair."""
-    mujoco.mj_fwdPosition(model, data)
+    # Without the constraints of `mj_fwdPosition`: many contacts at once would exceed MuJoCo's memory for them.
+    for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_flex, mujoco.mj_collision):
+        stage(model, data)
     found: dict[Pair, None] = {}
     for contact in data.contact:
         geoms = frozenset(int(each) for each in contact.geom)
@@ -171,55 +294,108 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     return moved
 
 
-def _are_jaws(model: Any, pair: Pair, moved: set[int]) -> bool:
-    """Return whether neither body carries the other, and actuators move both relative to their parents."""
-    one, other = (set(_chain(model, body)) for body in pair)
-    return all(any(moved.intersection(_joints(model, body)) for body in side) for side in (one - other, other - one))
-
-
 def _between(model: Any, pair: Pair) -> Iterator[int]:
     """Yield the joints that move one of two bodies against the other."""
     one, other = (set(_chain(model, body)) for body in pair)
     return (joint for body in sorted(one ^ other) for joint in _joints(model, body))
 
 
-def _least(mujoco: Any, model: Any, pair: Pair, random: np.random.Generator) -> float:
-    """Return the smallest distance of two bodies that a search finds, moving one joint at a time."""
-    geoms = [_geoms(model, body) for body in pair]
-    types, affinities = model.geom_contype, model.geom_conaffinity
-    meant = [(a, b) for a, b in product(*geoms) if types[a] & affinities[b] or types[b] & affinities[a]]
-    joints = [
-        (int(model.jnt_qposadr[joint]), *_ends(model, joint))
-        for joint in _between(model, pair)
-        if int(model.jnt_type[joint]) >= int(mujoco.mjtJoint.mjJNT_SLIDE)
-    ]
-    data = mujoco.MjData(model)
+class _Search:
+    """Brings pairs of bodies together by moving one joint at a time, in at most `_MOST_POSES` poses for all pairs.
 
-    def apart() -> float:
-        mujoco.mj_kinematics(model, data)
-        return float(min(mujoco.mj_geomDistance(model, data, one, other, _FAR, None) for one, other in meant))
+    `unsearched` has the pairs for which there were no poses left.
+    """
 
-    best = _FAR
-    for start in range(_STARTS):
-        for at, low, high in joints if start else ():
-            data.qpos[at] = low + random.random() * (high - low)
-        now = apart()
-        for _ in range(_ROUNDS):
-            before = now
-            for at, low, high in joints:
-                stays = data.qpos[at]
-                for value in np.linspace(low, high, _STEPS):
-                    data.qpos[at] = value
-                    there = apart()
-                    if there < now:
-                        now, stays = there, value
-                data.qpos[at] = stays
-            if now <= _NEAR or now >= before:
+    def __init__(self, mujoco: Any, model: Any, seed: int, branches: Branches) -> None:
+        self.mujoco = mujoco
+        self.model = model
+        self.branches = branches
+        self.random = np.random.Generator(np.random.PCG64(seed))
+        self.data = mujoco.MjData(model)
+        self.poses_left = _MOST_POSES
+        self.unsearched: set[Pair] = set()
+
+    def apart(self, pairs: Collection[Pair]) -> set[Pair]:
+        """Return the pairs that the search does not bring together."""
+        left = set(pairs)
+        for pose in self._curled() if left else ():
+            left -= _touched(self.mujoco, self.model, pose).keys()
+        apart = set()
+        for pair in sorted(left):
+            if pair not in left:
+                continue
+            if self.poses_left <= 0:
+                self.unsearched.add(pair)
+            elif self._least(pair) > _NEAR:
+                apart.add(pair)
+            else:
+                # A pose that brings two bodies together often brings others together, too.
+                left -= _touched(self.mujoco, self.model, self.data).keys() - apart
+        return apart
+
+    def _curled(self) -> Iterator[Any]:
+        """Yield poses in which all joints go the same way, as the joints of a finger or a snake that curls."""
+        joints = [joint for joint in range(self.model.njnt) if self._is_single(joint)]
+        places = self.model.jnt_qposadr[joints]
+        ends = np.array([_ends(self.model, joint) for joint in joints]).reshape(-1, 2)
+        start = self.model.qpos0[places]
+        for end in range(2):
+            for share in np.linspace(0, 1, _CURLS + 1)[1:]:
+                self.mujoco.mj_resetData(self.model, self.data)
+                self.data.qpos[places] = start + share * (ends[:, end] - start)
+                yield self.data
+
+    def _is_single(self, joint: int) -> bool:
+        return int(self.model.jnt_type[joint]) >= int(self.mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def _least(self, pair: Pair) -> float:
+        """Return the smallest distance of two bodies (m) that the search finds; `data` has that pose."""
+        self.mujoco.mj_resetData(self.model, self.data)
+        geoms = self._colliding(pair)
+        joints = [
+            (int(self.model.jnt_qposadr[joint]), *_ends(self.model, joint))
+            for joint in self.branches.joints(pair)
+            if self._is_single(joint)
+        ]
+        best = _FAR
+        for start in range(_STARTS):
+            for at, low, high in joints if start else ():
+                self.data.qpos[at] = low + self.random.random() * (high - low)
+            best = min(best, self._descend(geoms, joints))
+            if best <= _NEAR:
                 break
-        best = min(best, now)
-        if best <= _NEAR:
-            break
-    return best
+        return best
+
+    def _descend(self, geoms: Collection[Pair], joints: Collection[tuple[int, float, float]]) -> float:
+        """Return the smallest distance (m) that moving one joint after the other finds from this pose."""
+        nearest = self._distance(geoms)
+        for _ in range(_ROUNDS):
+            before = nearest
+            for at, low, high in joints:
+                place = self.data.qpos[at]
+                for value in np.linspace(low, high, _STEPS):
+                    self.data.qpos[at] = value
+                    distance = self._distance(geoms)
+                    if distance < nearest:
+                        nearest = distance
+                        place = value
+                self.data.qpos[at] = place
+                if nearest <= _NEAR:
+                    return nearest
+            if nearest >= before:
+                break
+        return nearest
+
+    def _distance(self, geoms: Collection[Pair]) -> float:
+        self.poses_left -= 1
+        self.mujoco.mj_kinematics(self.model, self.data)
+        return min(self.mujoco.mj_geomDistance(self.model, self.data, *pair, _FAR, None) for pair in geoms)
+
+    def _colliding(self, pair: Pair) -> list[Pair]:
+        types = self.model.geom_contype
+        affinities = self.model.geom_conaffinity
+        every = product(*(_geoms(self.model, body) for body in pair))
+        return [(a, b) for a, b in every if types[a] & affinities[b] or types[b] & affinities[a]]
 
 
 def _ends(model: Any, joint: int) -> tuple[float, float]:
@@ -229,18 +405,6 @@ def _ends(model: Any, joint: int) -> tuple[float, float]:
 
 def _is_free(mujoco: Any, model: Any, body: int) -> bool:
     return any(int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body))
-
-
-def _is_tied(mujoco: Any, model: Any, pair: Pair, *, sliding: bool) -> bool:
-    """Whether the two bodies cannot move apart freely; `sliding` says that slides without a range do not count."""
-    one, other = (set(_chain(model, body)) for body in pair)
-    free, slide = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
-    for body in one ^ other:
-        for joint in _joints(model, body):
-            type = int(model.jnt_type[joint])
-            if type == free or (type == slide and not model.jnt_limited[joint] and not sliding):
-                return False
-    return all(int(model.body_mocapid[body]) < 0 for body in one ^ other)
 
 
 def _chain(model: Any, body: int) -> Iterator[int]:

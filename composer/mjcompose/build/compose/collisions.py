@@ -29,13 +29,23 @@ _MOST = 20_000
 _COLLIDING = ("contype", "conaffinity")
 
 
+class Exclusions(Struct):
+    """The excludes that MuJoCo finds, each with the reason, and the number of pairs that were not searched."""
+
+    written: tuple[tuple[Node, str], ...] = ()
+    unsearched: int = 0
+
+    def __add__(self, other: Exclusions) -> Exclusions:
+        return Exclusions(self.written + other.written, self.unsearched + other.unsearched)
+
+
 def set_collisions(
     plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None,
     samples: bool = True,
-) -> list[tuple[Node, str]]:  # fmt: skip
-    """Write the recipe's excludes and pairs in order. Return the excludes that MuJoCo finds, with reasons."""
+) -> Exclusions:  # fmt: skip
+    """Write the recipe's excludes and pairs in order. Return the excludes that MuJoCo finds."""
     writer = _CollisionWriter(plan, linking, making, context=context, session=session)
-    excluded: list[tuple[Node, str]] = []
+    excluded = Exclusions()
     for step in plan.steps:
         if isinstance(step, SetCollisions) and (samples or step.collisions.samples is None):
             excluded += writer.write(step)
@@ -49,25 +59,25 @@ class _CollisionWriter(Struct):
     context: Context
     session: engine.Session | None
 
-    def write(self, step: SetCollisions) -> list[tuple[Node, str]]:
-        """Write the elements of a step, and return the excludes that MuJoCo finds, each with the reason."""
+    def write(self, step: SetCollisions) -> Exclusions:
+        """Write the elements of a step, and return the excludes that MuJoCo finds."""
         if step.collisions.samples is not None:
             return self._exclude_needless(step)
         if not step.collisions.sides:
             from mjcompose.mujoco.collision_exclusions import touching  # imports numpy
 
             prefixes = sorted({part.prefix for part in self.plan.parts if part.prefix})
-            pairs = self._found_pairs(step, touching, prefixes, verb="touch")
-            return self._exclude(step, {tuple(pair["bodies"]): "" for pair in pairs})
+            pairs = self._named_pairs(step, self._call(step, touching, prefixes) or (), verb="touch")
+            return Exclusions(self._exclude(step, {tuple(pair["bodies"]): "" for pair in pairs}))
         sides = [self._bodies(step, index) for index in range(2)]
         if step.collisions.what == "exclude":
             names = [[name for body in side for name in _names(body)] for side in sides]
             self._exclude(step, {pair: "" for pair in product(*names) if pair[0] != pair[1]})
         else:
             self._write_pairs(step, sides)
-        return []
+        return Exclusions()
 
-    def _exclude_needless(self, step: SetCollisions) -> list[tuple[Node, str]]:
+    def _exclude_needless(self, step: SetCollisions) -> Exclusions:
         from mjcompose.mujoco.collision_exclusions import ADJACENT, NEVER, TOUCHING, needless  # imports numpy
 
         samples, seed = step.collisions.samples, step.collisions.seed
@@ -76,28 +86,37 @@ class _CollisionWriter(Struct):
             TOUCHING: "they touch in {}",
             NEVER: f"they touched in none of {samples} random poses (seed {seed})",
         }
-        pairs = self._found_pairs(step, needless, {"samples": samples, "seed": seed}, verb="need not collide")
-        return self._exclude(step, {tuple(each["bodies"]): words[each["why"]].format(each["where"]) for each in pairs})
+        answer = self._call(step, needless, {"samples": samples, "seed": seed})
+        if answer is None:
+            return Exclusions()
+        pairs = self._named_pairs(step, answer["pairs"], verb="need not collide")
+        reasons = {tuple(pair["bodies"]): words[pair["why"]].format(pair["where"]) for pair in pairs}
+        return Exclusions(self._exclude(step, reasons), answer["unsearched"])
 
-    def _found_pairs(
-        self, step: SetCollisions, function: Callable[..., Any], argument: Any, verb: str
-    ) -> list[Mapping[str, Any]]:
-        """Return the pairs of bodies that MuJoCo finds, and report bodies without a name."""
+    def _call(self, step: SetCollisions, function: Callable[..., Any], argument: Any) -> Any:
+        """Return the answer of a function that has the whole model, or None after reporting why there is none."""
         with nullcontext(self.session) if self.session else engine.Session() as own:
             if not keep_finished(self.linking.flat(), self.context, own):
-                return []
+                return None
             answer = engine.call(own, function, [FINISHED], argument=argument)
         if not answer.ok:
             self.making.sink.error("mujoco-crash", f"MuJoCo fails on the contacts: {answer.error}", step.span)
-            return []
-        if nameless := [pair for pair in answer.value if not all(pair["bodies"])]:
+            return None
+        return answer.value
+
+    def _named_pairs(
+        self, step: SetCollisions, pairs: Iterable[Mapping[str, Any]], verb: str
+    ) -> list[Mapping[str, Any]]:
+        """Return the pairs of bodies that have names, and report the others."""
+        pairs = list(pairs)
+        if nameless := [pair for pair in pairs if not all(pair["bodies"])]:
             (one, other), where = nameless[0]["called"], nameless[0]["where"]
             more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
             reason = f"{more}, and a body without a name cannot be excluded"
             message = f"{one} and {other} {verb}{where and f' in {where}'}{reason}"
             edit = '`edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
             self.making.sink.error("bad-name", message, step.span, help=f"give it a name: {edit} in the part")
-        return [pair for pair in answer.value if all(pair["bodies"])]
+        return [pair for pair in pairs if all(pair["bodies"])]
 
     def _bodies(self, step: SetCollisions, index: int) -> list[Node]:
         places = {place.part: place for place in self.plan.walk() if place.part}
@@ -149,9 +168,9 @@ class _CollisionWriter(Struct):
             return
         self._append(step, "pair", ("geom1", "geom2"), pairs=named)
 
-    def _exclude(self, step: SetCollisions, reasons: Mapping[tuple[str, ...], str]) -> list[tuple[Node, str]]:
+    def _exclude(self, step: SetCollisions, reasons: Mapping[tuple[str, ...], str]) -> tuple[tuple[Node, str], ...]:
         written = self._append(step, "exclude", ("body1", "body2"), pairs=reasons)
-        return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
+        return tuple((node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written)
 
     def _append(
         self, step: SetCollisions, tag: str, keys: tuple[str, str], pairs: Iterable[tuple[str, ...]]

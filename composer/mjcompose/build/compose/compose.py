@@ -35,7 +35,7 @@ from mjcompose.build.compose.checks import (
     check_names,
     check_names_of_keys,
 )
-from mjcompose.build.compose.collisions import set_collisions
+from mjcompose.build.compose.collisions import Exclusions, set_collisions
 from mjcompose.build.compose.editing import EditCost
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.build.compose.interface import order_elements
@@ -102,6 +102,7 @@ class Composed(Struct):
     tabled: tuple[ElementDraws, ...] = ()
     shapes: tuple[GeneratedShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
+    unsearched: int = 0
     keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
 
@@ -129,7 +130,7 @@ class Composer:
         self.options = options or ComposeOptions()
         self.notes_parts = self.options.notes_parts
         self.workshop: MeshWorkshop | None = None
-        self.needless: list[tuple[Node, str]] = []
+        self.exclusions = Exclusions()
         self.loader = Loader(context, session, watch, library=library, checks=self.options.checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
@@ -148,11 +149,21 @@ class Composer:
         shapes = () if self.workshop is None else tuple(self.workshop.shapes_in(composed.model.root))
         shapes += tuple(shape for each in self.inner for shape in each.shapes)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)
-        excluded = tuple(Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless)
+        excluded = tuple(
+            Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.exclusions.written
+        )
         tables = dict(self.loader.tables())
         for each in self.inner:
             tables.update(each.tables)
-        return replace(composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables)
+        return replace(
+            composed,
+            members=members,
+            shapes=shapes,
+            excluded=excluded,
+            unsearched=self.exclusions.unsearched,
+            keys=self.keys,
+            tables=tables,
+        )
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
@@ -296,7 +307,7 @@ class Composer:
         hold_poses(plan, linking, making, context=self.context, session=self.loader.session)
         linking.watch(linking.units, hold_poses)
         samples = self.options.makes_shapes
-        self.needless += set_collisions(
+        self.exclusions += set_collisions(
             plan, linking, making, context=self.context, session=self.loader.session, samples=samples
         )
         check_names_of_keys(linking, making)

@@ -43,12 +43,15 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
             with engine.Session() as session:
                 composed = Composer(aside, measure_with(aside, session=session), session, library=library).compose(plan)
     excluded = () if composed is None else composed.excluded
+    unsearched = 0 if composed is None else composed.unsearched
     if composed is None:
         adopted = adopted_settings(plan, context, library)
     else:
         adopted = composed.model.adopted if plan.parts else ()
     gains = tuple(_gains(composed, composer.edits.values(), measure))
-    return PlanPreview(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
+    return PlanPreview(
+        composer.subtrees, composer.edits, adopted, excluded=excluded, unsearched=unsearched, gains=gains
+    )
 
 
 def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:

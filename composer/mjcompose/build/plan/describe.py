@@ -113,6 +113,11 @@ def describe(plan: Plan, preview: PlanPreview | None = None) -> str:
     for pair in preview.excluded:
         why = f"will not collide: {pair.why}" if pair.why else "touch, and will not collide"
         excluded.append(f"  {pair.one} and {pair.other} {why}")
+    if preview.unsearched:
+        pairs = counted(preview.unsearched, "pair")
+        excluded.append(
+            f"  {pairs} of bodies still collide: the search for poses in which they touch ended before them"
+        )
     return "\n".join([*_lines(plan, preview), *_gain_lines(preview.gains), *adopted, *excluded])
 
 
@@ -258,6 +263,7 @@ def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
             adopted=[{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted],
             touching=[[each.one, each.other] for each in preview.excluded if not each.why],
             excluded=[asdict(each) for each in preview.excluded if each.why],
+            unsearched=preview.unsearched,
             gains=[asdict(each) for each in preview.gains],
         ),
     }

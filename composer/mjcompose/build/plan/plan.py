@@ -159,12 +159,16 @@ class Gains(Struct):
 
 
 class PlanPreview(Struct):
-    """Facts that only composing determines, such as settings from parts, and bodies that need not collide."""
+    """Facts that only composing determines, such as settings from parts, and bodies that need not collide.
+
+    `unsearched` is the number of pairs of bodies that may never touch, but that were not searched.
+    """
 
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
     edits: Mapping[RecipePath, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
     excluded: tuple[Excluded, ...] = ()
+    unsearched: int = 0
     gains: tuple[Gains, ...] = ()
 
 
