@@ -10,11 +10,14 @@ import pytest
 from link.workshop import BASE, Linked, Piece, Workshop, obj
 from mjcompose.base.access import own_door
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.naming import is_portable
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
+from mjcompose.build.stages import Request, build
 from mjcompose.link.files import KINDS, Merged, NamedFile, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
+from mjcompose.sources.context import Context
 from mjcompose.tree.files import Settings
 from mjcompose.tree.unit import Unit
 
@@ -515,3 +518,31 @@ def test_a_file_that_is_not_there_is_told_later(workshop: Workshop) -> None:
     linked = link(workshop, text, text)
     merged, uses = dedup(linked.linking.base, linked.linking.files, PREFIXES)
     assert (merged, len(uses)) == ({}, 2), "they are in different folders"
+
+
+@pytest.mark.parametrize(
+    ("file", "path", "name"),
+    [
+        ("con.obj", "assets/aux_/con_.obj", "con"), ("wood: oak.obj", "assets/aux_/wood_ oak.obj", "wood: oak"),
+        ("nul/link.obj", "assets/aux_/nul_/link.obj", "link"), ("end./a.obj", "assets/aux_/end_/a.obj", "a"),
+        ("a\nb.obj", "assets/aux_/a_b.obj", "a\nb"), ("COM1.x.obj", "assets/aux_/COM1_.x.obj", "COM1.x"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("alone", [True, False])
+def test_files_get_paths_that_every_system_can_have(
+    tmp_path: Path, file: str, path: str, name: str, *, alone: bool
+) -> None:
+    """An unnamed mesh keeps the name that MuJoCo gives it after its file."""
+    written = file.replace("\n", "&#10;")
+    mesh = name.replace("\n", "&#10;")
+    (tmp_path / file).parent.mkdir(exist_ok=True)
+    (tmp_path / file).write_bytes(obj())
+    geom = f'<worldbody><geom type="mesh" mesh="{mesh}"/></worldbody>'
+    model = f'<mujoco><asset><mesh file="{written}"/></asset>{geom}</mujoco>'
+    (tmp_path / "aux.xml").write_text(model)
+    recipe = "recipe: 1\nbase: ./aux.xml\n" if alone else "recipe: 1\nattach: {part: {model: ./aux.xml}}\n"
+    (tmp_path / "recipe.yaml").write_text(recipe)
+    built = build(Request(tmp_path / "recipe.yaml"), context := Context(environment={}, folder=tmp_path))
+    assert built is not None, context.sink.errors
+    assert [each for each in built.bundle.files if each.startswith("assets/")] == [path]
+    assert all(map(is_portable, built.bundle.files))

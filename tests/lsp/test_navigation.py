@@ -172,3 +172,21 @@ def test_a_file_that_changes_on_the_disk_is_read_again(editor: Editor) -> None:
     (editor.folder / "disk.xml").write_text('<mujoco><worldbody><site name="b"/></worldbody></mujoco>')
     editor.tell("workspace/didChangeWatchedFiles", {"changes": [{"uri": editor.uri("disk.xml"), "type": 2}]})
     assert editor.wait(uri, lambda found: not found) == []
+
+
+def test_the_lens_of_a_cell_builds_a_file_in_build(editor: Editor, tmp_path: Path) -> None:
+    """A cell of a matrix may be called like a path, and the editor builds it where its file name leads."""
+    text = """recipe: 1
+name: n
+base: ./models/arm6/arm6.xml
+matrix: {axes: {tool: [/../../../../../victim/cell, b]}}
+params: {tool: b}
+"""
+    (editor.folder / "hostile.yaml").write_text(text)
+    params, _ = editor.at(MARK + text, "hostile.yaml")
+    lenses = editor.ask("textDocument/codeLens", {"textDocument": params["textDocument"]})
+    commands = [each["command"] for each in lenses if each["command"]["command"] == "mjcompose.build"]
+    first = next(each for each in commands if len(each["arguments"]) == 2)
+    assert first["arguments"][1] == "n-/../../../../../victim/cell"
+    assert "wrote" in editor.ask("workspace/executeCommand", {**first, "title": ""})
+    assert [each.name for each in (editor.folder / "build").iterdir()] == ["n-_.._.._.._.._.._victim_cell.zip"]

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force, written
+from mjcompose.base.naming import without_odd
 from mjcompose.base.scratch import is_scratch
 
 if TYPE_CHECKING:
@@ -441,8 +442,13 @@ def keep_stdin() -> str:
 
 
 def own_name(path: PurePath) -> str:
-    """Return the name of a recipe's model if the recipe gives it none. No I/O."""
-    return "model" if path.name == STDIN else path.stem
+    r"""Return the name of a recipe's model if the recipe gives it none, which fits on one line. No I/O.
+
+    >>> from pathlib import Path
+    >>> own_name(Path("arms/left arm.yaml")), own_name(Path("arm\n.yaml"))
+    ('left arm', 'arm_')
+    """
+    return "model" if path.name == STDIN else without_odd(path.stem) or "model"
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mjcompose.base.naming import file_name
 from mjcompose.base.report import MjcomposeError
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
@@ -133,7 +134,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
 
     context = run.context
     try:
-        record = read_stamp(context.folder / options.stamp)
+        record = read_stamp(context.folder / options.stamp, str(options.stamp))
     except MjcomposeError as error:
         context.sink.extend(error.diagnostics)
         raise Stop(USAGE) from None
@@ -141,7 +142,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     bundle = build_again(record, context.folder / recipe, context)
     if bundle is None:
         raise Stop(FINDINGS)
-    out = options.out or f"build/{record.name}.zip"
+    out = options.out or f"build/{file_name(record.name)}.zip"
     with run.stopping(FINDINGS):
         write(bundle, context.folder / out, environment=context.environment)
     return Answer(f"wrote {out}: the bytes of the stamp", {"wrote": out, "sha256": bundle.sha256}, is_outcome=True)

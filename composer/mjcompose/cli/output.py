@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Severity, hide
+from mjcompose.base.naming import file_name
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
@@ -22,7 +23,6 @@ from mjcompose.build.bundle.bundle import (
     Location,
     OutputError,
     OutputForm,
-    file_name,
     form_of,
     hash_of,
     is_address,

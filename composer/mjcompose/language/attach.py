@@ -41,7 +41,7 @@ from mjcompose.language.forms.scalars import (
     When,
 )
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
-from mjcompose.language.value import EXCLUSIVE, Element, Single, is_unprintable, unprintable
+from mjcompose.language.value import EXCLUSIVE, Element, Single, odd_name
 from mjcompose.tree.merged_settings import KeyPolicy
 
 Vector = tuple[Single, ...]
@@ -354,8 +354,8 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
         return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`")
-    if is_unprintable(prefix):
-        return unprintable("a prefix", at, key=key)
+    if (fault := odd_name(prefix, "a prefix", at, key=key)) is not None:
+        return fault
     if separator in prefix and separator in PATH_LIKE:
         help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"
         return Fault("bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key=key, help=help)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping as Map
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Note, Span
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.naming import odd_character
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.language.parameters import (
@@ -251,7 +252,7 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
     named = [(matrix.name_of(name, given), given, span) for given, span in combinations]
     made = [Cell(each, given, span, cell=each) for each, given, span in named]
     if sink.error_count == before:
-        _check_unique(made, matrix, sink)
+        _check_names_of_cells(made, matrix, sink)
     return made if sink.error_count == before else []
 
 
@@ -348,6 +349,20 @@ def _same(a: Node, b: Node) -> bool:
         return True
     first, second = plain(a), plain(b)
     return first is not None and second is not None and same(first, second)
+
+
+def _check_names_of_cells(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
+    for cell in made:
+        if (character := odd_character(cell.name)) is not None:
+            texts = [node for node in cell.given.values() if isinstance(node, Scalar)]
+            values = [node.span for node in texts if odd_character(node.text) is not None]
+            entry = matrix.node.entries.get("name")
+            names = [] if entry is None else [entry[1].span]
+            span = next(iter((*values, *names)), cell.span)
+            help = "use letters, digits and `_ . -`, or write a `name` into `matrix` that omits this value"
+            sink.error("bad-name", f"the name of a cell has {character} in it", span, help=help)
+            return
+    _check_unique(made, matrix, sink)
 
 
 def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:

@@ -242,7 +242,7 @@ class Recipe(Model):
 
     recipe: Annotated[int, Checked(_version_fault, first=True), WithJsonSchema({"const": VERSION})]
     """The version of the language: 1."""
-    name: Annotated[str, Name(what="text")] | None = None
+    name: Annotated[str, Name(what="text", new=True)] | None = None
     """The model's name; without it, the stem of the recipe's file."""
     description: (
         Annotated[str, Checked(lambda text: unprintable(IT, (), name=False) if is_unprintable(text) else None)] | None

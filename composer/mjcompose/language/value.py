@@ -10,6 +10,7 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Note, Path
+from mjcompose.base.naming import odd_character
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.text.expression import Angle
 from mjcompose.tree.grammar import Attribute, ElementType, number_text
@@ -75,10 +76,19 @@ def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True)
     return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key)
 
 
+def odd_name(name: str, subject: str, at: Path, *, key: bool = False) -> Fault | None:
+    """Return the fault of a new name that one line of text, or an XML file, cannot contain; None if it is fine."""
+    if is_unprintable(name):
+        return unprintable(subject, at, key=key)
+    if (character := odd_character(name)) is None:
+        return None
+    return Fault("bad-name", f"{subject} has {character} in it", at, key=key, help="use letters, digits and `_ . -`")
+
+
 def name_fault(name: str, owner: str, at: Path) -> Fault | None:
     if not name.strip():
         return Fault("bad-name", f"a name in {owner} is empty", at, key=True)
-    return unprintable(f"a name in {owner}", at, key=True) if is_unprintable(name) else None
+    return odd_name(name, f"a name in {owner}", at, key=True)
 
 
 Single = bool | int | float | str | Angle
@@ -386,10 +396,16 @@ def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Pat
 
 
 def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:
-    if not isinstance(value, str) or not is_unprintable(value):
+    if not isinstance(value, str):
         return True
-    faults.append(unprintable(subject, at, name=attribute.type in ("name", "reference", "references")))
-    return False
+    if attribute.type == "name":
+        fault = odd_name(value, subject, at)
+    else:
+        is_name = attribute.type in ("reference", "references")
+        fault = unprintable(subject, at, name=is_name) if is_unprintable(value) else None
+    if fault is not None:
+        faults.append(fault)
+    return fault is None
 
 
 NOT_NEGATIVE = frozenset("mass density diaginertia armature damping frictionloss stiffness friction size".split())

@@ -14,9 +14,19 @@ from mjcompose.base.access import Door, Passed, held
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
+from mjcompose.base.naming import portable_path, portable_step
 from mjcompose.link.linking import FileUse, Linking, detach
 from mjcompose.tree.edit import BadSkin, rename_bones
-from mjcompose.tree.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
+from mjcompose.tree.files import (
+    NAMED_AFTER_FILE,
+    Settings,
+    file_attributes,
+    is_absolute,
+    is_plain,
+    join,
+    stem,
+    written_path,
+)
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, naming_table, object_namespace
 from mjcompose.tree.unit import Unit
@@ -169,7 +179,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
     folders = {"texture": join(directory, unit.settings.texture_folder)}
     mesh_folder = join(directory, unit.settings.mesh_folder)
     simple = not unit.contents and unit.settings.strippath != "true"
-    target = f"{ASSETS}/{unit.label}/"
+    target = f"{ASSETS}/{portable_step(unit.label)}/"
     use = linking.files.append
     # Most paths need not be shortened.
     plain = [
@@ -201,8 +211,16 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
         if prefix and tag == "skin":
             content = _skin(linking, unit, element, prefix=prefix, source=source, content=content)
         path = _free_path(unit, tag, written, source=source, content=content, taken=taken)
-        element.set(attribute, path)
+        set_path(element, attribute, path, written)
         use(FileUse(element, attribute, path, source=source, content=content))
+
+
+def set_path(element: Node, attribute: str, path: str, written: str) -> None:
+    """Give an element the new path of a file; an asset that MuJoCo names after the `written` path keeps that name."""
+    is_named_after_file = element.tag in NAMED_AFTER_FILE and attribute == "file" and not element.get("name")
+    if is_named_after_file and stem(written) != stem(path):
+        element.set("name", stem(written))
+    element.set(attribute, path)
 
 
 def readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
@@ -237,9 +255,9 @@ def is_settled(unit: Unit, tag: object, name: str) -> bool:
 
 def _free_path(unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken) -> str:
     below = path_in_assets(unit.settings, written)
-    path = f"{ASSETS}/{unit.label}/{below}"
+    path = f"{ASSETS}/{portable_step(unit.label)}/{below}"
     if is_settled(unit, tag, written):
-        path = written
+        path = portable_path(written)
     # Some file systems do not distinguish cases: `A.obj` and `a.obj` get different paths.
     _, label, below = path.split("/", 2)
     numbered = (f"{ASSETS}/{label}-{number}/{below}" for number in count(2))
@@ -250,15 +268,15 @@ def _free_path(unit: Unit, tag: object, written: str, source: str, content: byte
 def path_in_assets(settings: Settings, written: str) -> str:
     """Return the path below the unit's own asset folder, which is not repeated in the bundle."""
     if is_absolute(written):
-        return written.rsplit("/", 1)[-1]
+        return portable_step(written.rsplit("/", 1)[-1])
     for folder in (settings.mesh_folder, settings.texture_folder):
         if folder and written.startswith(start := join("", folder) + "/"):
             written = written[len(start) :]
             break
     # Such a step would lead out of the bundle.
     if ".." in written:
-        return "/".join(step for step in written.split("/") if step != "..")
-    return written
+        written = "/".join(step for step in written.split("/") if step != "..")
+    return portable_path(written)
 
 
 class NamedFile(Struct):
@@ -280,9 +298,9 @@ def add_file(linking: Linking, file: NamedFile) -> None:
         refused.report(linking.sink, file.span)
         return
     steps = file.name.replace("\\", "/").split("/")
-    inside = "/".join(step for step in steps if step not in ("..", ".", ""))
+    inside = portable_path("/".join(step for step in steps if step not in ("..", ".", "")))
     paths = chain([f"{ASSETS}/{inside}"], (f"{ASSETS}/{number}/{inside}" for number in count(2)))
     taken = {use.path.lower(): use.source for use in linking.files}
     path = next(each for each in paths if taken.get(each.lower(), source) == source)
-    file.element.set(file.attribute, path)
+    set_path(file.element, file.attribute, path, file.name)
     linking.files.append(FileUse(file.element, file.attribute, path, source=source, content=None))

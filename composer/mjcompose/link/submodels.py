@@ -24,9 +24,10 @@ from mjcompose.base.access import Door, held
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.naming import portable_step
 from mjcompose.base.sink import Sink
 from mjcompose.link.agreement import default_of, merge_values, set_value, written_settings
-from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, readable_path
+from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, readable_path, set_path
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.link.unit_keys import remove_keys
@@ -140,7 +141,7 @@ def submodels(linking: Linking) -> None:
             if file:
                 bundler = _Bundler(linking, keyed=policy != "none")
                 with suppress(_TooManyError):
-                    bundler.bundle(unit, element, str(file), folder=f"{ASSETS}/{unit.label}/models")
+                    bundler.bundle(unit, element, str(file), folder=f"{ASSETS}/{portable_step(unit.label)}/models")
 
 
 def add_named_file(linking: Linking, file: NamedFile) -> None:
@@ -201,7 +202,7 @@ class _Bundler(Struct):
         # when the file gets another path.
         if not element.get("name"):
             element.set("name", sub.model)
-        path = self._free(f"{folder}/{sub.label}" + ("" if self.keyed else "-without-keys"), source)
+        path = self._free(f"{folder}/{portable_step(sub.label)}" + ("" if self.keyed else "-without-keys"), source)
         if not self.keyed:
             remove_keys(sub.root)
         self._own_files(sub, path, above=(*above, source))
@@ -269,7 +270,7 @@ class _Bundler(Struct):
             below = path_in_assets(sub.settings, written)
             names = chain([below], (f"{number}/{below}" for number in count(2)))
             name = next(each for each in names if taken.setdefault(each.lower(), source) == source)
-            element.set(attribute, f"{beside}/{name}")
+            set_path(element, attribute, f"{beside}/{name}", file)
             content = known if isinstance(known, bytes) else None
             use = FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
             self.linking.files.append(use)

@@ -19,6 +19,7 @@ from lsprotocol import types as lsp
 
 from mjcompose.base.codes import address
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
+from mjcompose.base.naming import file_name
 from mjcompose.base.processes import PIPE, STDOUT, Overrun, Process, WorkFolder, own_command
 from mjcompose.base.report import printable
 from mjcompose.lsp import analysis
@@ -282,7 +283,7 @@ class Errands:
         """Run `view`, `build` or `check` for a recipe or a cell of its matrix; return its output and its success."""
         words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
         if verb == "build":
-            words += ["-o", str(self.folder / "build" / f"{cell or Path(recipe).stem}.zip")]
+            words += ["-o", str(self.folder / "build" / f"{file_name(cell or Path(recipe).stem)}.zip")]
         return await asyncio.get_running_loop().run_in_executor(None, self._run, words)
 
     def _run(self, words: list[str]) -> tuple[str, bool]:

@@ -15,6 +15,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Note, warn
+from mjcompose.base.naming import is_portable
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect, read
@@ -126,7 +127,7 @@ def relocated_text(model: Model, label: str) -> str | None:
     never replaced by mistake.
     """
     unit = model.unit
-    if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
+    if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label) or not is_portable(label):
         return None
     files = _plain_files(unit)
     if files is None or next(empty_elements(unit), None) is not None:

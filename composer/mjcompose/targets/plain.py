@@ -17,6 +17,7 @@ import numpy as np
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose.base.naming import portable_step
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable, save_digits
 from mjcompose.mujoco.index import compiled_order
@@ -176,7 +177,7 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
         mesh.set("name", names[number])
         for attribute in _GONE:
             mesh.attrib.pop(attribute, "")
-        name, copies = f"{FOLDER}/{_NOT_IN_FILES.sub('_', names[number])}", 1
+        name, copies = f"{FOLDER}/{portable_step(_NOT_IN_FILES.sub('_', names[number]))}", 1
         path, taken = f"{name}.obj", {each.casefold() for each in files}
         while path.casefold() in taken:
             copies += 1

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.files import RECIPES
+from mjcompose.base.naming import is_portable
 
 
 class Settings(NamedTuple):
@@ -97,10 +98,10 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
 
 
 def is_plain(name: str) -> bool:
-    """Return whether a path needs no normalizing and leads to a file below the folder that it is joined to."""
+    """Return whether a path needs no change on any system, and leads to a file below the folder it is joined to."""
     if "/" in name and (_has_empty_steps(name) or is_absolute(name)):
         return False
-    return not (name.startswith(".") or "\\" in name or ":" in name)
+    return not (name.startswith(".") or "\\" in name) and is_portable(name)
 
 
 def written_path(settings: Settings, element: Node, name: str) -> str:

@@ -18,6 +18,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.files import Refused
+from mjcompose.base.naming import file_name
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco.engine import Session, call
 from mjcompose.mujoco.shapes import Doubt, doubts, measured
@@ -279,7 +280,7 @@ def _give(
         material = kept[key] = next(each for each in names if each not in kept.values())
         asset, file = unit.section("asset"), str(picture)
         if isinstance(picture, bytes):
-            file = f"converted/{material}.png"
+            file = f"converted/{file_name(material)}.png"
             unit.contents = {**unit.contents, file: picture}
         for made in (
             etree.SubElement(asset, "texture", name=material, type="2d", file=file),

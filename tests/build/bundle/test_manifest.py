@@ -4,9 +4,11 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import mjcompose
 import pytest
+from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.bundle.manifest import (
     Draw,
@@ -17,6 +19,7 @@ from mjcompose.build.bundle.manifest import (
     files_of,
     from_json,
     index_of,
+    manifest_of,
     schema,
     to_json,
     with_manifest,
@@ -44,7 +47,7 @@ def manifest() -> Manifest:
         description="two\nlines",
         mujoco="4.0.0",
         grammar="4.0",
-        recipe=Recipe(path="recipes/arm.yaml", sha256="0" * 64),
+        recipe=Recipe(path="arm.yaml", sha256="0" * 64),
         variants={"light": "dim"},
         params={"reach": 0.5, "label": "x", "offset": [0, 0, 1]},
         sample=3,
@@ -123,3 +126,36 @@ def test_the_rest_of_the_room_does_without_pydantic() -> None:
     command = [sys.executable, "-c", code]
     shown = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     assert shown.stdout.strip() == "False"
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"name": "a\n::error::b"}, "`name`: a name cannot have a line break in it"),
+        ({"name": ""}, "`name`: string should have at least 1 character"),
+        ({"cell": "a\u202eb"}, "`cell`: a name cannot have the character U+202E in it"),
+        ({"model": "../model.xml"}, "`model`: `../model.xml` is not a path in a bundle: it leads out of the bundle"),
+        ({"model": "/model.xml"}, "`model`: `/model.xml` is not a path in a bundle: it is absolute"),
+        ({"picture": "../../x.png"}, "`picture`: it must be the name of a file, without a folder"),
+        ({"recipe": {"path": "../arm.yaml", "sha256": "0" * 64}}, "`recipe/path`: it must be the name of a file"),
+        ({"recipe": {"path": "arm.yaml", "sha256": "0"}}, "`recipe/sha256`: string should match pattern"),
+        ({"files": [{"path": "assets/../../x", "sha256": "0" * 64, "size": 1}]}, "it leads out of the bundle"),
+        ({"files": [{"path": "../assets/../x", "sha256": "0" * 64, "size": 1}]}, "it leads out of the bundle"),
+        ({"files": [{"path": "../../../assets/x", "sha256": "0" * 64, "size": 1}]}, "it leads out of the bundle"),
+        ({"files": [{"path": "a\\b", "sha256": "0" * 64, "size": 1}]}, "it has a backslash"),
+        ({"read": [{"path": "arm.xml", "sha256": "x"}]}, "`read/0/sha256`: string should match pattern"),
+        ({"inputs": [{"path": "a", "reference": "a", "kind": "path", "sha256": "1" * 64, "licenses": ["../L"]}]}, "leads"),
+    ],
+)  # fmt: skip
+def test_each_path_hash_and_name_has_a_form(change: dict[str, Any], fault: str) -> None:
+    text = json.dumps({**json.loads(to_json(manifest())), **change}).encode()
+    sink = Sink()
+    assert manifest_of(text, "arm.zip", sink) is None
+    [error] = sink.errors
+    assert fault in "\n".join(note.message for note in error.notes)
+
+
+@pytest.mark.parametrize("path", ["../assets/x-0123.obj", "../../assets/x-0123.obj", "assets/x.obj"])
+def test_shared_assets_are_outside(path: str) -> None:
+    text = json.dumps({**json.loads(to_json(manifest())), "files": [{"path": path, "sha256": "0" * 64, "size": 1}]})
+    assert from_json(text).files[0].path == path

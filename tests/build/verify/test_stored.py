@@ -123,6 +123,9 @@ def test_only_the_very_recipe_beside_a_bundle_says_where_sources_are(folder: Pat
         (folder / "moved").rename(folder / "sub" / "moved")
         _manifest(folder, lambda manifest: manifest["recipe"].update(aside))
     _, told = check()
+    if recipe == "in another folder":
+        assert told[0].startswith("error bundle-manifest")
+        return
     assert told[0].startswith("warning part-not-compared")
     assert "its source `./parts/part.xml` is not found" in told[0]
 
@@ -321,3 +324,15 @@ def test_a_part_without_its_settings_or_keys_is_compared(folder: Path, check: Ch
     stored, told = check(recipe="recipe.yaml")
     assert told == []
     assert stored is not None and [part.ok for part in stored.parts] == [True]
+
+
+@pytest.mark.parametrize("model", ["other.xml", "assets/model.xml"])
+def test_the_model_of_a_manifest_is_in_the_bundle(folder: Path, check: Check, model: str) -> None:
+    _manifest(folder, lambda manifest: manifest.update(model=model))
+    assert check()[1] == [f"error bundle-manifest: the manifest of `out` names the model `{model}`, which is not in it"]
+
+
+def test_the_licenses_of_a_manifest_are_in_the_bundle(folder: Path, check: Check) -> None:
+    _manifest(folder, lambda manifest: manifest["inputs"][0].update(licenses=["LICENSES/one/LICENSE"]))
+    [error] = [each for each in check()[1] if each.startswith("error")]
+    assert error.endswith("names the license `LICENSES/one/LICENSE`, which is not in it")

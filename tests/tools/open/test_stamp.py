@@ -77,3 +77,62 @@ def test_a_file_that_is_not_a_stamp_is_refused(folder: Path, text: str) -> None:
     assert code == 2 and "is not a stamp of mjcompose" in output
     with pytest.raises(mjcompose.MjcomposeError, match="cannot|no"):
         mjcompose.stamp("missing.zip")
+
+
+def stamped(folder: Path, **fields: object) -> dict[str, object]:
+    """Write the stamp of a model, with these fields instead."""
+    (folder / "cell.yaml").write_text(RECIPE)
+    assert run("build", "cell.yaml", "-o", "cell/")[0] == 0
+    record = {**mjcompose.stamp("cell/"), **fields}
+    (folder / "stamp.json").write_text(json.dumps(record, indent=1))
+    return record
+
+
+@pytest.mark.parametrize(
+    ("fields", "place", "fault"),
+    [
+        ({"name": "a\n::error::b"}, '"name": "a', "`name`: a name cannot have a line break in it"),
+        ({"name": "\u202ecell"}, '"name": "', "`name`: a name cannot have the character U+202E in it"),
+        ({"bundle": "0" * 63}, '"bundle": "00', "`bundle`"),
+        (
+            {"recipe": "../../home/cell.yaml"},
+            '"recipe": "..',
+            "`recipe`: it must be the name of a file, without a folder",
+        ),
+        ({"recipe": "/home/cell.yaml"}, '"recipe": "/', "`recipe`"),
+        ({"recipe": ".."}, '"recipe": ".."', "`recipe`"),
+        ({"cell": "x\r"}, '"cell": "x', "`cell`: a name cannot have a line break in it"),
+        ({"sample": -1}, '"sample": -1', "`sample`"),
+        ({"target": "nope"}, '"target": "nope"', "`target`: the target `nope` does not exist"),
+        ({"params": {"size": {"x": 1}}}, '"size": {', "`params/size`: a parameter is a number, a text"),
+        ({"read": {"cell.yaml": "x"}}, '"cell.yaml": "x"', "`read/cell.yaml`"),
+        ({"more": 1}, '"more": 1', "`more` is not a key of a stamp"),
+    ],
+)
+def test_each_field_of_a_stamp_has_a_form(folder: Path, fields: dict[str, object], place: str, fault: str) -> None:
+    stamped(folder, **fields)
+    code, output = run("rebuild", "stamp.json")
+    assert code == 2 and "Traceback" not in output
+    file, line, _, message = output.splitlines()[0].split(":", 3)
+    assert file == "stamp.json" and message.startswith(" error[bundle-manifest]: `stamp.json` is not a stamp")
+    assert place in (folder / "stamp.json").read_text().splitlines()[int(line) - 1]
+    assert fault in message
+    assert not (folder / "build").exists()
+
+
+@pytest.mark.parametrize("name", ["../../victim/backup", "/tmp/backup", "other"])
+def test_a_stamp_with_another_name_writes_nothing(folder: Path, name: str) -> None:
+    stamped(folder, name=name)
+    before = sorted(folder.rglob("*"))
+    code, output = run("rebuild", "stamp.json")
+    assert code == 1 and f"error[bundle-changed]: the stamp is of `{name}`, and its recipe builds `cell`" in output
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_a_name_like_a_path_is_a_file_in_build(folder: Path) -> None:
+    (folder / "cell.yaml").write_text(f"{RECIPE}name: ../../victim/backup\n")
+    assert run("build", "cell.yaml", "-o", "made.zip")[0] == 0
+    (folder / "stamp.json").write_text(json.dumps(mjcompose.stamp("made.zip")))
+    code, output = run("rebuild", "stamp.json")
+    assert code == 0 and "wrote build/_.._victim_backup.zip" in output
+    assert (folder / "build" / "_.._victim_backup.zip").read_bytes() == (folder / "made.zip").read_bytes()

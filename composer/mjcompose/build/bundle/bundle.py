@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, DiagnosticError, Severity, Span
 from mjcompose.base.files import read_regular
+from mjcompose.base.naming import file_name, portable_step
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
@@ -155,15 +156,6 @@ def location(folder: Path, out: str) -> Location:
     return out if is_address(out) else Path(os.path.abspath(folder / out))
 
 
-def file_name(name: str) -> str:
-    """Return a model's name as a file name, which cannot lead out of its folder.
-
-    >>> file_name("cell 1/left"), file_name("..")
-    ('cell_1_left', 'model')
-    """
-    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
-
-
 def hash_of(name: str) -> str:
     """Return the model's folder among 256, which keeps each of them small: two digits of a hash of its name.
 
@@ -266,7 +258,7 @@ def check_paths(paths: Iterable[str]) -> None:
     files: dict[str, str] = {}
     folders: dict[str, str] = {}
     for path in paths:
-        if fault := _fault(path):
+        if fault := path_fault(path):
             raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
         key = unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
         if key in files:
@@ -281,18 +273,22 @@ def check_paths(paths: Iterable[str]) -> None:
             folders.setdefault(folder, path)
 
 
-def _fault(path: str) -> str | None:
-    """Return why a path is not relative, plain and valid on every system; None if it is."""
+def path_fault(path: str) -> str | None:
+    """Return why a path is not relative and plain, or leads out of its bundle; None if it is fine."""
     parts = path.split("/")
-    faults = {
-        "it is absolute": path.startswith("/") or _DRIVE.match(path),
-        "it has a backslash": "\\" in path,
-        "it has a control character": _CONTROL.search(path),
-        "it leads out of the bundle": ".." in parts,
-        "it has an empty segment": "" in parts or "." in parts,
-        "it is not Unicode text": path.encode("utf-8", "replace").decode() != path,
-    }
-    return next((words for words, is_so in faults.items() if is_so), None)
+    if path.startswith("/") or _DRIVE.match(path):
+        return "it is absolute"
+    if "\\" in path:
+        return "it has a backslash"
+    if _CONTROL.search(path):
+        return "it has a control character"
+    if ".." in parts:
+        return "it leads out of the bundle"
+    if "" in parts or "." in parts:
+        return "it has an empty segment"
+    if path.encode("utf-8", "replace").decode() != path:
+        return "it is not Unicode text"
+    return None
 
 
 LICENSES = "LICENSES"
@@ -347,7 +343,7 @@ def license_folder(label: str) -> str:
 
 def _segment(name: str) -> str:
     """Return a name as a path segment that is valid on every file system."""
-    return _UNSAFE.sub("_", name).strip(".") or "_"
+    return portable_step(_UNSAFE.sub("_", name).strip(".") or "_")
 
 
 class Outcome(Struct):

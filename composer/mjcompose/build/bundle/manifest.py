@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic_core import PydanticCustomError
 
 from mjcompose.base import __version__
 from mjcompose.base.diagnostic import Note
+from mjcompose.base.naming import odd_character
 from mjcompose.base.report import with_rest
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle, to_text
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, path_fault, to_text
 from mjcompose.mujoco.arrays import BY_WORD
 
 if TYPE_CHECKING:
@@ -35,14 +38,14 @@ def newer_format(error: ValueError) -> int | None:
     return None
 
 
-def _in_words(fault: ErrorDetails) -> str:
+def in_words(fault: ErrorDetails, owner: str = "a manifest") -> str:
     place = "`" + "/".join(map(str, fault["loc"])) + "`"
     if fault["type"] == "json_invalid":
         return "it is not JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
     if not fault["loc"]:
         return "it is not a mapping"
     if fault["type"] == "extra_forbidden":
-        return f"{place} is not a key of a manifest"
+        return f"{place} is not a key of {owner}"
     if fault["type"] == "missing":
         return f"{place} is missing"
     message = fault["msg"]
@@ -57,20 +60,56 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
+def _on_one_line(text: str) -> str:
+    if (character := odd_character(text)) is not None:
+        raise PydanticCustomError("name", "a name cannot have {character} in it", {"character": character})
+    return text
+
+
+def _without_folder(text: str) -> str:
+    if "/" in text or "\\" in text or text in ("", ".", ".."):
+        raise PydanticCustomError("file_name", "it must be the name of a file, without a folder")
+    return text
+
+
+def _in_bundle(path: str) -> str:
+    if (fault := path_fault(path)) is not None:
+        raise PydanticCustomError("path", "`{path}` is not a path in a bundle: {fault}", {"path": path, "fault": fault})
+    return path
+
+
+_SHARED = re.compile(r"(?:\.\./){1,2}assets/(.+)", re.DOTALL)
+
+
+def _in_bundle_or_shared(path: str) -> str:
+    shared = _SHARED.fullmatch(path)
+    _in_bundle(path if shared is None else shared[1])
+    return path
+
+
+Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+Name = Annotated[str, StringConstraints(min_length=1), AfterValidator(_on_one_line)]
+"""A name that a recipe gives, which fits on one line."""
+FileName = Annotated[str, AfterValidator(_without_folder)]
+_Path = Annotated[str, AfterValidator(_in_bundle)]
+_PathOrShared = Annotated[str, AfterValidator(_in_bundle_or_shared)]
+
+
 class Recipe(_Part):
     """The recipe of the build."""
 
-    path: str = Field(description="The name of its file.")
-    sha256: str = Field(description="The hash of the recipe file.")
+    path: FileName = Field(description="The name of its file.")
+    sha256: Sha256 = Field(description="The hash of the recipe file.")
 
 
 class Origin(_Part):
     """The repository, archive or package of an input."""
 
     id: str = Field(description="The model reference without the file in it.")
-    commit: str | None = Field(None, description="The commit, for a git repository.")
-    tree: str | None = Field(None, description="Git's hash of all files, for a git repository.")
-    sha256: str | None = Field(None, description="The hash of an archive.")
+    commit: GitHash | None = Field(None, description="The commit, for a git repository.")
+    tree: GitHash | None = Field(None, description="Git's hash of all files, for a git repository.")
+    sha256: Sha256 | None = Field(None, description="The hash of an archive.")
 
 
 def _list_kinds(schema: dict[str, Any]) -> None:
@@ -95,10 +134,10 @@ class Input(_Part):
     path: str = Field(description="Relative to the recipe, or to the package or repository it came from.")
     reference: str = Field(description="The model reference as the recipe writes it.")
     kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
-    sha256: str
+    sha256: Sha256
     origin: Origin | None = Field(None, description="null for a file that is named by its path.")
     license: str | None = Field(None, description="As an SPDX expression; null when it is not known.")
-    licenses: tuple[str, ...] = Field((), description="Its license files in this bundle, each stored once.")
+    licenses: tuple[_Path, ...] = Field((), description="Its license files in this bundle, each stored once.")
     package: str | None = Field(None, description="The Python package it came from.")
     version: str | None = Field(None, description="The version of that package, or the commit.")
     urdf: tuple[OfUrdf, ...] = Field((), description="The elements of a URDF, read or not; omitted for other models.")
@@ -146,14 +185,14 @@ class Read(_Part):
     """One file that was read: a recipe, a model, their includes, a mesh, a license."""
 
     path: str = Field(description="Relative to the recipe, or after the reference that it was fetched with.")
-    sha256: str
+    sha256: Sha256
 
 
 class File(_Part):
     """One file of the bundle; the manifest itself is not listed."""
 
-    path: str
-    sha256: str
+    path: _PathOrShared
+    sha256: Sha256
     size: int = Field(ge=0, description="In bytes.")
 
 
@@ -307,9 +346,9 @@ class Manifest(_Part):
     """The sources of a bundle, its content, and the addresses in the compiled model."""
 
     manifest: Literal[1] = Field(default=1, description="The version of this format.")
-    name: str
+    name: Name
     description: str | None = None
-    model: str = Field(default="model.xml", description="The MJCF file among the files.")
+    model: _Path = Field(default="model.xml", description="The MJCF file among the files.")
     mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
@@ -318,7 +357,7 @@ class Manifest(_Part):
     )
     recipe: Recipe | None = Field(None, description="null for a model that Python composed.")
     separator: str = Field("/", description="Between a prefix and a name.")
-    cell: str | None = Field(None, description="The cell of the recipe's matrix; null for none.")
+    cell: Name | None = Field(None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field({}, description="The chosen value of every variant.")
     params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field({}, description="The value of every parameter.")
     seed: int | None = Field(None, description="The seed of the draws; null without `randomize`.")
@@ -331,7 +370,9 @@ class Manifest(_Part):
     licenses: dict[str, tuple[str, ...]] = Field({}, description="The parts by license, or under `unknown`.")
     files: tuple[File, ...]
     merged: Mapping[str, Mapping[str, str]] = Field({}, description="Of `--dedup`: replacements by name.")
-    picture: str | None = Field(None, description="Of `--picture`: the picture next to the bundle; omitted if none.")
+    picture: FileName | None = Field(
+        None, description="Of `--picture`: the picture next to the bundle; omitted if none."
+    )
     target: TargetRecord | None = Field(
         default=None, description="Of `--target`: the program; omitted without the option."
     )
@@ -450,13 +491,20 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
             return None
         help = "a bundle of another version of mjcompose needs that version"
         errors = error.errors(include_url=False, include_context=False) if isinstance(error, ValidationError) else []
-        notes = list(map(Note, with_rest([*map(_in_words, errors)] or [str(error)])))
+        notes = list(map(Note, with_rest([*map(in_words, errors)] or [str(error)])))
         sink.error("bundle-manifest", f"the manifest of `{shown}` cannot be read", notes=notes, help=help)
         return None
 
 
 def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> None:
     listed = {file.path: file for file in manifest.files}
+    if manifest.model != bundle.model:
+        message = f"the manifest of `{shown}` names the model `{manifest.model}`, which is not in it"
+        sink.error("bundle-manifest", message, help=f"the bundle has the model `{bundle.model}`")
+    for license in dict.fromkeys(path for each in manifest.inputs for path in each.licenses):
+        if license not in bundle.files:
+            message = f"the manifest of `{shown}` names the license `{license}`, which is not in it"
+            sink.error("bundle-manifest", message)
     for path, file in listed.items():
         if path not in bundle.files:
             sink.error("bundle-changed", f"`{path}` is not in `{shown}`, and its manifest lists it")

@@ -17,12 +17,13 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.naming import portable_step
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
-from mjcompose.link.files import ASSETS, path_in_assets
+from mjcompose.link.files import ASSETS, path_in_assets, set_path
 from mjcompose.link.linking import FileUse, Measure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.settings import FOLDERS
@@ -276,11 +277,13 @@ class InnerModels(Struct, frozen=False):
 
     def _put(self, unit: Unit, element: Node, sub: Unit, contents: dict[str, bytes | PathlibPath]) -> None:
         """Put a model and its files into the contents of the unit that attaches it."""
-        label, number = sub.label, 1
-        while f"{ASSETS}/{unit.label}/models/{label}.xml" in contents:
+        above = f"{ASSETS}/{portable_step(unit.label)}/models"
+        own = portable_step(sub.label)
+        label, number = own, 1
+        while f"{above}/{label}.xml" in contents:
             number += 1
-            label = f"{sub.label}-{number}"
-        folder = f"{ASSETS}/{unit.label}/models/{label}"
+            label = f"{own}-{number}"
+        folder = f"{above}/{label}"
         taken: dict[str, bytes | PathlibPath] = {}
         for inner in sub.root.iterfind("asset/model"):  # they and their files are in memory already
             file = str(inner.get("file") or "")
@@ -300,7 +303,7 @@ class InnerModels(Struct, frozen=False):
             while taken.setdefault(path, source) != source:
                 number += 1
                 path = f"{number}/{below}"
-            each.set(attribute, f"{label}/{path}")
+            set_path(each, attribute, f"{label}/{path}", name)
         for compiler in sub.root.iterchildren("compiler"):
             for name in (*FOLDERS, "strippath"):
                 compiler.attrib.pop(name, "")

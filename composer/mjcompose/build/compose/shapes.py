@@ -15,6 +15,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.access import held
 from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.naming import portable_path, portable_step
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.mesh_jobs import MeshJob, MeshResult, MeshWorkshop
@@ -59,12 +60,13 @@ def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping
     linking.files = [use for use in linking.files if use.element is not mesh]
     # The key makes the name differ from every file that the model has.
     if editing.own:
-        file = f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj"
+        file = portable_step(f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj")
         mesh.set("file", file)
         unit.contents = {**unit.contents, written_path(unit.settings, mesh, file): content}
         return
     *names, last = [_FILE_NAME.sub("_", each) for each in name.split("/")]
-    path = "/".join([ASSETS, *filter(None, (each.strip(".") for each in names)), f"{last}.{key[:8]}.obj"])
+    folders = filter(None, (each.strip(".") for each in names))
+    path = portable_path("/".join([ASSETS, *folders, f"{last}.{key[:8]}.obj"]))
     mesh.set("file", path)
     linking.files.append(FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content))
 

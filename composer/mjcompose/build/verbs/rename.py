@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
+from mjcompose.base.naming import odd_character
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.build.verbs.values import Entry
@@ -48,7 +49,9 @@ def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> Non
 class Rename(Verb):
     """the new name, which every reference follows"""
 
-    name: Annotated[str, Name(computed=True, what="the new name")] = Field(alias=WHOLE, examples=['"${name}_left"'])
+    name: Annotated[str, Name(computed=True, what="the new name", new=True)] = Field(
+        alias=WHOLE, examples=['"${name}_left"']
+    )
     """the new name"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
@@ -113,6 +116,10 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
         message = "a name is empty" if not name.strip() else f"the name `{WORLD}` is taken"
         notes = (Note(f"for {editing.called(node)}"),)
         editing.sink.error("bad-name", message, span, notes=notes, subjects=editing.subjects(node))
+        raise UnusableValue
+    if (character := odd_character(name)) is not None:
+        notes = (Note(f"for {editing.called(node)}"),)
+        editing.sink.error("bad-name", f"the new name has {character} in it", span, notes=notes)
         raise UnusableValue
     return name
 

@@ -35,7 +35,7 @@ from mjcompose.language.forms.context import (
 )
 from mjcompose.language.forms.model import IT, KEY, OWNER
 from mjcompose.language.select import GLOB, check_template, pattern_fault, read_selector
-from mjcompose.language.value import bare_angle, is_unprintable, kind_of, read_value, unprintable
+from mjcompose.language.value import bare_angle, is_unprintable, kind_of, odd_name, read_value, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute as Declared
@@ -93,15 +93,17 @@ class Name(Checked):
 
     With `glob`, it is a name, a glob or a regular expression. With `computed`, `${…}` is computed for each element.
     `inside` is the key of the mapping that names the part of the element, if the name is not from the whole model.
+    A `new` name must fit on one line; other names may be of elements in a model that somebody else wrote.
     """
 
     def __init__(
         self, *scope: str, glob: bool = False, computed: bool = False, inside: str | None = None,
-        what: str | None = None,
+        what: str | None = None, new: bool = False,
     ) -> None:  # fmt: skip
         tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
         self.scope, self.glob, self.computed, self.inside, self.what = scope, glob, computed, inside, what or usual
+        self.new = new
         super().__init__(self._wrong)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
@@ -112,6 +114,8 @@ class Name(Checked):
     def _wrong(self, text: str) -> Fault | None:
         if not text:
             raise PydanticKnownError("string_too_short", {"min_length": 1})
+        if self.new and (fault := odd_name(text, IT, ())) is not None:
+            return fault
         if is_unprintable(text):
             return unprintable(IT, ())
         if self.computed and is_template(text):

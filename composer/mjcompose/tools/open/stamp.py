@@ -7,43 +7,69 @@ from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pydantic
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from mjcompose.base import __version__
-from mjcompose.base.diagnostic import Diagnostic, Note
+from mjcompose.base.diagnostic import Diagnostic, Note, Span
+from mjcompose.base.extensions import is_registered
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import exists_note
 from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle
-from mjcompose.build.bundle.manifest import Manifest, from_json
+from mjcompose.build.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
+from mjcompose.targets.names import NAMES
+from mjcompose.text.load import load
+from mjcompose.text.node import locate
 from mjcompose.tools.open.recipe import as_json, nodes_of
 
 
-class Stamp(BaseModel):
-    """The record of a bundle. `read` has the sha256 of every file that the model was made from."""
+def _known_target(name: str) -> str:
+    if name not in NAMES and not is_registered("targets", name):
+        raise PydanticCustomError("target", "the target `{name}` does not exist", {"name": name})
+    return name
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+
+def _parameter(value: Any) -> Any:
+    items = value if isinstance(value, list | tuple) else [value]
+    if not all(each is None or isinstance(each, bool | int | float | str) for each in items):
+        raise PydanticCustomError("value", "a parameter is a number, a text, a boolean or a list of them")
+    return value
+
+
+_Value = Annotated[Any, AfterValidator(_parameter)]
+
+
+class Stamp(BaseModel):
+    """The record of a bundle. `read` has the sha256 of every file that the model was made from.
+
+    A stamp may come from anyone, so each field has a form, and no field is a path.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     stamp: Literal[1] = 1
-    name: str
-    bundle: str
-    recipe: str
-    cell: str | None = None
-    sample: int = 0
-    variants: dict[str, str] = {}
-    params: dict[str, Any] = {}
-    target: str | None = None
+    name: Name
+    bundle: Sha256
+    recipe: FileName
+    cell: Name | None = None
+    sample: int = Field(0, ge=0)
+    variants: dict[Name, str] = {}
+    params: dict[Name, _Value] = {}
+    target: Annotated[str, AfterValidator(_known_target)] | None = None
     deduplicated: bool = False
     pictured: bool = False
     worlds: bool = False
-    mjcompose: str
-    mujoco: str | None = None
-    read: dict[str, str] = {}
+    mjcompose: Name
+    mujoco: Name | None = None
+    read: dict[str, Sha256] = {}
 
 
 @short_traceback
@@ -57,16 +83,21 @@ def stamp(bundle: str | PathLike[str]) -> dict[str, Any]:
 
     Raises MjcomposeError if the bundle cannot be read, or no recipe made it.
     """
+    shown = os.fspath(bundle)
     try:
         files = read(Path(bundle))
         manifest = from_json(files.files[MANIFEST])
     except ReadError as error:
         raise MjcomposeError([error.diagnostic]) from None
     except (KeyError, ValueError):
-        raise _error("bundle-manifest", f"`{os.fspath(bundle)}` has no manifest of mjcompose") from None
+        raise _error("bundle-manifest", f"`{shown}` has no manifest of mjcompose") from None
     if manifest.recipe is None or manifest.union is not None:
-        raise _error("bundle-manifest", f"no single recipe made `{os.fspath(bundle)}`")
-    return _stamp(files, manifest).model_dump()
+        raise _error("bundle-manifest", f"no single recipe made `{shown}`")
+    try:
+        return _stamp(files, manifest).model_dump()
+    except pydantic.ValidationError as error:
+        fault = in_words(error.errors(include_url=False)[0], "a stamp")
+        raise _error("bundle-manifest", f"the manifest of `{shown}` gives no stamp: {fault}") from None
 
 
 def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
@@ -84,15 +115,29 @@ def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
     )  # fmt: skip
 
 
-def read_stamp(file: Path) -> Stamp:
-    """Read the file of a stamp. Raises MjcomposeError."""
+def read_stamp(file: Path, shown: str) -> Stamp:
+    """Read the file of a stamp, `shown` in messages. Raises MjcomposeError."""
     try:
-        return Stamp.model_validate_json(read_regular(file, 16 << 20))
+        text = read_regular(file, 16 << 20)
     except OSError as error:
-        raise _error("file-unreadable", f"cannot read `{file}`: {(error.strerror or str(error)).lower()}") from None
+        raise _error("file-unreadable", f"cannot read `{shown}`: {(error.strerror or str(error)).lower()}") from None
+    try:
+        return Stamp.model_validate_json(text)
     except pydantic.ValidationError as error:
-        place = "/".join(map(str, error.errors()[0]["loc"])) or "the text"
-        raise _error("bundle-manifest", f"`{file}` is not a stamp of mjcompose: {place} is wrong") from None
+        raise MjcomposeError([_fault(error, text, shown)]) from None
+
+
+def _fault(error: pydantic.ValidationError, text: bytes, shown: str) -> Diagnostic:
+    """Return the first fault of a stamp with its place."""
+    first = error.errors(include_url=False)[0]
+    path = tuple(step for step in first["loc"] if not (isinstance(step, str) and step.endswith("]")))
+    node = load(text, shown, Sink())
+    is_key = first["type"] == "extra_forbidden" or path[-1:] == ("[key]",)
+    span = Span(shown, 1, 1) if node is None else locate(node, path, key=is_key)
+    message = f"`{shown}` is not a stamp of mjcompose: {in_words(first, 'a stamp')}"
+    notes = [exists_note("target", NAMES)] if first["type"] == "target" else ()
+    help = "write it again: `json.dump(mjcompose.stamp(BUNDLE), file)`"
+    return Diagnostic("bundle-manifest", message, span, notes=tuple(notes), help=help)
 
 
 def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
@@ -102,8 +147,15 @@ def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
     options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
     built = None if sink.has_errors else build(replace(request, **options), context)
-    if built is None or built.bundle.sha256 == record.bundle:
-        return None if built is None else built.bundle
+    if built is None:
+        return None
+    if built.bundle.sha256 == record.bundle:
+        made = from_json(built.bundle.files[MANIFEST]).name
+        if made == record.name:
+            return built.bundle
+        help = f"write the name of the model, `{made}`, into the stamp"
+        sink.error("bundle-changed", f"the stamp is of `{record.name}`, and its recipe builds `{made}`", help=help)
+        return None
     now = _stamp(built.bundle, from_json(built.bundle.files[MANIFEST]))
     notes = tuple(map(Note, _differences(record, now))) or (Note("nothing of the stamp explains it"),)
     message = f"`{record.name}` has other bytes than its stamp records"
