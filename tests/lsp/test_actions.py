@@ -118,3 +118,19 @@ def test_a_warning_is_acknowledged(editor: Editor, folder: Path, before: str, af
 def test_nothing_where_nothing_is_wrong(editor: Editor) -> None:
     found, _ = offered(editor, DEMO.replace("name: demo", f"name: de{MARK}mo"))
     assert found == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "is_offered"),
+    [
+        ("add: [{to: b, site: {name: s, euler: [0, ▮90, 0]}}]", True),
+        ("params: {t: 90}\nadd: [{to: b, site: {name: s, euler: [0, '${▮t}', 0]}}]", False),
+        ("params: {t: 90}\nadd: [{to: b, site: {name: s, euler: ['${t}', ▮0, 0]}}]", False),
+        ("add: [{to: b, site: {name: s, euler: [0, ▮90, 0], eulr: [0, 1rad, 0]}}]", True),
+        ("keyframe: {k: {ctrl: [], ▮ctlr: []}}", False),  # the right key is there, too
+    ],
+)
+def test_a_fix_is_offered_if_it_holds(editor: Editor, folder: Path, text: str, is_offered: bool) -> None:
+    (folder / "simple.xml").write_text(MODEL.format("elliptic"))
+    found, _ = offered(editor, f"recipe: 1\nbase: ./simple.xml\n{text}\n")
+    assert any(each.get("isPreferred") for each in found.values()) is is_offered

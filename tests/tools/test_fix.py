@@ -9,7 +9,7 @@ from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
-from mjcompose.tools.fix import Edit, Fixed, Fixing, applied, edit_of, exact, fix
+from mjcompose.tools.fix import Edit, Fixed, Fixing, Judged, applied, edit_of, exact, fix
 
 
 def found(fix: Fix | None, span: Span | None) -> Diagnostic:
@@ -189,5 +189,9 @@ def test_a_fix_that_breaks_a_model_is_reverted(tmp_path: Path, severity: Severit
         return [Diagnostic("mujoco-rejects", "no", at(1, 1, file="a.xml"), severity=severity)]
 
     first = replace(look(context)[0], severity=Severity.WARNING)
-    fixing = Fixing(lambda own: [first if each.fix else each for each in look(own)], context, (".xml",))
+
+    def judged(own: Context) -> list[Judged]:
+        return [Judged(None, tuple(first if each.fix else each for each in look(own)))]
+
+    fixing = Fixing(judged, context, (".xml",))
     assert bool(fixing.fixed().files) is (severity is Severity.WARNING)

@@ -17,7 +17,8 @@ class Span(Struct):
     """A stretch of characters in a file.
 
     Lines and columns count from 1, columns in characters (not bytes or screen cells). The end is exclusive; without
-    an end the span is a single position. `file` is the path that the user can open.
+    an end the span is a single position. `file` is the path that the user can open. `template` is the text with `${…}`
+    that is written there, or the first one in a list: it computes the value at this place.
     """
 
     file: str
@@ -25,9 +26,14 @@ class Span(Struct):
     column: int
     end_line: int | None = None
     end_column: int | None = None
+    template: str | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"
+
+
+TEMPLATE = "template"
+"""The field of a `Span` that only mjcompose uses."""
 
 
 class Fix(Struct):

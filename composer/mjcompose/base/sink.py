@@ -11,6 +11,7 @@ from mjcompose.base.codes import CODES
 from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, DiagnosticError, Fix, Note, Severity, Span
 from mjcompose.base.files import MJCF_FILES, URDF_FILES
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.suggest import without_constant
 
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
@@ -70,6 +71,7 @@ class Sink:
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
+        diagnostic = without_constant(diagnostic)
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
         if diagnostic in self._found:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from os.path import commonprefix
 
@@ -58,6 +59,33 @@ def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
     """
     meant = clearly_meant(name, candidates)
     return None if meant is None else Fix(meant, name)
+
+
+def without_constant(diagnostic: Diagnostic) -> Diagnostic:
+    """Return a diagnostic that proposes no constant for a value that a template computes.
+
+    The value differs between models of a recipe, so a constant would make them equal.
+
+    >>> span = Span("a.yaml", 1, 7, 1, 16, "${side}_elbw")
+    >>> without_constant(Diagnostic("unknown-name", "no", span, fix=Fix("left_elbow", "left_elbw"))).help
+    'change the template `${side}_elbw` or a value in it: here it must give `left_elbow`'
+    """
+    fix = diagnostic.fix
+    span = diagnostic.span if fix is None or fix.span is None else fix.span
+    template = None if span is None else span.template
+    if template is None:
+        return diagnostic
+    shown = template if len(template) <= _LONGEST and "\n" not in template else "${…}"
+    if diagnostic.code == "bare-angle":
+        help = f"give the value of `{shown}` a unit, as in `10deg`, or set `angle` at the top of the recipe"
+        return replace(diagnostic, fix=None, help=help)
+    if fix is None:
+        return diagnostic
+    help = f"change the template `{shown}` or a value in it: here it must give `{fix.replacement}`"
+    return replace(diagnostic, fix=None, help=help)
+
+
+_LONGEST = 60
 
 
 def advised(name: str, candidates: Iterable[str]) -> tuple[str | None, Fix | None]:

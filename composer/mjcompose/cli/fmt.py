@@ -15,7 +15,6 @@ import click
 
 from mjcompose.base import report as github
 from mjcompose.base.access import door_of_user
-from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
@@ -180,6 +179,9 @@ class FixOptions(RecipeOptions):
 def fix(options: FixOptions, run: Run) -> int:
     """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
 
+    Each fix is first tried in every cell of the matrix and every variant. A fix that does not remove its fault from
+    all of them, or changes something else, is not made. No fix replaces a template `${…}`.
+
     The changes are shown first. On a terminal, the command asks before it writes; elsewhere it writes only with
     --write. Comments and layout are kept. Errors that need a decision are reported as by `check`.
 
@@ -316,12 +318,12 @@ def _separated(values: Sequence[str]) -> list[str]:
 
 
 def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Session) -> int:
-    from mjcompose.tools.fix import Fixing
+    from mjcompose.tools.fix import Fixing, Judged
     from mjcompose.tools.lint import lint
 
-    def look(own: Context) -> list[Diagnostic]:
+    def look(own: Context) -> list[Judged]:
         found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
-        return [*own.sink.sorted(), *found]
+        return [Judged(None, (*own.sink.sorted(), *found))]
 
     done = Fixing(look, context, MJCF_FILES).fixed()
     written = [rewrite(file, after, context, before=before) for file, (before, after) in done.files.items()]

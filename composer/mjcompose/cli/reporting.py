@@ -126,7 +126,8 @@ def rendered(found: Sequence[Diagnostic], form: str, read: text.ReadSource, suit
         return "".join(f"{render(each)}\n" for each in found)
     color = use_color()
     shown = "".join(f"{text.render(each, read, color)}\n\n" for each in found)
-    return f"{shown}{text.summary(found)}\n{_more_about(found) if on_terminal() else ''}"
+    more = _more_about([_exact(each, read) for each in found]) if on_terminal() else ""
+    return f"{shown}{text.summary(found)}\n{more}"
 
 
 def _exact(diagnostic: Diagnostic, read: text.ReadSource) -> Diagnostic:

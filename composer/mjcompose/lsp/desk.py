@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
-from mjcompose.base.files import RECIPES, read_regular, unsaved
+from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
 from mjcompose.build.compose.compose import ComposeOptions, Composer
 from mjcompose.build.lint.rule import chosen
@@ -32,6 +33,7 @@ from mjcompose.text.load import load
 from mjcompose.text.node import lines_of
 from mjcompose.tools.explain.explain import Traced
 from mjcompose.tools.explain.trace import Trace
+from mjcompose.tools.fix import Fixing, Judged, models_of
 from mjcompose.tools.lint import lint
 from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Unit, Watch, nobody
@@ -245,6 +247,22 @@ class Workspace:
             self.shelf.note(texts)
         return tuple(context.sink.sorted())
 
+    def holds(self, path: Path, text: str, texts: Mapping[str, bytes], diagnostic: Diagnostic) -> bool:
+        """Return whether a fix removes its fault from every model of a recipe, or from a model, and nothing else."""
+
+        def linted(context: Context) -> list[Judged]:
+            found = lint(path, context, self._session, selected=chosen()).found
+            return [Judged(None, (*context.sink.sorted(), *found))]
+
+        own = _offline(self.folder)
+        if kind_of(path, text) == "recipe":
+            judge = partial(models_of, path, given={}, most=_MOST_MODELS)
+            ways = [Fixing(judge, own), Fixing(partial(judge, verified=True), own)]
+        else:
+            ways = [Fixing(linted, own, MJCF_FILES)]
+        with unsaved(_with(texts, path, text)):
+            return any(fixing.holds(diagnostic) for fixing in ways)
+
     def lint(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         """Return the findings about an MJCF file, as `mjcompose lint` reports them. A file must exist."""
         if not os.path.isfile(path):
@@ -255,6 +273,9 @@ class Workspace:
         return (*context.sink.sorted(), *linted.found)
 
 
+_MOST_MODELS = 32
+"""The number of models in which the editor tries a fix before it offers it. `mjcompose fix` tries all of them."""
+
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
 
 
@@ -262,7 +283,8 @@ class Document(Struct, frozen=False, slots=False, eq=False):
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
     The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version` is the
-    editor's own number for the newest text, and `seen` its number for the analyzed text.
+    editor's own number for the newest text, and `seen` its number for the analyzed text. `tried` says for the fixes of
+    a numbered text whether they hold.
     """
 
     path: Path
@@ -274,6 +296,7 @@ class Document(Struct, frozen=False, slots=False, eq=False):
     done: int = 0
     analysis: Analysis | None = None
     verified: tuple[Diagnostic, ...] = ()
+    tried: tuple[int, dict[Diagnostic, bool]] = (0, {})
     verified_lines: list[str] = field(default_factory=list)
     work: asyncio.Task[None] | None = None
     timer: asyncio.TimerHandle | None = None
@@ -442,6 +465,34 @@ class Desk:
             self._publish(Path(os.path.normpath(self.folder / file)), list(dict.fromkeys(self._found(file))))
         if path not in self.documents:
             self._reported.pop(path, None)
+
+    async def holding(self, path: Path, found: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """Return diagnostics about a file, without the fixes that do not hold in every recipe that reports them."""
+        file = shown(path, self.folder)
+        kept = []
+        for each in found:
+            reporting = [
+                self.documents.get(own) for own, files in self._reported.items() if each in files.get(file, ())
+            ]
+            holds = [await self._holds(document, each) for document in reporting if document and each.fix is not None]
+            kept.append(each if all(holds) else replace(each, fix=None))
+        return kept
+
+    async def _holds(self, document: Document, diagnostic: Diagnostic) -> bool:
+        count = document.count
+        if document.tried[0] != count:
+            document.tried = (count, {})
+        known = document.tried[1]
+        if diagnostic not in known:
+            given = document.path, document.text, self.texts(document.path), diagnostic
+            try:
+                known[diagnostic] = await asyncio.get_running_loop().run_in_executor(
+                    self._verifying, self.verifier.holds, *given
+                )
+            except Exception:
+                self._log(traceback.format_exc())
+                return False
+        return known[diagnostic]
 
     def found(self, path: Path) -> list[Diagnostic]:
         return self._found(shown(path, self.folder))

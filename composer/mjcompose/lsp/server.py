@@ -254,7 +254,8 @@ async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeActio
     path = own.path(params.text_document.uri)
     question = await own.question(params, position=params.range.start)
     here = [each for each in own.desk.found(path) if own.converter.meets(each, path, params.range)]
-    return [own.converter.action(each, path) for each in actions(Offer(question, tuple(here)))]
+    holding = await own.desk.holding(path, here)
+    return [own.converter.action(each, path) for each in actions(Offer(question, tuple(holding)))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)

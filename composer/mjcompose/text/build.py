@@ -13,7 +13,7 @@ from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.text.faults import MAX_KEY, for_lone_key, quoted
-from mjcompose.text.node import Key, Mapping, Marks, Node, Scalar, Sequence, resolve
+from mjcompose.text.node import Key, Mapping, Marks, Node, Scalar, Sequence, is_template, resolve
 
 FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for each character of the text
 
@@ -93,6 +93,8 @@ class Builder:
                 column, last = start.column + 1, end.column + 1
                 span = Span(file, line, column, end_line=line, end_column=last) if simple else marks.span(event)
                 text = event.value if restore is None else self._restored(event.value, span)
+                if is_template(text):
+                    span = replace(span, template=text)
                 frame = stack[-1] if stack else None
                 if frame is not None and frame.entries is not None and frame.key is None:
                     self._key(event, text, span, frame=frame)
@@ -180,7 +182,9 @@ class Builder:
         if frame.entries is not None:
             node, standard = Mapping(frame.entries, span), _STANDARD + "map"
         else:
-            node, standard = Sequence(tuple(frame.items or ()), span), _STANDARD + "seq"
+            items = tuple(frame.items or ())
+            template = next((item.span.template for item in items if item.span.template is not None), None)
+            node, standard = Sequence(items, replace(span, template=template)), _STANDARD + "seq"
         if frame.tag is not None and frame.tag[0] not in ("!", standard):
             self._refuse_tag(*frame.tag)
         if frame.anchor is not None:
@@ -285,7 +289,8 @@ class Builder:
             self._sink.error("yaml-too-deep", message, span, help=advice("yaml-depth"))
             return False
         # The contents keep their own place; the value itself is placed at the alias.
-        self._add(replace(anchored.node, span=span), anchored.height)
+        at_alias = replace(span, template=anchored.node.span.template)
+        self._add(replace(anchored.node, span=at_alias), anchored.height)
         return True
 
     def _tagged(self, event: Any, text: str, span: Span) -> bool | int | float | str | None:

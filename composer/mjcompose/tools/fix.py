@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
+from functools import lru_cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
-from mjcompose.base.files import RECIPES, read_regular, unsaved
+from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Severity, Span
+from mjcompose.base.files import RECIPES, read_regular, unsaved, unsaved_text
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle
+from mjcompose.build.cache.cells import cells_of, choices_of, pick_text
 from mjcompose.build.plan.read import Given
 from mjcompose.build.stages import Request, build
+from mjcompose.language.expand import Cell
+from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import quoted, word
+from mjcompose.text.load import load
+from mjcompose.text.node import OPENING
 
-_CLOSING = {"[": "]", "{": "}"}
+if TYPE_CHECKING:
+    from mjcompose.build.compose.load import Library
+
+_CLOSING = {"[": "]", "{": "}", '"': '"', "'": "'"}
+_BLOCKS = ("|", ">")
 
 
 class Edit(Struct):
@@ -37,6 +50,8 @@ class Edit(Struct):
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     """Return the change to a file's text for a diagnostic's fix, or None if there is no fix or it does not fit.
 
+    A fix does not fit if it drops a template, whose value may differ in each model, or makes a recipe wrong as YAML.
+
     >>> span = Span("a.yaml", 1, 7, 1, 13)
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("arm/tip", "tipp")), 'site: "tipp"')
     Edit(start=6, end=12, text='"arm/tip"')
@@ -51,10 +66,38 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     start, end = bounds
     written = source[start:end]
     text = fix.replacement if fix.replaces is None else _renamed(written, fix, span.file.endswith(RECIPES))
-    # The span of a list over several lines ends with its first line.
-    if text is None or (fix.replaces is None and written[:1] in _CLOSING and written[-1] != _CLOSING[written[0]]):
+    if text is None or not keeps_templates(written, text):
         return None
-    return Edit(start, end, text)
+    if fix.replaces is None and (_is_cut_off(written) or written.startswith(_BLOCKS)):
+        return None
+    edit = Edit(start, end, text)
+    if not span.file.endswith(RECIPES):
+        return edit
+    return edit if _yaml_faults(applied(source, [edit])) <= _yaml_faults(source) else None
+
+
+@lru_cache(maxsize=16)
+def _yaml_faults(text: str) -> int:
+    """Return the number of faults in a text as YAML, such as a key that appears twice."""
+    sink = Sink()
+    load(text, "", sink)
+    return sink.error_count
+
+
+def keeps_templates(before: str, after: str) -> bool:
+    """Return whether a new text still has every `${…}` of the old text, which computes a value for each model.
+
+    >>> keeps_templates("${r}", '"${r}"'), keeps_templates("${tilt}", "10deg")
+    (True, False)
+    """
+    _, *inside = before.split(OPENING)
+    return all(f"{OPENING}{each.partition('}')[0]}" in after for each in inside)
+
+
+def _is_cut_off(written: str) -> bool:
+    """Return whether a value goes on after this text. The span of a value over several lines ends with its first."""
+    closing = _CLOSING.get(written[:1])
+    return closing is not None and (len(written) == 1 or written[-1] != closing)
 
 
 def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
@@ -112,6 +155,24 @@ def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
 
 _ROUNDS = 50
 
+Identity = tuple[str, str, str]
+"""A finding without its place, which a fix above it moves: file, code and message."""
+
+
+class Judged(Struct):
+    """A model of a recipe and its findings. `digest` stands for its files; it is None after errors.
+
+    `cell` is None for the model with the default values, and for a file that is no recipe.
+    """
+
+    cell: CellName | None
+    found: tuple[Diagnostic, ...]
+    digest: str | None = None
+
+    @property
+    def has_errors(self) -> bool:
+        return any(each.severity is Severity.ERROR for each in self.found)
+
 
 class Fixed(Struct, frozen=False):
     """The result of fixing a recipe.
@@ -127,83 +188,143 @@ class Fixed(Struct, frozen=False):
 def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
     """Return the fixed texts of a recipe and of the user's own recipes that it uses; nothing is written.
 
-    A fix that does not remove its fault is reverted. MuJoCo compiles only the units that the linker has to measure.
+    Each fix is tried on every model of the recipe. A fix is reverted if it leaves its fault in one of them, brings
+    another fault, or changes a model that did not have the fault.
     """
+    return Fixing(partial(models_of, recipe, given=given or {}), context).fixed()
 
-    def look(context: Context) -> list[Diagnostic]:
-        build(Request(recipe, given or {}, verified=False), context)
-        return context.sink.sorted()
 
-    return Fixing(look, context).fixed()
+def models_of(
+    recipe: Path, context: Context, given: Given, *, most: int | None = None, verified: bool = False
+) -> list[Judged]:
+    """Return the model with the default values, every cell of the matrix, and every value of the variants.
+
+    A cell that draws is built without draws and as its first sample: the others read the same lines. `most` limits
+    the number of models. If not `verified`, MuJoCo compiles only the units that the linker has to measure.
+    """
+    library: Library = {}
+    with Session() as session:
+
+        def judged(cell: Cell | None, given: Given) -> Judged:
+            own = replace(context, sink=Sink(), timings=[])
+            name, sample = (None, 0) if cell is None else (cell.name, cell.sample)
+            request = Request(recipe, given, name, sample=sample, verified=verified)
+            built = build(request, own, session=session, library=library)
+            digest = None if built is None else _digest(built.bundle)
+            return Judged(None if cell is None else cell.label, tuple(own.sink.sorted()), digest)
+
+        models = [judged(None, given)]
+        if not _is_readable(models[0].found):
+            return models
+        own = replace(context, sink=Sink())
+        cells = [cell for cell in cells_of(recipe, own, dict(given)) if cell.sample <= 1]
+        models[0] = replace(models[0], found=tuple(dict.fromkeys([*models[0].found, *own.sink.sorted()])))
+        models += [judged(cell, {**given, **cell.given}) for cell in cells[:most]]
+        set_already = given.keys() | {name for cell in cells for name in cell.given}
+        choices = [each for each in choices_of(recipe, own) if each.keys().isdisjoint(set_already)]
+        for chosen in choices[: None if most is None else max(most - len(cells), 0)]:
+            words = ",".join(f"{axis}={pick_text(value)}" for axis, value in chosen.items())
+            models.append(replace(judged(None, {**given, **chosen}), cell=CellName(words)))
+    return models
+
+
+def _is_readable(found: Iterable[Diagnostic]) -> bool:
+    return not any(each.code.startswith("yaml-") and each.severity is Severity.ERROR for each in found)
+
+
+def _digest(bundle: Bundle) -> str:
+    """Return a hash of a model's files, without the manifest, which names the recipe's text."""
+    whole = hashlib.sha256()
+    for name, content in sorted(bundle.files.items()):
+        if name != MANIFEST:
+            whole.update(f"{name}\0{len(content)}\0".encode())
+            whole.update(content)
+    return whole.hexdigest()
 
 
 class Fixing(Struct, frozen=False):
-    """Applies the fixes of the diagnostics that `look` finds, in files with these suffixes."""
+    """Applies the fixes of the diagnostics that `look` finds in each model, in files with these suffixes."""
 
-    look: Callable[[Context], list[Diagnostic]]
+    look: Callable[[Context], list[Judged]]
     context: Context
     suffixes: tuple[str, ...] = RECIPES
     now: dict[Path, bytes] = field(default_factory=dict)
     before: dict[Path, bytes] = field(default_factory=dict)
-    useless: set[tuple[str, str, str]] = field(default_factory=set)
+    useless: set[Identity] = field(default_factory=set)
     at_once: int | None = None
 
     def fixed(self) -> Fixed:
-        result, left = Fixed(), self.found()
+        result = Fixed()
+        models = self.found()
         for _ in range(_ROUNDS):
             earlier = dict(self.now)
-            tried = self.carry_out(left)
+            tried = self.carry_out(models)
             if not tried:
                 break
             after = self.found()
-            useless = _persisting(left, tried, after)
-            known = set(map(_identity, left))
-            if self._breaks(left, [each for each in after if _identity(each) not in known]):
+            useless = _persisting(models, tried, after)
+            if _breaks(models, tried, after):
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
                 self.at_once = 1  # trying single fixes shows which of them fails
             elif not useless:
                 result.fixed += tried
-                left = after
+                models = after
                 continue
             self.now = earlier
             self.useless |= useless
-        result.left = tuple(left)
+        result.left = _merged(models)
         result.files = {
             path: (text, self.now[path]) for path, text in self.before.items() if self.now.get(path, text) != text
         }
         return result
 
-    def _breaks(self, before: list[Diagnostic], new: list[Diagnostic]) -> bool:
-        """Return whether a correct file has become wrong, because a corrected name may exist already."""
-        was_right = not any(each.severity is Severity.ERROR for each in before)
-        return any(
-            each.code.startswith(("yaml-", "xml-")) or (was_right and each.severity is Severity.ERROR) for each in new
-        )
+    def holds(self, diagnostic: Diagnostic) -> bool:
+        """Return whether the fix of a diagnostic removes its fault from every model and changes nothing else."""
+        before = self.found()
+        if not any(_same_fault(each, [diagnostic]) for model in before for each in model.found):
+            return False
+        tried = self.carry_out([Judged(None, (diagnostic,))])
+        after = self.found()
+        return bool(tried) and not _breaks(before, tried, after) and not _persisting(before, tried, after)
 
-    def found(self) -> list[Diagnostic]:
-        """Return the diagnostics for the current texts."""
+    def found(self) -> list[Judged]:
+        """Return the models for the current texts, with their diagnostics."""
         texts = {os.path.realpath(path): text for path, text in self.now.items()}
         context = replace(self.context, sink=Sink(), recipes={}, concrete={})
         with unsaved(texts):
             return self.look(context)
 
-    def carry_out(self, found: list[Diagnostic]) -> list[Diagnostic]:
+    def carry_out(self, models: Iterable[Judged]) -> list[Diagnostic]:
         """Apply the fixes that fit and do not overlap; return their diagnostics."""
         edits: dict[Path, dict[Edit, Diagnostic]] = {}
-        for diagnostic in found:
+        for (path, edit), diagnostic in self._agreed(models).items():
+            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
+                break
+            if not any(edit.meets(other) for other in edits.get(path, ())):
+                edits.setdefault(path, {})[edit] = diagnostic
+        for path, chosen in edits.items():
+            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
+            self.now[path] = mark + applied(_decoded(self.text(path)), chosen).encode()
+        return [diagnostic for chosen in edits.values() for diagnostic in chosen.values()]
+
+    def _agreed(self, models: Iterable[Judged]) -> dict[tuple[Path, Edit], Diagnostic]:
+        """Return the fixes that fit, without those of a place for which two models propose different texts."""
+        proposed: dict[tuple[Path, Edit], Diagnostic] = {}
+        texts: dict[tuple[Path, int, int], set[str]] = {}
+        for diagnostic in (each for model in models for each in model.found):
             span = place_of(diagnostic)
             if span is None or _identity(diagnostic) in self.useless:
                 continue
             path = Path(os.path.normpath(self.context.folder / span.file))
-            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
-                break
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not any(edit.meets(other) for other in edits.get(path, ())):
-                edits.setdefault(path, {})[edit] = diagnostic
-        for path, each in edits.items():
-            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
-            self.now[path] = mark + applied(_decoded(self.text(path)), each).encode()
-        return [diagnostic for each in edits.values() for diagnostic in each.values()]
+            if edit is not None:
+                proposed.setdefault((path, edit), diagnostic)
+                texts.setdefault((path, edit.start, edit.end), set()).add(edit.text)
+        return {
+            (path, edit): diagnostic
+            for (path, edit), diagnostic in proposed.items()
+            if len(texts[path, edit.start, edit.end]) == 1
+        }
 
     def text(self, path: Path) -> bytes:
         if path not in self.now:
@@ -215,22 +336,71 @@ class Fixing(Struct, frozen=False):
         """Return whether it is the user's own file, not a fetched or installed file."""
         fetching = self.context.fetching
         fetched = fetching is not None and fetching.around(path) is not None
-        return path.suffix.lower() in self.suffixes and os.path.isfile(path) and not fetched
+        exists = unsaved_text(path) is not None or os.path.isfile(path)
+        return path.suffix.lower() in self.suffixes and exists and not fetched
 
 
-def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
-    """Return a finding without its place, which a fix above it moves."""
+def _identity(diagnostic: Diagnostic) -> Identity:
     return (diagnostic.span.file if diagnostic.span is not None else ""), diagnostic.code, diagnostic.message
 
 
-def _persisting(
-    before: list[Diagnostic], tried: list[Diagnostic], after: list[Diagnostic]
-) -> set[tuple[str, str, str]]:
-    """Return the findings in `tried` that still occur; equal findings are counted."""
-    made = Counter(map(_identity, tried))
-    others = Counter(map(_identity, before)) - made
-    now = Counter(map(_identity, after))
-    return {each for each in made if now[each] > others[each]}
+def _breaks(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Sequence[Judged]) -> bool:
+    """Return whether the fixes bring a fault, or change a model that did not have the faults."""
+    later = {model.cell: model for model in after}
+    return any(model.cell not in later or _suffers(model, tried, later[model.cell]) for model in before)
+
+
+def _suffers(before: Judged, tried: Sequence[Diagnostic], after: Judged) -> bool:
+    known = set(map(_identity, before.found))
+    new = [each for each in after.found if _identity(each) not in known]
+    if known.isdisjoint(map(_identity, tried)) and not before.has_errors:
+        return bool(new) or before.digest != after.digest
+    places = {_start(place_of(each)) for each in tried}
+    return any(
+        each.code.startswith(("yaml-", "xml-"))
+        or (each.severity is Severity.ERROR and (not before.has_errors or _start(each.span) in places))
+        for each in new
+    )
+
+
+def _start(span: Span | None) -> tuple[str, int, int] | None:
+    return None if span is None else (span.file, span.line, span.column)
+
+
+def _persisting(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Sequence[Judged]) -> set[Identity]:
+    """Return the identities of fixes whose faults still occur in a model; equal findings are counted."""
+    later = {model.cell: model for model in after}
+    useless: set[Identity] = set()
+    for model in before:
+        found = Counter(map(_identity, model.found))
+        still = Counter(map(_identity, later[model.cell].found)) if model.cell in later else found
+        # Two models may report one place with different numbers in the message.
+        fixed = [(each, fault) for each in model.found if (fault := _same_fault(each, tried)) is not None]
+        removed = Counter(_identity(each) for each, _ in fixed)
+        useless |= {
+            _identity(fault)
+            for each, fault in fixed
+            if still[_identity(each)] > found[_identity(each)] - removed[_identity(each)]
+        }
+    return useless
+
+
+def _same_fault(diagnostic: Diagnostic, tried: Iterable[Diagnostic]) -> Diagnostic | None:
+    """Return the diagnostic among `tried` with the same code at the same place."""
+    places = ((each, each.code == diagnostic.code and _start(place_of(each))) for each in tried)
+    here = (_start(place_of(diagnostic)), _start(diagnostic.span))
+    return next((each for each, place in places if place and place in here), None)
+
+
+def _merged(models: Sequence[Judged]) -> tuple[Diagnostic, ...]:
+    sink = Sink()
+    for model in models:
+        for each in model.found:
+            if model.cell is None:
+                sink.add(each)
+            else:
+                sink.add_of_cell(model.cell, each)
+    return tuple(sink.sorted())
 
 
 def _decoded(text: bytes) -> str:
