@@ -34,7 +34,8 @@ _DEFAULT = Settings()
 # MuJoCo 4.0 gives an empty `<body/>` a mass of 3 under `boundmass="3"`, and makes moments of 1 1 5 three of 2.3333
 # under `balanceinertia`; `settotalmass` scales all bodies when everything else is done.
 MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
-_RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
+INERTIA_RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
+"""All rules by which a file changes the mass or inertia that its elements say."""
 
 
 def inertia(linking: Linking) -> None:
@@ -99,7 +100,7 @@ def _write_no_mass(linking: Linking, unit: Unit, body: Node) -> None:
 
 
 def write_inertias(linking: Linking, unit: Unit) -> None:
-    wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
+    wanting = [name for name in INERTIA_RULES if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
     kept = KeptSettings(linking, unit, wanting)
     found = kept.survey(BODIES)
     if found is not None:
@@ -108,7 +109,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
 
 def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
     """Write the surveyed inertia of changed bodies, or of all if a rule requires it; then MuJoCo's rules hold."""
-    ruled = [name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
+    ruled = [name for name in INERTIA_RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()]
     bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
     if _write_measured(KeptSettings(linking, unit, ruled or ["fusestatic"]), bodies, found):
         unit.forget_settings(*ruled)

@@ -79,7 +79,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
     if not found:
         return EditOutcome({}) if (entry.expect == 0 or entry.optional) and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
-    work = Entry(editing, found, Masses(editing), workshop=workshop)
+    work = Entry(editing, found, Masses(editing, found), workshop=workshop)
     try:
         for name, verb in entry.verbs.items():
             verb.carry_out(work, (*entry.at, name))

@@ -33,7 +33,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
     nodes = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=cost)
-    draws = _FieldDraws(step, editing, Masses(editing))
+    draws = _FieldDraws(step, editing, Masses(editing, nodes))
     drawn: dict[object, Drawn] = {}
     tabled: list[ElementDraws] = []
     zeros = zero_attributes(editing, nodes, (entry.attr,)) if entry.operation == "scale" else []

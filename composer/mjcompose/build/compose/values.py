@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -15,8 +15,8 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.language.value import angle_places
 from mjcompose.link import numbers
-from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
-from mjcompose.link.key_layout import joint_type
+from mjcompose.link.inertia import INERTIA_RULES, MEASURED, has_mass, static_bodies, write_inertias
+from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
@@ -174,33 +174,85 @@ def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
 
 
 _DENSITY = 1000.0
+_OF_INERTIAL = ("mass", "diaginertia", "fullinertia")
 _DEFAULT = Settings()
 
 
 class Masses:
-    """The masses of bodies; one call to MuJoCo measures all masses that the tree does not determine."""
+    """The masses of bodies; one call to MuJoCo measures all masses that the tree does not determine.
 
-    def __init__(self, editing: Editing) -> None:
+    `found` are the bodies of the entry. A body that `fusestatic` will fuse has no mass of its own: it is part of the
+    body above, whose mass includes it.
+    """
+
+    def __init__(self, editing: Editing, found: Collection[Node] = ()) -> None:
         self.editing = editing
+        self.found = found
 
     def of(self, body: Node, at: Path) -> float:
         """Return the mass that MuJoCo computes for a body without its children, in kg."""
-        inertial, editing = self._inertial(body), self.editing
-        if inertial is not None:
-            return numbers.read(str(inertial.get("mass") or "0"))[0]
-        own_masses = [editing.effective(geom, "mass") for geom in own(body, "geom")]
-        if own_masses and all(mass is not None for mass in own_masses):
-            return sum(numbers.read(str(mass))[0] for mass in own_masses)
-        before = editing.sink.error_count
-        survey, hidden = self._survey
-        if editing.sink.error_count > before:
-            raise UnusableValue
-        mass = None if survey is None else survey.values(body, "body_mass", 1)
-        if mass is None:
-            message = f"the mass of {editing.called(body)} is not known{hidden}"
+        if (mass := self._as_written(body)) is not None:
+            return mass
+        survey, hidden = self._measured()
+        if survey is not None:
+            self._check_not_fused(body, survey, at)
+        found = None if survey is None else survey.values(body, "body_mass", 1)
+        if found is None:
+            message = f"the mass of {self.editing.called(body)} is not known{hidden}"
             help = "use `scale`, which does not need the mass, or write a `mass` on each of its geoms"
-            report_unusable(editing, body, Fault("selector", message, at, help=help), it="it")
-        return mass[0]
+            report_unusable(self.editing, body, Fault("selector", message, at, help=help), it="it")
+        return found[0]
+
+    def _as_written(self, body: Node) -> float | None:
+        """Return the mass that the elements of a body say, or None if only MuJoCo knows what they mean."""
+        if self._has_rules or self._may_fuse:
+            return None
+        if (inertial := self._inertial(body)) is not None:
+            return numbers.read(str(inertial.get("mass") or "0"))[0]
+        masses = [self.editing.effective(geom, "mass") for geom in own(body, "geom")]
+        if not masses or any(mass is None for mass in masses):
+            return None
+        return sum(numbers.read(str(mass))[0] for mass in masses)
+
+    def _check_not_fused(self, body: Node, survey: Survey, at: Path) -> None:
+        if not survey.is_gone(body) or (host := self._host(body, survey)) is None:
+            return
+        whole = self.editing.called(host)
+        message = f"{self.editing.called(body)} has no mass of its own: `fusestatic` makes it part of {whole}"
+        help = f"change the mass of {whole}, which includes it, or of a geom in it"
+        report_unusable(self.editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+
+    @property
+    def _has_rules(self) -> bool:
+        """Return whether a compiler rule changes the masses that the tree says."""
+        settings = self.editing.linking.flat().settings
+        return any(getattr(settings, name).split() != getattr(_DEFAULT, name).split() for name in INERTIA_RULES)
+
+    @property
+    def _may_fuse(self) -> bool:
+        return self.editing.linking.flat().settings.fusestatic == "true"
+
+    def _measured(self) -> tuple[Survey | None, str]:
+        before = self.editing.sink.error_count
+        found = self._survey
+        if self.editing.sink.error_count > before:
+            raise UnusableValue
+        return found
+
+    def _host(self, body: Node, survey: Survey) -> Node | None:
+        """Return the body that a fused body becomes part of, or None for the world."""
+        return next((above for above in body.iterancestors("body") if not survey.is_gone(above)), None)
+
+    def _fused(self, body: Node, at: Path) -> list[Node]:
+        """Return the bodies that become part of this body."""
+        below = [each for each in body.iterdescendants("body") if not own(each, *JOINTS)] if self._may_fuse else []
+        if not below:
+            return []
+        survey, hidden = self._measured()
+        if survey is None:
+            message = f"the bodies that `fusestatic` makes part of {self.editing.called(body)} are not known{hidden}"
+            report_unusable(self.editing, body, Fault("selector", message, at), it="it")
+        return [each for each in below if survey.is_gone(each) and self._host(each, survey) is body]
 
     def change(self, body: Node, verb: str, given: float, now: float | None, at: Path) -> None:
         """Multiply the mass and inertia of a body by the factor that follows from the verb and the number."""
@@ -215,8 +267,13 @@ class Masses:
             span = self.editing.span(at)
             self.editing.sink.error("out-of-range", message, span, subjects=self.editing.subjects(body))
             raise UnusableValue
+        if self._may_fuse:
+            survey, _ = self._measured()
+            if survey is not None and survey.is_gone(body) and self._host(body, survey) in self.found:
+                return  # the mass of the host, which changes by its own factor, includes it
+        fused = self._fused(body, at)
         self.settle()
-        self._scale(body, factor, at)
+        self._scale(body, fused, factor, at)
 
     @cached_property
     def _survey(self) -> tuple[Survey | None, str]:
@@ -226,7 +283,9 @@ class Masses:
         aside = Sink()
         linking = Linking(unit, [], aside, measure=editing.linking.measure)
         with without_keys(unit.root):
-            found = compile_unaligned(linking, unit, ("body_mass",))
+            # Below a joint of the recipe, bodies that would be part of the world alone keep their mass.
+            pinned = static_bodies(unit) if self._may_fuse else ()
+            found = compile_unaligned(linking, unit, ("body_mass",), pinned=pinned)
         if isinstance(found, Unmeasurable):
             return None, f": {found.why}"
         editing.sink.extend(aside.diagnostics)
@@ -251,31 +310,51 @@ class Masses:
         #   <body><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/><geom size="1" mass="2"/></body>
         if self.editing.linking.flat().settings.inertiafromgeom != "true":
             return inertials[-1] if inertials else None
-        has_own = any(has_mass(geom, self.editing.classes) for geom in own(body, "geom"))
-        return inertials[-1] if inertials and not has_own else None
+        return inertials[-1] if inertials and not self._geoms_with_mass(body) else None
 
-    def _scale(self, body: Node, factor: float, at: Path) -> None:
+    def _geoms_with_mass(self, body: Node) -> list[Node]:
+        """Return the geoms whose mass counts."""
         editing = self.editing
-        if (inertial := self._inertial(body)) is not None:
-            # The moments follow the mass, as if the same body were of another material.
-            for name in ("mass", "diaginertia", "fullinertia"):
-                if text := inertial.get(name):
-                    inertial.set(name, numbers.text(factor * each for each in numbers.read(str(text))))
-            editing.write(inertial, dict.fromkeys(("mass", "diaginertia", "fullinertia"), at))
-            return
-        geoms = [geom for geom in own(body, "geom") if has_mass(geom, editing.classes)]
-        if not geoms or editing.linking.flat().settings.inertiafromgeom == "false":
+        low, high = (int(bound) for bound in editing.linking.flat().settings.inertiagrouprange.split())
+        return [
+            geom
+            for geom in own(body, "geom")
+            if low <= int(editing.effective(geom, "group") or 0) <= high and has_mass(geom, editing.classes)
+        ]
+
+    def _scale(self, body: Node, fused: Iterable[Node], factor: float, at: Path) -> None:
+        from_geoms = self.editing.linking.flat().settings.inertiafromgeom != "false"
+        whole = [body, *fused]
+        inertials = {each: self._inertial(each) for each in whole}
+        geoms = [
+            geom for each in whole if inertials[each] is None for geom in self._geoms_with_mass(each) if from_geoms
+        ]
+        if not geoms and not any(each is not None for each in inertials.values()):
             self._report_no_mass(body, at)
+        for inertial in inertials.values():
+            if inertial is not None:
+                self._scale_inertial(inertial, factor, at)
         for geom in geoms:
-            mass = editing.classes.effective(geom, childclass_of(geom), "mass")
-            # `mass="nan"` cancels the mass that a class gives: then the density counts.
-            if mass is not None and not math.isnan(numbers.read(mass)[0]):
-                name, value = "mass", numbers.read(mass)[0]
-            else:
-                density = editing.classes.effective(geom, childclass_of(geom), "density")
-                name, value = "density", _DENSITY if density is None else numbers.read(density)[0]
-            geom.set(name, numbers.text([factor * value]))
-            editing.write(geom, {name: at})
+            self._scale_geom(geom, factor, at)
+
+    def _scale_inertial(self, inertial: Node, factor: float, at: Path) -> None:
+        # The moments follow the mass, as if the same body were of another material.
+        for name in _OF_INERTIAL:
+            if text := inertial.get(name):
+                inertial.set(name, numbers.text(factor * each for each in numbers.read(str(text))))
+        self.editing.write(inertial, dict.fromkeys(_OF_INERTIAL, at))
+
+    def _scale_geom(self, geom: Node, factor: float, at: Path) -> None:
+        classes, childclass = self.editing.classes, childclass_of(geom)
+        mass = classes.effective(geom, childclass, "mass")
+        # `mass="nan"` cancels the mass that a class gives: then the density counts.
+        if mass is not None and not math.isnan(numbers.read(mass)[0]):
+            name, value = "mass", numbers.read(mass)[0]
+        else:
+            density = classes.effective(geom, childclass, "density")
+            name, value = "density", _DENSITY if density is None else numbers.read(density)[0]
+        geom.set(name, numbers.text([factor * value]))
+        self.editing.write(geom, {name: at})
 
     def _report_no_mass(self, body: Node, at: Path) -> NoReturn:
         editing, help = self.editing, "set `mass` or `density` of a geom in it"

@@ -17,14 +17,13 @@ from mjcompose.language.assign import Changed
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.scalars import Positive, Unit, Whole
 from mjcompose.link import numbers
-from mjcompose.link.inertia import MEASURED
+from mjcompose.link.inertia import INERTIA_RULES
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree.classes import own, walk_bodies
 from mjcompose.tree.edit import replace
 
-_RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
@@ -46,7 +45,7 @@ class Inertia(Verb):
         wanted = {body: _geoms(editing, body, self, at=at) for body in found}
         for body, geoms in wanted.items():
             _refuse_shells(editing, body, geoms, at=at)
-        entry.masses.settle(*_RULES)
+        entry.masses.settle(*INERTIA_RULES)
         survey, there = _measured(editing, wanted, self.density, at=at)
         for body in found:
             rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
@@ -141,7 +140,8 @@ def _measured(
     )
     for body, geoms in wanted.items():
         _made_of(copies[body], [copies[each] for each in geoms], density)
-    copy.forget_settings(*_RULES)
+    # The bodies that `fusestatic` makes part of a body keep their own mass, which MuJoCo adds later.
+    copy.forget_settings(*INERTIA_RULES, "fusestatic")
     found = compile_unaligned(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
     editing.sink.extend(aside.diagnostics)
     if isinstance(found, Unmeasurable) or found is None:
