@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from mjcompose.sources import git_command
 from mjcompose.sources.fetching import Fetching, quiet
 from mjcompose.sources.git_command import Git, GitFailure
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
-from mjcompose.tools.diff.sides import check_out
+from mjcompose.tools.diff.sides import RevisionError, check_out
 
 MODEL = '<mujoco model="arm"><worldbody><body name="arm"><geom size="0.1"/></body></worldbody></mujoco>\n'
 HOOKS = "post-checkout post-merge reference-transaction pre-auto-gc post-index-change upload-pack pre-receive".split()
@@ -110,3 +113,230 @@ def test_the_settings_of_the_machine_do_not_count(robots: Any, tmp_path: Path) -
     if os.name != "nt":
         with pytest.raises(GitFailure):
             Git(environment, quiet).run("system")
+
+
+posix = pytest.mark.skipif(os.name == "nt", reason="the scripts are for a shell")
+COMMIT = "0" * 39 + "1"
+URLS = ["ssh://x/y", "git://x/y", "{folder}", "ext::touch {trace}", "spy::x"]
+"""Where a partial clone may fetch what it lacks."""
+
+
+def received(folder: Path, trace: Path, url: str = "ssh://x/y") -> Path:
+    """Arm the settings of a repository with everything that git could run for an address; return the folder."""
+    run = f"touch {trace};:"
+    (folder / "run.sh").write_text(f"#!/bin/sh\ntouch {trace}\n")
+    (folder / "run.sh").chmod(0o755)
+    (folder / "git-remote-spy").symlink_to("run.sh")
+    (folder / "more").write_text(f'[core]\n\tsshCommand = "{run}"\n')
+    place = url.format(folder=folder, trace=trace)
+    for name, value in {
+        "core.repositoryformatversion": "1", "extensions.partialClone": "origin", "remote.origin.promisor": "true",
+        "remote.origin.url": place, "remote.origin.uploadpack": run, "core.sshCommand": run, "core.gitProxy": run,
+        "credential.helper": f"!{run}", "core.fsmonitor": run, "core.alternateRefsCommand": run, "core.pager": run,
+        "pager.rev-parse": run, "pager.ls-remote": run, "diff.external": run, "core.askPass": str(folder / "run.sh"),
+        "protocol.allow": "always", "protocol.ext.allow": "always", "uploadpack.packObjectsHook": run,
+        "include.path": str(folder / "more"), "core.hooksPath": str(folder), "alias.rev-parse": f"!{run}",
+        "url.ssh://x/.insteadOf": "https://", "url.ssh://y/.insteadOf": "file://", "core.editor": run,
+    }.items():  # fmt: skip
+        subprocess.run(["git", "config", name, value], cwd=folder, check=True)
+    return folder
+
+
+def lose(robots: Any, name: str) -> None:
+    """Remove an object of the repository, as if it had never been fetched."""
+    hash = robots.git("rev-parse", name)
+    (robots.folder / ".git" / "objects" / hash[:2] / hash[2:]).unlink()
+
+
+@posix
+@pytest.mark.parametrize("form", ["folder", "file", "variables"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "git+https://127.0.0.1:9/x@main#m.xml",
+        f"git+https://127.0.0.1:9/x@{COMMIT}#m.xml",
+        "git+ssh://git@127.0.0.1:9/x@main#m.xml",
+        f"git+ssh://git@127.0.0.1:9/x@{COMMIT}#m.xml",
+        "git+file:///nowhere/x@main#m.xml",
+        "hf:lab/robots@main#m.xml",
+    ],
+)
+def test_the_repository_around_a_recipe_runs_nothing(
+    robots: Any, own_environment: dict[str, str], tmp_path: Path, text: str, form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A received folder: its settings, a `.git` that leads to them, and variables as a hook has them."""
+    trace = tmp_path / "trace"
+    folder = received(robots.folder, trace)
+    monkeypatch.setenv("HF_ENDPOINT", "https://127.0.0.1:9")
+    if form == "file":
+        folder = tmp_path / "work"
+        folder.mkdir()
+        (folder / ".git").write_text(f"gitdir: {robots.folder}/.git\n")
+    if form == "variables":
+        monkeypatch.setenv("GIT_DIR", str(robots.folder / ".git"))
+        monkeypatch.setenv("GIT_CONFIG_PARAMETERS", f"'core.sshcommand'='touch {trace};:'")
+        monkeypatch.setenv("GIT_EXTERNAL_DIFF", f"touch {trace}")
+        folder = tmp_path
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("PATH", f".{os.pathsep}{os.environ['PATH']}")
+    with pytest.raises(SourceError) as caught:
+        resolve(text, relative_to=folder, environment=own_environment, fetching=Fetching())
+    assert not trace.exists(), trace
+    assert caught.value.code == "source-fetch" and ".insteadOf" not in str(caught.value.notes)
+    assert "transport 'ssh'" not in str(caught.value.notes)
+
+
+@posix
+@pytest.mark.parametrize("knows", [True, False], ids=["new git", "git before 2.45"])
+@pytest.mark.parametrize("url", URLS)
+@pytest.mark.parametrize("lost", ["HEAD:arm/arm.xml", "HEAD:arm", "HEAD"])
+def test_a_revision_of_a_partial_clone_fetches_nothing(
+    robots: Any, tmp_path: Path, lost: str, url: str, knows: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trace = tmp_path / "trace"
+    received(robots.folder, trace, url)
+    lose(robots, lost)
+    monkeypatch.setenv("PATH", f"{robots.folder}{os.pathsep}{os.environ['PATH']}")
+    if not knows:
+        monkeypatch.setitem(git_command.NO_TRANSPORT, "GIT_NO_LAZY_FETCH", "0")
+    (tmp_path / "into").mkdir()
+    with pytest.raises(RevisionError) as caught:
+        check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert not trace.exists()
+    if lost != "HEAD":  # without the commit, git says that there is no such revision
+        help = caught.value.diagnostic.help
+        assert help is not None and help.endswith(f"run `git -C {robots.folder} fetch --refetch --no-filter origin`")
+
+
+@posix
+@pytest.mark.parametrize("knows", [True, False], ids=["new git", "git before 2.45"])
+@pytest.mark.parametrize("url", URLS)
+@pytest.mark.parametrize("revision", ["main", "v1"])
+def test_a_local_partial_clone_fetches_nothing(
+    robots: Any, refused: Callable[..., SourceError], tmp_path: Path, url: str, revision: str, knows: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """It is served by a git of its own, with its settings."""
+    trace = tmp_path / "trace"
+    robots.git("tag", "-f", "-a", "-m", "one", "v1")
+    received(robots.folder, trace, url)
+    lose(robots, "HEAD:arm/arm.xml")
+    lose(robots, "v1")
+    monkeypatch.setenv("PATH", f"{robots.folder}{os.pathsep}{os.environ['PATH']}")
+    if not knows:
+        monkeypatch.setitem(git_command.NO_TRANSPORT, "GIT_NO_LAZY_FETCH", "0")
+    error = refused(robots.reference(revision))
+    assert error.code in ("source-fetch", "source-revision")
+    assert not trace.exists()
+
+
+@posix
+@pytest.mark.parametrize(
+    "command", [["diff", "HEAD:robot.yaml", "robot.yaml"], ["lint", "HEAD:robot.yaml"], ["check", "robot.yaml"]]
+)
+def test_commands_in_a_received_folder_run_nothing(robots: Any, tmp_path: Path, command: list[str]) -> None:
+    trace = tmp_path / "trace"
+    base = "arm/arm.xml" if command[0] != "check" else "git+https://127.0.0.1:9/x@main#m.xml"
+    robots.commit(**{"robot.yaml": f"recipe: 1\nbase: {base}\n"})
+    received(robots.folder, trace)
+    lose(robots, "HEAD:arm/arm.xml")
+    own = {**os.environ, "MJCOMPOSE_CACHE": str(tmp_path / "store"), "MJCOMPOSE_TIMEOUT": "2"}
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "mjcompose", *command], cwd=robots.folder, env=own, capture_output=True, text=True
+    )
+    assert done.returncode in (1, 2) and "error[" in done.stderr + done.stdout and "Traceback" not in done.stderr
+    assert not trace.exists(), done.stderr
+
+
+@posix
+def test_a_partial_clone_is_complete_after_the_command_of_the_help(robots: Any, tmp_path: Path) -> None:
+    robots.commit(**{"arm/arm.xml": MODEL.replace("0.1", "0.2")})
+    robots.git("config", "uploadpack.allowFilter", "true")
+    clone, place = tmp_path / "clone", f"file://{robots.folder}"
+    subprocess.run(["git", "clone", "-q", "--filter=blob:none", "-o", "lab", place, clone], check=True)
+    (tmp_path / "into").mkdir()
+    with pytest.raises(RevisionError) as caught:
+        check_out("HEAD~1", clone / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    command = str(caught.value.diagnostic.help).split("`")[1]
+    assert command == f"git -C {clone} fetch --refetch --no-filter lab"
+    subprocess.run(command.split(), check=True, capture_output=True)
+    (tmp_path / "again").mkdir()
+    _, path = check_out("HEAD~1", clone / "arm" / "arm.xml", tmp_path / "again", dict(os.environ))
+    assert path.read_text() == MODEL
+
+
+@posix
+@pytest.mark.parametrize("name", ["x; touch y", "$(touch y)", "-x", "a`b`"])
+def test_a_command_to_paste_has_no_name_that_a_shell_reads(robots: Any, name: str) -> None:
+    robots.git("config", f"remote.{name}.promisor", "true")
+    git = Git(dict(os.environ), quiet)
+    assert git_command.partial_from(git, robots.folder) is None
+    robots.git("config", "remote.lab.promisor", "yes")
+    assert git_command.partial_from(git, robots.folder) == "lab"
+
+
+@posix
+def test_the_objects_of_a_work_tree_are_those_of_its_repository(robots: Any, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    robots.git("worktree", "add", "-q", str(other), "-b", "other")
+    (tmp_path / "into").mkdir()
+    _, path = check_out("HEAD", other / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert path.read_text() == MODEL
+
+
+@posix
+def test_a_repository_with_longer_hashes(tmp_path: Path) -> None:
+    folder = tmp_path / "robots"
+    subprocess.run(["git", "init", "-q", "--object-format=sha256", folder], check=True)
+    (folder / "arm.xml").write_text(MODEL)
+    own = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b"]
+    subprocess.run([*own, "add", "arm.xml"], check=True)
+    subprocess.run([*own, "commit", "-q", "-m", "one"], check=True)
+    (tmp_path / "into").mkdir()
+    _, path = check_out("HEAD", folder / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert path.read_text() == MODEL
+
+
+@posix
+def test_the_program_is_found_by_absolute_folders_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    trace, there = tmp_path / "trace", shutil.which("git")
+    assert there is not None
+    (tmp_path / "git").write_text(f"#!/bin/sh\ntouch {trace}\n")
+    (tmp_path / "git").chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    for start in (".", "", str(Path("..", tmp_path.name))):
+        path = f"{start}{os.pathsep}{os.path.dirname(there)}"
+        assert Git({**os.environ, "PATH": path}, quiet).run("version").startswith(b"git version")
+        with pytest.raises(SourceError, match="not installed"):
+            Git({**os.environ, "PATH": start}, quiet).run("version")
+    assert not trace.exists()
+
+
+@posix
+def test_the_ssh_of_the_user_is_kept(own_environment: dict[str, str], tmp_path: Path) -> None:
+    """It may be in any of the settings of the user, and gets the timeout if it is OpenSSH."""
+    (tmp_path / "ssh").write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/words\nexit 255\n')
+    (tmp_path / "ssh").chmod(0o755)
+    (tmp_path / "more").write_text(f"[core]\n\tsshCommand = {tmp_path}/ssh -F none\n")
+    (tmp_path / "settings").write_text(f"[include]\n\tpath = {tmp_path}/more\n")
+    environment = {**own_environment, "GIT_CONFIG_GLOBAL": str(tmp_path / "settings")}
+    with pytest.raises(GitFailure):
+        Git(environment, quiet).fetch("ls-remote", "--", "ssh://git@robots.example/x")
+    words = (tmp_path / "words").read_text()
+    assert words.startswith("-F none -o ConnectTimeout=2 ") and "git@robots.example" in words
+
+
+@posix
+@pytest.mark.parametrize("url", URLS)
+def test_the_settings_of_a_received_repository_are_not_read_for_its_files(
+    robots: Any, tmp_path: Path, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even where git may contact anybody."""
+    trace = tmp_path / "trace"
+    received(robots.folder, trace, url)
+    lose(robots, "HEAD:arm/arm.xml")
+    monkeypatch.setattr(git_command, "NO_TRANSPORT", {})
+    (tmp_path / "into").mkdir()
+    with pytest.raises(RevisionError):
+        check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert not trace.exists()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -12,12 +13,14 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Process
+from mjcompose.base.scratch import scratch
 from mjcompose.sources.blobs import files_below
 from mjcompose.sources.fetching import Silence, patience, waiting
 from mjcompose.sources.reference import SourceError
@@ -48,19 +51,35 @@ class GitFailure(Exception):
 
 
 class Git(Struct):
-    """Runs git in one repository, or in none; `limit` is the maximum time of one command in seconds."""
+    """Runs git with the settings of the user, and of no repository that somebody else may have written.
+
+    Commands run in an empty folder. They see the repository that they name, which must be one that mjcompose made, or
+    none. `objects` is a folder with the objects of another repository, which they read instead of the repository's
+    own. `settings` are further settings of git. `limit` is the maximum time of one command in seconds.
+    """
 
     environment: Mapping[str, str]
     progress: Callable[[str], None]
     limit: float = 1800.0
+    objects: Path | None = None
+    settings: tuple[tuple[str, str], ...] = ()
 
     def run(self, *arguments: str, folder: Path | None = None) -> bytes:
-        """Return the standard output. Raises GitFailure, and SourceError if git is not installed."""
+        """Run a command that contacts nobody, and return its standard output.
+
+        Raises GitFailure, and SourceError if git is not installed.
+        """
         with self.open(*arguments, folder=folder) as process:
-            out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
-            if len(out) > _MOST_OUTPUT:
-                raise GitFailure(f"git prints more than {_MOST_OUTPUT >> 20} MiB")
-        return out
+            return _output_of(process)
+
+    def around(self, near: Path, *arguments: str) -> str:
+        """Return the answer of a command about the repository around a folder. Raises as `run` does.
+
+        git reads the settings of that repository, which may come from anyone: only `rev-parse` and `config` run here,
+        which start no program, and no object is fetched.
+        """
+        with self._process(("-C", str(near), *arguments), {}) as process:
+            return _output_of(process).decode("utf-8", "surrogateescape").removesuffix("\n")
 
     def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
         """Run a command that contacts another machine, and retry it within one timeout if the network fails."""
@@ -68,7 +87,7 @@ class Git(Struct):
         for attempt in range(_TRIES):
             try:
                 with waiting(self.progress, "for the repository"):
-                    return self.run(*arguments, folder=folder)
+                    return self._contact(arguments, folder)
             except GitFailure as failure:
                 passing = _PASSING.search(failure.said) and not _NO_NAME.search(failure.said)
                 if attempt + 1 == _TRIES or not passing or silence.is_over:
@@ -78,26 +97,38 @@ class Git(Struct):
                 time.sleep(_PAUSE * 2**attempt)
         raise AssertionError("there is at least one try")
 
+    def _contact(self, arguments: tuple[str, ...], folder: Path | None) -> bytes:
+        own = {**_place(folder), "GIT_ALLOW_PROTOCOL": _protocols(arguments)}
+        if any(word.startswith("ssh://") for word in arguments):
+            own |= self._impatient_ssh()
+        with self._process(arguments, own) as process:
+            return _output_of(process)
+
     @contextmanager
     def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
-        """Run a command and yield it for reading its output, and with `asked` also for writing to its input.
+        """Run a command that contacts nobody, and yield it for reading its output, and with `asked` for writing too.
 
         The command ends with the block. Raises GitFailure if it fails, and SourceError if git is not installed.
         """
+        with self._process(arguments, _place(folder), asked=asked) as process:
+            yield process
+
+    @contextmanager
+    def _process(self, arguments: tuple[str, ...], place: Mapping[str, str], *, asked: bool = False) -> Iterator[Any]:
         limits = in_force()
-        own = self._variables(arguments)
-        if shutil.which("git", path=own.get("PATH", os.defpath)) is None:
-            message = "models in git repositories need the command `git`, which is not installed"
-            raise SourceError("source-fetch", message, help="install git")
+        own = self._variables(place)
+        program = _program(own)
         with (
+            scratch("git") as empty,
             tempfile.TemporaryFile() as words,
             Process(
-                ["git", *self._settings(folder), *arguments],
+                [program, "--no-pager", *self._options(), *arguments],
                 memory=limits.git_memory,
                 size=limits.source_size,
                 stdin=subprocess.PIPE if asked else subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=words,
+                cwd=empty,
                 env=own,
             ) as process,
         ):
@@ -125,38 +156,84 @@ class Git(Struct):
                 said = words.read(_MOST_WORDS).decode("utf-8", "replace").strip()
                 raise GitFailure(said or (f"git was ended by signal {-status}" if status < 0 else ""))
 
-    def _settings(self, folder: Path | None) -> list[str]:
+    def _options(self) -> list[str]:
         # With `fetch.unpackLimit`, all objects arrive in one file, whose size can be limited.
-        settings = {
+        return _options({
             **_BOUNDS, **CONFINED, "http.lowSpeedLimit": "1", "http.lowSpeedTime": self._silence, "gc.auto": "0",
-            "fetch.fsckObjects": "false", "fetch.unpackLimit": "1",
-        }  # fmt: skip
-        return [*_options(settings), *([] if folder is None else [f"--git-dir={folder}"])]
+            "maintenance.auto": "false", "fetch.fsckObjects": "false", "fetch.unpackLimit": "1", **dict(self.settings),
+        })  # fmt: skip
 
-    def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:
-        # Ignore the repository around the current folder, and variables that a git hook sets.
-        own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
-        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
-        own |= {"GIT_ALLOW_PROTOCOL": _protocols(arguments), **NO_SYSTEM}
-        for name in _OF_A_REPOSITORY:
-            own.pop(name, None)
-        if any(each.startswith("ssh://") for each in arguments):
-            own |= _impatient_ssh(own, self._silence)
+    def _variables(self, place: Mapping[str, str]) -> dict[str, str]:
+        own = {**os.environ, "GIT_ASKPASS": "", **self.environment}
+        own = {
+            name: value for name, value in own.items() if not name.startswith("GIT_") or _OF_THE_USER.fullmatch(name)
+        }
+        own |= {"GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C", **NO_TRANSPORT, **NO_SYSTEM, **place}
+        if self.objects is not None:
+            own["GIT_OBJECT_DIRECTORY"] = str(self.objects)
         return own
 
     @property
     def _silence(self) -> str:
         return str(math.ceil(patience(self.environment)))  # git takes whole seconds
 
+    def _impatient_ssh(self) -> dict[str, str]:
+        """Return settings that end ssh after some seconds of silence, unless the user has another program."""
+        own = self._variables({})
+        command = own.get("GIT_SSH_COMMAND") or self._setting("core.sshCommand")
+        if not command and own.get("GIT_SSH"):
+            return {}
+        command = command or "ssh"
+        if not _OPENSSH.match(command):
+            return {}
+        limits = {"ConnectTimeout": self._silence, "ServerAliveInterval": self._silence, "ServerAliveCountMax": "1"}
+        return {"GIT_SSH_COMMAND": " ".join([command, *(f"-o {name}={value}" for name, value in limits.items())])}
 
-def bounded() -> list[str]:
-    """Return the options that keep git from loading large files into memory."""
-    return _options(_BOUNDS)
+    def _setting(self, name: str) -> str:
+        """Return a setting of the user, empty if there is none."""
+        try:
+            return self.run("config", "--get", name).decode("utf-8", "surrogateescape").strip()
+        except GitFailure:
+            return ""
+
+
+def _output_of(process: Any) -> bytes:
+    out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
+    if len(out) > _MOST_OUTPUT:
+        raise GitFailure(f"git prints more than {_MOST_OUTPUT >> 20} MiB")
+    return out
+
+
+def _place(folder: Path | None) -> dict[str, str]:
+    """Return the variable that names the repository: git looks for one around the current folder without it."""
+    return {"GIT_DIR": os.devnull if folder is None else str(folder)}
+
+
+def _program(variables: Mapping[str, str]) -> str:
+    """Return the path of git. Raises SourceError if it is not installed.
+
+    Folders of PATH that are relative, and the current folder, where Windows looks first, are left out.
+    """
+    for folder in variables.get("PATH", os.defpath).split(os.pathsep):
+        if os.path.isabs(folder) and (program := shutil.which(os.path.join(folder, "git"))) is not None:
+            return program
+    message = "models in git repositories need the command `git`, which is not installed"
+    raise SourceError("source-fetch", message, help="install git")
+
+
+def serving() -> str:
+    """Return the shell command that serves a local repository: git sends it none of the settings of its caller.
+
+    That repository may be anybody's. A partial clone would fetch what it lacks with a command of its own settings.
+    """
+    words = [*(f"{name}={value}" for name, value in NO_TRANSPORT.items()), "git", *_options({**_BOUNDS, **CONFINED})]
+    return f"{shlex.join(words)} upload-pack"
 
 
 _BOUNDS = {
     "core.bigFileThreshold": "8m", "core.deltaBaseCacheLimit": "16m", "pack.windowMemory": "64m", "pack.threads": "1"
 }  # fmt: skip
+"""Settings that keep git from loading large files into memory."""
 
 
 def _options(settings: Mapping[str, str]) -> list[str]:
@@ -168,8 +245,19 @@ CONFINED = {
     "submodule.recurse": "false", "fetch.recurseSubmodules": "false",
 }  # fmt: skip
 """Settings that keep git from running anything from a repository."""
+NO_TRANSPORT = {"GIT_ALLOW_PROTOCOL": "none", "GIT_NO_LAZY_FETCH": "1"}
+"""Variables with which git contacts nobody.
+
+git before 2.45 does not know GIT_NO_LAZY_FETCH: for an object that is missing, it starts a fetch, which ends before any
+program of the repository starts, because no transport is allowed.
+"""
 # The user's settings apply; the system's may come from somebody else. On Windows they are needed to trust servers.
 NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NOSYSTEM": "1"}
+_OF_THE_USER = re.compile(
+    r"GIT_(ASKPASS|SSH|SSH_COMMAND|SSH_VARIANT|SSL_\w+|HTTP_\w+|PROXY_SSL_\w+|CURL_VERBOSE|TRACE\w*|EXEC_PATH"
+    r"|CEILING_DIRECTORIES|DISCOVERY_ACROSS_FILESYSTEM|CONFIG_(GLOBAL|SYSTEM|COUNT|KEY_\d+|VALUE_\d+))"
+)
+"""The variables of git that say how the user logs in and connects; others describe a repository, as a hook sees it."""
 
 
 def _protocols(arguments: tuple[str, ...]) -> str:
@@ -181,33 +269,36 @@ def _protocols(arguments: tuple[str, ...]) -> str:
     return "https:ssh:file" + (":http" if any(word.startswith("http://") for word in arguments) else "")
 
 
-_OF_A_REPOSITORY = (
-    "GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_OBJECT_DIRECTORY", "GIT_ALTERNATE_OBJECT_DIRECTORIES",
-    "GIT_COMMON_DIR", "GIT_NAMESPACE", "GIT_PREFIX",
-)  # fmt: skip
-
-
-def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
-    """Return settings that end ssh after this many seconds of silence, unless the user has another program."""
-    written = own.get("GIT_SSH_COMMAND", "")
-    if not written:
-        question = ["git", "config", "--get", "core.sshCommand"]
-        try:
-            done = subprocess.run(question, env=dict(own), stdin=subprocess.DEVNULL, capture_output=True, timeout=30)
-        except (OSError, subprocess.TimeoutExpired):
-            return {}  # git runs next, and its failure is reported
-        written = done.stdout.decode("utf-8", "surrogateescape").strip()
-    if not written and own.get("GIT_SSH"):
-        return {}
-    command = written or "ssh"
-    if not _OPENSSH.match(command):
-        return {}
-    limits = {"ConnectTimeout": seconds, "ServerAliveInterval": seconds, "ServerAliveCountMax": "1"}
-    return {"GIT_SSH_COMMAND": " ".join([command, *(f"-o {name}={value}" for name, value in limits.items())])}
-
-
 _OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
 """ssh uses the first of several equal options, so options in the user's command stay in force."""
+
+
+@contextmanager
+def objects_around(git: Git, near: Path) -> Iterator[tuple[Git, Path]]:
+    """Yield a git that reads the objects of the repository around a folder, and an empty repository to run it in.
+
+    git sees no settings of that repository, which may come from anyone. An object that a partial clone lacks is
+    missing, because no setting says where to fetch it. Raises as `Git.run` does.
+    """
+    objects = os.path.join(near, git.around(near, "rev-parse", "--git-path", "objects"))
+    kind = git.around(near, "rev-parse", "--show-object-format")
+    with scratch("repository") as folder:
+        git.run("init", "-q", "--bare", "--template=", f"--object-format={kind}", "--", str(folder))
+        yield replace(git, objects=Path(objects)), folder
+
+
+def partial_from(git: Git, near: Path) -> str | None:
+    """Return the remote that the repository around a folder lacks objects of, or None if it is no partial clone."""
+    try:
+        found = git.around(near, "config", "--local", "--type=bool", "--get-regexp", r"^remote\..*\.promisor$")
+    except GitFailure:
+        return None
+    names = (line.removeprefix("remote.").removesuffix(".promisor true") for line in found.splitlines())
+    return next((name for name in names if _REMOTE.fullmatch(name)), None)
+
+
+_REMOTE = re.compile(r"\w[\w./-]*", re.ASCII)
+"""Names of remotes that a shell takes as one word."""
 
 
 def words_of(failure: GitFailure) -> tuple[str, ...]:
@@ -240,7 +331,7 @@ def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[st
     other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead outside
     the folder, GitFailure, and OSError.
     """
-    packed = sum(path.stat().st_size for _, path in files_below(repository))
+    packed = sum(path.stat().st_size for _, path in files_below(git.objects or repository))
     try:
         blobs = list(_listed(git, repository, commit))
         left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
@@ -328,7 +419,10 @@ def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
             for line in lines:
                 facts, name = line.split(b"\t", 1)
                 mode, _, hash, size = facts.decode().split()
-                yield _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, size=0 if size == "-" else int(size))
+                shown = name.decode("utf-8", "surrogateescape")
+                if size == "BAD":
+                    raise GitFailure(f"the repository does not have the contents of `{shown}`")
+                yield _Blob(mode, shown, hash, size=0 if size == "-" else int(size))
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
-from mjcompose.sources.git_command import Git, GitFailure, bounded, words_of, write_tree
+from mjcompose.sources.git_command import Git, GitFailure, serving, words_of, write_tree
 from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit, is_this_machine, take_apart
 from mjcompose.sources.store import Entry, Store
 from mjcompose.sources.web_archive import Unsafe, check
@@ -83,7 +83,7 @@ class _Repository(Struct):
         url, revision = self.reference.name, self.reference.revision
         self.fetching.progress(f"looking up {revision} in {url}")
         try:
-            listed = self._git.fetch("ls-remote", "--", url).decode("utf-8", "replace").splitlines()
+            listed = self._git.fetch("ls-remote", *_other_side(url), "--", url).decode("utf-8", "replace").splitlines()
         except GitFailure as failure:
             raise self._unreachable(failure) from None
         refs = {name: commit for commit, _, name in (line.partition("\t") for line in listed)}
@@ -133,7 +133,7 @@ class _Repository(Struct):
         self.fetching.progress(f"fetching {url} at {commit[:12]}")
         kind = ("--object-format=sha256",) if len(commit) == 64 else ()
         try:
-            git.run("init", "-q", "--bare", *kind, "--", str(repository))
+            git.run("init", "-q", "--bare", "--template=", *kind, "--", str(repository))
             try:
                 options = ("--depth=1", "--no-tags", *_other_side(url))
                 git.fetch("fetch", "-q", *options, "--", url, commit, folder=repository)
@@ -149,7 +149,7 @@ class _Repository(Struct):
 
     def _history(self, repository: Path) -> None:
         git, url = self._git, self.reference.name
-        git.run("init", "-q", "--bare", "--", str(repository))
+        git.run("init", "-q", "--bare", "--template=", "--", str(repository))
         options = ("--no-tags", *_other_side(url))
         git.fetch("fetch", "-q", *options, "--", url, "+refs/*:refs/fetched/*", folder=repository)
 
@@ -206,10 +206,8 @@ def _files_are_small() -> bool:
 
 
 def _other_side(url: str) -> tuple[str, ...]:
-    """Return the same options for the git that serves a local repository, which has settings of its own."""
-    if not url.startswith("file://"):
-        return ()
-    return (f"--upload-pack=git {' '.join(bounded())} upload-pack",)
+    """Return the option for the git that serves a local repository, which has settings of its own."""
+    return (f"--upload-pack={serving()}",) if url.startswith("file://") else ()
 
 
 _POINTER = re.compile(

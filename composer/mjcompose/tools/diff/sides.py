@@ -7,6 +7,7 @@ import itertools
 import json
 import os
 import re
+import shlex
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import field, replace
@@ -40,7 +41,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
-from mjcompose.sources.git_command import Git, GitFailure, write_tree
+from mjcompose.sources.git_command import Git, GitFailure, objects_around, partial_from, write_tree
 from mjcompose.sources.git_repository import replace_by_local
 from mjcompose.sources.reference import SourceError, Trust
 from mjcompose.tools.diff.changes import End
@@ -82,29 +83,41 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
 
     def asked(fault: str, *arguments: str) -> str:
         try:
-            out = git.run("-C", str(near), "rev-parse", *arguments)
+            return git.around(near, "rev-parse", *arguments)
         except SourceError as error:
             message = "the git command is not installed: revisions cannot be read"
             raise RevisionError("git-revision", message, "install git") from error
         except GitFailure as error:
             why = str(error).partition("\n")[0].removeprefix("fatal: ")
             raise RevisionError("git-revision", f"{fault}: {why}" if why else fault) from error
-        return out.decode("utf-8", "surrogateescape").strip("\n")
 
     outside = f"`{near}` is not in a git repository"
     top = Path(os.path.realpath(asked(outside, "--show-toplevel")))
     missing = f"the revision `{revision}` does not exist in the repository of `{path.name}`"
     commit = asked(missing, *"--verify --quiet --end-of-options".split(), f"{revision}^{{commit}}")
     inside = Path(os.path.relpath(os.path.realpath(near), top), path.absolute().relative_to(near))
-    repository = Path(asked(outside, "--absolute-git-dir"))
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
         root = _beside_the_same(top, into)
-        write_tree(git, repository, commit, target=root)
+        with objects_around(git, near) as (reader, repository):
+            write_tree(reader, repository, commit, target=root)
         replace_by_local(root, near / asked(outside, "--git-common-dir") / "lfs" / "objects")  # of all work trees
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
-        raise RevisionError("git-revision", f"{fault}: {error}") from error
+        help = _how_to_complete(git, near, top) if isinstance(error, GitFailure) else None
+        raise RevisionError("git-revision", f"{fault}: {error}", help) from error
     return root, root / inside
+
+
+def _how_to_complete(git: Git, near: Path, top: Path) -> str | None:
+    """Return the command that fetches what a partial clone lacks; None for other repositories."""
+    remote = partial_from(git, near)
+    if remote is None:
+        return None
+    is_here = Path(os.path.realpath(os.curdir)).is_relative_to(top)
+    command = ["git", *([] if is_here else ["-C", str(top)]), "fetch", "--refetch", "--no-filter", remote]
+    return (
+        f"it is a partial clone, and mjcompose fetches nothing for it. If it is your own, run `{shlex.join(command)}`"
+    )
 
 
 def _beside_the_same(top: Path, into: Path) -> Path:
