@@ -6,8 +6,6 @@ import math
 import os
 import re
 import shlex
-import shutil
-import subprocess
 import tempfile
 import threading
 import time
@@ -19,7 +17,7 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
-from mjcompose.base.processes import Process
+from mjcompose.base.processes import DEVNULL, PIPE, Process, program
 from mjcompose.base.scratch import scratch
 from mjcompose.sources.blobs import files_below
 from mjcompose.sources.fetching import Silence, patience, waiting
@@ -117,18 +115,15 @@ class Git(Struct):
     def _process(self, arguments: tuple[str, ...], place: Mapping[str, str], *, asked: bool = False) -> Iterator[Any]:
         limits = in_force()
         own = self._variables(place)
-        program = _program(own)
         with (
-            scratch("git") as empty,
             tempfile.TemporaryFile() as words,
             Process(
-                [program, "--no-pager", *self._options(), *arguments],
+                [_git_of(own), "--no-pager", *self._options(), *arguments],
                 memory=limits.git_memory,
                 size=limits.source_size,
-                stdin=subprocess.PIPE if asked else subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
+                stdin=PIPE if asked else DEVNULL,
+                stdout=PIPE,
                 stderr=words,
-                cwd=empty,
                 env=own,
             ) as process,
         ):
@@ -209,16 +204,13 @@ def _place(folder: Path | None) -> dict[str, str]:
     return {"GIT_DIR": os.devnull if folder is None else str(folder)}
 
 
-def _program(variables: Mapping[str, str]) -> str:
-    """Return the path of git. Raises SourceError if it is not installed.
-
-    Folders of PATH that are relative, and the current folder, where Windows looks first, are left out.
-    """
-    for folder in variables.get("PATH", os.defpath).split(os.pathsep):
-        if os.path.isabs(folder) and (program := shutil.which(os.path.join(folder, "git"))) is not None:
-            return program
-    message = "models in git repositories need the command `git`, which is not installed"
-    raise SourceError("source-fetch", message, help="install git")
+def _git_of(variables: Mapping[str, str]) -> str:
+    """Return the path of git. Raises SourceError if it is not installed."""
+    git = program("git", variables)
+    if git is None:
+        message = "models in git repositories need the command `git`, which is not installed"
+        raise SourceError("source-fetch", message, help="install git")
+    return git
 
 
 def serving() -> str:
