@@ -108,7 +108,7 @@ def test_one_question_is_answered_once(monkeypatch: pytest.MonkeyPatch) -> None:
     from mjcompose.base import suggest
 
     asked = []
-    monkeypatch.setattr(suggest, "_score", lambda name, candidate: asked.append(candidate))
+    monkeypatch.setattr(suggest, "_score", lambda name, candidate: asked.append(candidate.text))
     for _ in range(3):
-        suggest.closest("asked once", ["a", "b"])
-    assert asked == ["a", "b"]
+        suggest.closest("asked once", ["asked one", "asks once", "elbow"])
+    assert asked == ["asked one", "asks once"]

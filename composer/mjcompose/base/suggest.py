@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from os.path import commonprefix
+from typing import NamedTuple
 
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
 
@@ -43,11 +44,72 @@ def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
     return ranked[0][2]
 
 
+class _Word(NamedTuple):
+    """A name as it is compared, with the bits of its letters; `bare` is the name without its prefixes."""
+
+    text: str
+    folded: str
+    singular: str
+    bare: str
+    letters: int
+    bare_letters: int
+
+
+def _split(name: str) -> _Word:
+    folded = _folded(name)
+    bare = _PREFIX.split(folded)[-1]
+    return _Word(name, folded, _singular(folded), bare, _letters(folded), _letters(bare))
+
+
+def _letters(name: str) -> int:
+    letters = 0
+    for letter in name:
+        letters |= 1 << (ord(letter) % 128)
+    return letters
+
+
+@lru_cache(maxsize=16)
+def _split_all(candidates: tuple[str, ...]) -> tuple[_Word, ...]:
+    return tuple(map(_split, candidates))
+
+
 @lru_cache(maxsize=256)
 def _ranked(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
     """Return the distance, position and name of each likely candidate; one mistake may occur thousands of times."""
-    scores = ((_score(name, candidate), position, candidate) for position, candidate in enumerate(candidates))
+    written = _split(name)
+    scores = ((_score(written, known), position, known.text) for position, known in _possible(written, candidates))
     return tuple(sorted((score, position, candidate) for score, position, candidate in scores if score is not None))
+
+
+def _possible(written: _Word, candidates: tuple[str, ...]) -> list[tuple[int, _Word]]:
+    """Return the position and the words of the candidates that `_score` may accept.
+
+    Each edit accounts for at most one letter that the other word lacks. This excludes most candidates without a call:
+    a renamed prefix makes thousands of names wrong, and each of them is compared with thousands of names.
+    """
+    limit = _tolerance(written.folded)
+    bare_limit = _tolerance(written.bare)
+    meant = _meant(written)
+    return [
+        (position, known)
+        for position, known in enumerate(_split_all(candidates))
+        if (
+            (written.letters & ~known.letters).bit_count() <= limit
+            and (known.letters & ~written.letters).bit_count() <= limit
+        )
+        or (
+            (written.bare_letters & ~known.bare_letters).bit_count() <= bare_limit
+            and (known.bare_letters & ~written.bare_letters).bit_count() <= bare_limit
+        )
+        or known.singular == written.singular
+        or known.folded in meant
+        or known.folded.startswith(written.folded)
+    ]
+
+
+def _meant(written: _Word) -> list[str]:
+    """Return the names for which the word is a synonym."""
+    return SYNONYMS.get(written.singular, SYNONYMS.get(written.folded, []))
 
 
 def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
@@ -131,34 +193,34 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
     return Note(f"{kinds} that exist: {listed}")
 
 
-def _score(name: str, candidate: str) -> float | None:
-    if name == candidate:
+def _score(written: _Word, known: _Word) -> float | None:
+    """Return how far a candidate is from the written name: 0 is equal; None is not similar."""
+    if written.text == known.text:
         return 0.0
-    written, known = _folded(name), _folded(candidate)
-    if written == known:
+    if written.folded == known.folded:
         return 0.1
-    if _singular(written) == _singular(known):
+    if written.singular == known.singular:
         return 0.2
-    meant = SYNONYMS.get(_singular(written), SYNONYMS.get(written, ()))
-    if known in meant:
-        return 0.3 + 0.01 * meant.index(known)
-    bare, known_bare = _PREFIX.split(written)[-1], _PREFIX.split(known)[-1]
-    prefixed = len(bare) != len(written) or len(known_bare) != len(known)
-    shorter, longer = sorted((written, known), key=len)
-    if bare and prefixed and longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:.":
-        return 0.3
-    if bare and prefixed and bare == known_bare:
-        return 0.5
-    if len(written) == len(known) == 2:  # a different letter makes a different word
-        return 1.0 if written == known[::-1] else None
-    distance = _distance(written, known, _tolerance(written))
+    meant = _meant(written)
+    if known.folded in meant:
+        return 0.3 + 0.01 * meant.index(known.folded)
+    is_prefixed = written.bare != written.folded or known.bare != known.folded
+    if written.bare and is_prefixed:
+        shorter, longer = sorted((written.folded, known.folded), key=len)
+        if longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:.":
+            return 0.3
+        if written.bare == known.bare:
+            return 0.5
+    if len(written.folded) == len(known.folded) == 2:  # a different letter makes a different word
+        return 1.0 if written.folded == known.folded[::-1] else None
+    distance = _distance(written.folded, known.folded, _tolerance(written.folded))
     if distance is not None:
         return 1.0 + distance
-    if prefixed and bare and known_bare:
-        distance = _distance(bare, known_bare, _tolerance(bare))
+    if is_prefixed and written.bare and known.bare:
+        distance = _distance(written.bare, known.bare, _tolerance(written.bare))
         if distance is not None:
             return 1.5 + distance
-    return 6.0 if len(written) > 3 and known.startswith(written) else None
+    return 6.0 if len(written.folded) > 3 and known.folded.startswith(written.folded) else None
 
 
 def _folded(name: str) -> str:

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+from mjcompose.build.plan import parts
 from mjcompose.build.plan.describe import as_data, describe
 from mjcompose.build.plan.plan import part_name
 from mjcompose.build.plan.planner import make_plan
@@ -70,3 +72,52 @@ def test_copies_are_described_once(tmp_path: Path) -> None:
         "  write the keyframe home",
     ]
     assert len(as_data(plan)["parts"]) == 24
+
+
+def faults_of(text: str, tmp_path: Path) -> list[str]:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "cell.yaml").write_text(text)
+    context = Context(environment={}, folder=tmp_path)
+    make_plan(Path("cell.yaml"), context)
+    return [f"{fault.span.line}: {fault.code}" for fault in context.sink.errors if fault.span]
+
+
+def test_a_fault_in_a_piece_that_is_left_out_is_found_whatever_other_pieces_write(tmp_path: Path) -> None:
+    text = """\
+recipe: 1
+base: ./robot.xml
+variants:
+  plain: {off: {}, on: {option: {timestep: none}}}
+  other: {off: {}, on: {option: {timestep: 0.001, gravity: [0, 0]}}}
+  lists: {off: {}, on: {edit: [{select: {body: base}, set: {poss: 1}}]}}
+  more: {off: {}, on: {edit: [{select: {body: base}, sett: {pos: [0, 0, 1]}}]}}
+  whole: {off: {}, on: {option: 3}}
+  removes: {off: {}, on: {attach: {a: {model: ./robot.xml, side: b}}}}
+"""
+    assert [fault.partition(":")[0] for fault in faults_of(text, tmp_path)] == ["4", "5", "6", "7", "8", "9"]
+
+
+def test_pieces_of_many_axes_are_validated_in_a_few_rounds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[int] = []
+    validate = parts.validate_what_remains
+    monkeypatch.setattr(parts, "validate_what_remains", lambda *given: counted.append(1) or validate(*given))
+    edits = "[{select: {body: '**'}, set: {gravcomp: 1}}]"
+    axis = f"  vNUMBER: {{a: {{}}, b: {{attach: {{pNUMBER: {{model: ./robot.xml}}}}}}, c: {{edit: {edits}}}}}\n"
+    axes = "".join(axis.replace("NUMBER", str(number)) for number in range(20))
+    assert faults_of(f"recipe: 1\nbase: ./robot.xml\nvariants:\n{axes}", tmp_path) == []
+    assert len(counted) == 2
+
+
+def test_rings_in_the_order_of_the_parts(tmp_path: Path) -> None:
+    text = """\
+recipe: 1
+base: ./robot.xml
+attach:
+  tail: {model: ./robot.xml, body: b/base}
+  a: {model: ./robot.xml, body: b/base}
+  b: {model: ./robot.xml, body: c/base}
+  c: {model: ./robot.xml, body: a/base}
+  self: {model: ./robot.xml, body: self/base}
+  ok: {model: ./robot.xml, body: base}
+"""
+    assert faults_of(text, tmp_path) == ["5: attach-cycle", "8: attach-cycle"]

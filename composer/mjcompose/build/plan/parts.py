@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping as Map, Sequence as AbcSequence, Set
+from collections.abc import Iterable, Iterator, Mapping as Map, Sequence as AbcSequence, Set
 from itertools import product
 from pathlib import Path
 
 from mjcompose.base.access import Door
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
@@ -23,6 +23,7 @@ from mjcompose.language.parameters import choose, node_of, read_axes
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
+from mjcompose.text.merge import is_appended
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template, locate, spans
 from mjcompose.tree.files import is_recipe, join
 from mjcompose.tree.parse import parse_file
@@ -45,26 +46,57 @@ def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
     """Report parts that are attached to one another in a loop; return the other parts."""
-    prefixes = {part.prefix for part in parts}
-    mounts: dict[str, str | None] = {}
-    for part in parts:  # the longest prefix of its place is the part that it is attached to
-        place = part.attachment.site or part.attachment.body or part.attachment.frame or ""
-        mounts[part.prefix] = max((each for each in prefixes if each and place.startswith(each)), key=len, default=None)
+    mounts = _mounts(parts)
+    rings = _rings(mounts)
     reported: set[str] = set()
     for part in parts:
-        ring = [part.prefix]
-        while (mount := mounts.get(ring[-1])) is not None and mount not in ring:
-            ring.append(mount)
-        if mount == part.prefix and part.prefix not in reported:
-            reported.update(ring)
-            names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
-            alone = len(ring) == 1
-            message = f"`{part.prefix}` is attached to {'itself' if alone else names}"
-            help = f"{'it' if alone else 'one of them'} must be attached to the base or to the world"
-            sink.error("attach-cycle", message, part.span, help=help, subjects=ring)
+        if part.prefix in reported or part.prefix not in rings:
+            continue
+        ring = _ring_from(part.prefix, mounts)
+        reported.update(ring)
+        names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], part.prefix])
+        alone = len(ring) == 1
+        message = f"`{part.prefix}` is attached to {'itself' if alone else names}"
+        help = f"{'it' if alone else 'one of them'} must be attached to the base or to the world"
+        sink.error("attach-cycle", message, part.span, help=help, subjects=ring)
     if reported:
         sink.suppress_about(part_name(part, separator) for part in parts if part.prefix in reported)
     return tuple(part for part in parts if part.prefix not in reported)
+
+
+def _mounts(parts: tuple[AttachPart, ...]) -> dict[str, str | None]:
+    """Return the prefix of the part that each part is attached to: the longest prefix of the name of its place."""
+    prefixes = {part.prefix for part in parts if part.prefix}
+    lengths = sorted({len(prefix) for prefix in prefixes}, reverse=True)
+    mounts: dict[str, str | None] = {}
+    for part in parts:
+        place = part.attachment.site or part.attachment.body or part.attachment.frame or ""
+        starts = (place[:length] for length in lengths if length <= len(place))
+        mounts[part.prefix] = next((start for start in starts if start in prefixes), None)
+    return mounts
+
+
+def _rings(mounts: Map[str, str | None]) -> set[str]:
+    """Return the prefixes of parts that carry themselves. Each part is visited once."""
+    rings: set[str] = set()
+    seen: set[str] = set()
+    for prefix in mounts:
+        path: dict[str, None] = {}
+        mount: str | None = prefix
+        while mount is not None and mount not in seen:
+            seen.add(mount)
+            path[mount] = None
+            mount = mounts.get(mount)
+        if mount is not None and mount in path:
+            rings.update(_ring_from(mount, mounts))
+    return rings
+
+
+def _ring_from(prefix: str, mounts: Map[str, str | None]) -> list[str]:
+    ring = [prefix]
+    while (mount := mounts[ring[-1]]) is not None and mount != prefix:
+        ring.append(mount)
+    return ring
 
 
 def check_part_names(plan: Plan, sink: Sink) -> None:
@@ -113,21 +145,107 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     """Report faults in pieces of a recipe that a build leaves out: by `when`, or `variants` that are not chosen."""
     if has_conditions(document):
         _report_faults(document, given, None, sink=sink)
+    pieces = list(_pieces_left_out(document, given))
+    for axis, value, piece in _suspects(pieces, document, given):
+        _report_faults(document, {**given, axis: value}, set(spans(piece)), sink=sink)
+
+
+Piece = tuple[str, Node, Node]
+"""The name of an axis, one of its values, and the part of the recipe that this value adds."""
+
+
+def _pieces_left_out(document: Mapping, given: Map[str, Node]) -> Iterator[Piece]:
     axes = read_axes(document, Sink())
     chosen = choose(axes, given, Sink())
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
             if value != chosen.get(axis):
-                _report_faults(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink)
+                yield axis, node_of(value, key.span), piece
+
+
+def _suspects(pieces: list[Piece], document: Mapping, given: Map[str, Node]) -> list[Piece]:
+    """Return the pieces that may have faults, in their order.
+
+    Validating the whole recipe for each piece would take N² time for N axes. Pieces that write different things are
+    validated together.
+    """
+    suspects: set[int] = set()
+    for together in _rounds(pieces):
+        faults = _faults(document, {**given, **{axis: value for axis, value, _ in together}})
+        places = {fault.span for fault in faults}
+        suspects |= {id(piece) for *_, piece in together if not places.isdisjoint(spans(piece))}
+    return [each for each in pieces if id(each[2]) in suspects]
+
+
+class _Round:
+    """Pieces of different axes that write different things, so that none of them hides another."""
+
+    def __init__(self) -> None:
+        self.pieces: list[Piece] = []
+        self._axes: set[str] = set()
+        self._written: set[tuple[str, str]] = set()
+        self._sections: set[str] = set()
+        self._replaced: set[str] = set()
+
+    def takes(self, axis: str, written: Set[tuple[str, str]]) -> bool:
+        if axis in self._axes or not self._written.isdisjoint(written):
+            return False
+        replaced = {section for section, name in written if name == _WHOLE}
+        sections = {section for section, _ in written}
+        return self._sections.isdisjoint(replaced) and self._replaced.isdisjoint(sections)
+
+    def add(self, piece: Piece, written: Set[tuple[str, str]]) -> None:
+        self.pieces.append(piece)
+        self._axes.add(piece[0])
+        self._written |= written
+        self._sections |= {section for section, _ in written}
+        self._replaced |= {section for section, name in written if name == _WHOLE}
+
+
+def _rounds(pieces: Iterable[Piece]) -> Iterator[list[Piece]]:
+    """Distribute pieces to as few rounds as the order allows."""
+    rounds: list[_Round] = []
+    for piece in pieces:
+        written = _written(piece[2])
+        fitting = next((each for each in rounds if each.takes(piece[0], written)), None)
+        if fitting is None:
+            fitting = _Round()
+            rounds.append(fitting)
+        fitting.add(piece, written)
+    yield from (each.pieces for each in rounds)
+
+
+_WHOLE = ""
+"""The place of a section that a piece replaces as a whole."""
+
+
+def _written(piece: Node) -> set[tuple[str, str]]:
+    """Return the section and the name of all that a piece writes. Lists to which it appends are left out."""
+    written: set[tuple[str, str]] = set()
+    for section, (_, value) in piece.entries.items() if isinstance(piece, Mapping) else ():
+        if isinstance(value, Mapping):
+            written |= {(section, name) for name in value.entries}
+        elif not (is_appended((section,)) and isinstance(value, Sequence) and not any(map(_has_id, value.items))):
+            written.add((section, _WHOLE))
+    return written
+
+
+def _has_id(item: Node) -> bool:
+    return isinstance(item, Mapping) and "id" in item.entries
+
+
+def _faults(document: Mapping, given: Map[str, Node]) -> list[Diagnostic]:
+    """Return the faults of a build that includes the items of all builds."""
+    aside = Sink()
+    validate_what_remains(expand(document, given, aside, any=True).document, aside)
+    return [fault for fault in aside.errors if fault.code not in _MAY_BE_ELSEWHERE]
 
 
 def _report_faults(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
     """Report the faults in these places of a build that includes the items of all builds."""
-    aside, computed = Sink(), set(_computed(document))
-    validate_what_remains(expand(document, given, aside, any=True).document, aside)
-    for fault in aside.errors:
-        is_reported = places is None or fault.span in places
-        if is_reported and fault.code not in _MAY_BE_ELSEWHERE and fault.span not in computed:
+    computed = set(_computed(document))
+    for fault in _faults(document, given):
+        if (places is None or fault.span in places) and fault.span not in computed:
             sink.add(fault)
 
 
