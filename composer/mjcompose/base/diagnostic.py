@@ -6,9 +6,10 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable
-from dataclasses import field, replace
+from dataclasses import asdict, field, replace
 from enum import StrEnum
 from types import FrameType
+from typing import Any
 
 from mjcompose.base.dataclass import Struct
 
@@ -34,6 +35,18 @@ class Span(Struct):
 
 TEMPLATE = "template"
 """The field of a `Span` that only mjcompose uses."""
+
+
+def plain_data(value: Any) -> dict[str, Any]:
+    """Return a Struct with places as data for other programs.
+
+    >>> plain_data(Span("a.yaml", 1, 7, template="${x}"))
+    {'file': 'a.yaml', 'line': 1, 'column': 7, 'end_line': None, 'end_column': None}
+    """
+    data: dict[str, Any] = asdict(
+        value, dict_factory=lambda items: {key: each for key, each in items if key != TEMPLATE}
+    )
+    return data
 
 
 class Fix(Struct):

@@ -12,7 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 from xml.etree import ElementTree as Xml
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import TEMPLATE, CellName, Diagnostic, Severity, Span, listed, masked
+from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked, plain_data
 from mjcompose.base.limits import Advice
 
 _COLOR = {
@@ -211,13 +211,8 @@ _KEYS = ("severity", "code", "message", "span", "notes", "help", "fix", "others"
 
 def render_json_format(diagnostic: Diagnostic) -> str:
     """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic."""
-    known = {**_plain(diagnostic), "fix": _fix(diagnostic)}
+    known = {**plain_data(diagnostic), "fix": _fix(diagnostic)}
     return json.dumps({key: known[key] for key in _KEYS})
-
-
-def _plain(data: Diagnostic | Span) -> dict[str, Any]:
-    """Return the data as a dictionary, with each place as the numbers that every program reads."""
-    return asdict(data, dict_factory=lambda items: {key: value for key, value in items if key != TEMPLATE})
 
 
 def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
@@ -225,7 +220,7 @@ def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
     if fix is None or fix.replaces is not None:  # `tools.fix.exact` gives a name its quotes
         return None
     span = fix.span or diagnostic.span
-    return {"replacement": fix.replacement, "span": span and _plain(span)}
+    return {"replacement": fix.replacement, "span": span and plain_data(span)}
 
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict
 from itertools import groupby
 from typing import Any, TypeAlias
 
+from mjcompose.base.diagnostic import plain_data
 from mjcompose.base.report import counted, printable
 from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.tools.diff.changes import SETTINGS, Breaking, Cause, Change, Count, Diff, End, Group, Move, Value, View
@@ -177,14 +177,14 @@ def as_data(diff: Diff) -> dict[str, Any]:
     contrast = diff.contrast
     return {
         "same": diff.same, "identical": contrast.identical, "a": _end(diff.a), "b": _end(diff.b),
-        "files": list(diff.files), "counts": list(map(asdict, contrast.counts)), "groups": _groups(diff.groups),
-        "addresses": list(map(asdict, contrast.moves)), "arrays": list(contrast.arrays), "follows": diff.follows,
-        "views": list(map(asdict, diff.views)),
+        "files": list(diff.files), "counts": list(map(plain_data, contrast.counts)), "groups": _groups(diff.groups),
+        "addresses": list(map(plain_data, contrast.moves)), "arrays": list(contrast.arrays), "follows": diff.follows,
+        "views": list(map(plain_data, diff.views)),
     }  # fmt: skip
 
 
 def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
-    pairs = ((each.cause and asdict(each.cause), list(map(_change, each.changes))) for each in groups)
+    pairs = ((each.cause and plain_data(each.cause), list(map(_change, each.changes))) for each in groups)
     return [{"cause": cause, "changes": changes} for cause, changes in pairs]
 
 
@@ -375,5 +375,7 @@ def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
 def breaking_as_data(breaking: Breaking) -> dict[str, Any]:
     """Return the data of the diff, with its `level` and the changes by level."""
     found = breaking.levels
-    levels = {each.name: {"groups": _groups(each.groups), "addresses": list(map(asdict, each.moves))} for each in found}
+    levels = {
+        each.name: {"groups": _groups(each.groups), "addresses": list(map(plain_data, each.moves))} for each in found
+    }
     return {**as_data(breaking.diff), "level": found[0].name if found else None, "levels": levels}

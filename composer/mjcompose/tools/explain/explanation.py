@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict
 from itertools import groupby, zip_longest
 from typing import Any, Literal
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import Span, plain_data
 from mjcompose.base.report import Paint
 
 
@@ -130,9 +129,9 @@ Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
 def as_data(explained: Explained) -> dict[str, Any]:
     """Return the explanation as JSON data; `explains` says which of the three kinds it is."""
     if isinstance(explained, tuple):
-        return {"explains": "list", "found": [asdict(each) for each in explained]}
+        return {"explains": "list", "found": [plain_data(each) for each in explained]}
     kind = "element" if isinstance(explained, ElementExplained) else "attribute"
-    return {"explains": kind, **asdict(explained)}
+    return {"explains": kind, **plain_data(explained)}
 
 
 ReadSource = Callable[[str], str | None]
