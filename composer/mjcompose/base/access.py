@@ -167,6 +167,20 @@ def door_of_user() -> Door:
     return ALL if SERVED is None else Door.of([SERVED], f"`{SERVED}`, the only folder that `mjcompose mcp` reads")
 
 
+def door_of_named(file: str | os.PathLike[str]) -> Door:
+    """Return the door of a command that changes a file that the user names, which may be a link, and its project."""
+    if os.fspath(file).lower().endswith(files.RECIPES):
+        folders = [folder_of_recipe(file), folder_of_recipe(os.path.realpath(file))]
+    else:
+        folders = folders_of_model(file)
+    return Door.of([*folders, file], f"`{folders[0]}`")
+
+
+def door_of_walk(folder: str | os.PathLike[str]) -> Door:
+    """Return the door of a command that changes what it finds below a folder, which may itself be a link."""
+    return Door.of([folder], f"`{os.fspath(folder)}`")
+
+
 NOTHING = Door()
 """For readers whose files are all in memory."""
 

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base import report as github
-from mjcompose.base.access import door_of_user
-from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular
+from mjcompose.base.access import ALL, Door, door_of_user, door_of_walk
+from mjcompose.base.diagnostic import Diagnostic, Severity
+from mjcompose.base.files import CODE, MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, counted, printable
 from mjcompose.build.bundle.bundle import OutputError
@@ -52,9 +53,9 @@ def fmt(options: FmtOptions, run: Run) -> int:
     from mjcompose.tree.xml_layout import format_mjcf
 
     context, check = run.context, options.check
-    files = [file for given in options.files for file in _inside(given, context)]
+    files = {file: door for given in options.files for file, door in _inside(given, context)}
     differing, unchanged = 0, 0
-    for file in files:
+    for file, door in files.items():
         is_model = file.lower().endswith(MJCF_FILES)
         source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
         shown = "<stdin>" if file == STDIN else context.shown(Path(file))
@@ -72,7 +73,7 @@ def fmt(options: FmtOptions, run: Run) -> int:
             sys.stdout.buffer.write(result)
         elif result != source and check:
             _report(shown, difference(source, result, shown, done="formatted"), run.form)
-        elif result != source and rewrite(Path(file), result, context, before=source):
+        elif result != source and rewrite(Path(file), result, context, before=source, within=door):
             _report(shown, None, run.form)
     if unchanged and run.form == "text" and STDIN not in files:
         say(f"{counted(unchanged, 'file')} left unchanged")
@@ -84,21 +85,38 @@ def fmt(options: FmtOptions, run: Run) -> int:
     return FINDINGS if check and differing else 0
 
 
-def _inside(given: str, context: Context) -> list[str]:
-    """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file."""
+def _inside(given: str, context: Context) -> list[tuple[str, Door]]:
+    """Return the recipes and MJCF files in a folder, in the order of their names; the file itself if it is a file.
+
+    Each has the door through which it may be written. A link that leads out of the folder is skipped with a note, and a
+    file with several names in the folder appears once.
+    """
     from mjcompose.tree.xml_text import kind_of
 
     if given == STDIN or not os.path.isdir(given):
-        return [given]
-    found = []
+        return [(given, ALL)]
+    door = door_of_walk(given)
+    found: dict[str, str] = {}
     for folder, below, names in os.walk(given):
         below[:] = sorted(each for each in below if not each.startswith((".", "__")))
         for path in (Path(folder, name) for name in sorted(names) if name.lower().endswith((*RECIPES, *MJCF_FILES))):
+            if not door.sees(path):
+                note_outside(path, door, context)
+                continue
             text = (_read(str(path), context, in_force().xml_size) or b"").decode("utf-8", "replace")
-            found += [str(path)] if kind_of(path, text) else []
+            if kind_of(path, text):
+                found.setdefault(os.path.realpath(path), str(path))
     if not found:
         context.sink.error("file-not-found", f"`{given}` has no recipe and no MJCF file")
-    return found
+    return [(path, door) for path in found.values()]
+
+
+def note_outside(path: Path, door: Door, context: Context) -> None:
+    """Say that a file stays as it is, because only its own folder may be changed."""
+    refused = door.outside(str(path))
+    help = f"to change it, name it: `{context.shown(Path(refused.real or path))}`"
+    message = f"{refused.message(context.shown)}: it is not changed"
+    context.sink.add(Diagnostic(CODE, message, severity=Severity.NOTE, help=help))
 
 
 def _report(file: str, difference: str | None, form: str) -> None:
@@ -129,17 +147,18 @@ def _read(file: str, context: Context, most: int) -> bytes | None:
 
 
 def rewrite(
-    recipe: Path, result: bytes, context: Context, option: str | None = None, *, before: bytes | None = None
-) -> bool:
+    recipe: Path, result: bytes, context: Context, option: str | None = None, *, before: bytes | None = None,
+    within: Door = ALL,
+) -> bool:  # fmt: skip
     """Replace the file in one step and keep its permissions; return whether that succeeded.
 
-    If the text of the file is no longer `before`, the file stays unchanged.
+    If the text of the file is no longer `before`, or if it is not `within` a door, the file stays unchanged.
     """
     if not (door := door_of_user()).sees(context.folder / recipe):
         door.outside(str(recipe)).report(context.sink, None, shown=context.shown)
         return False
     try:
-        replace_text(recipe, result, option, before=before)
+        replace_text(recipe, result, option, before=before, within=within)
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return False
@@ -192,13 +211,15 @@ def fix(options: FixOptions, run: Run) -> int:
     context = run.context
     found = fix(options.recipe, context, options.choices.given(run))
     context.sink.extend(found.left)
+    for path in found.outside:
+        note_outside(path, found.door, context)
     writes = True if options.yes else options.write
     if run.form != "json":
         show_differences(found.files, context, done="fixed")
         if writes is None and found.files and is_asked():
             writes = click.confirm(f"write {_amount(found)}?", err=True)
     texts = found.files.items() if writes else ()
-    done = [rewrite(path, after, context, before=before) for path, (before, after) in texts]
+    done = [rewrite(path, after, context, before=before, within=found.door) for path, (before, after) in texts]
     written = bool(writes) and all(done)
     if run.form == "json":
         _say_data(found, context, written=written)
@@ -325,8 +346,15 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Se
         found = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part).found
         return [Judged(None, (*own.sink.sorted(), *found))]
 
-    done = Fixing(look, context, MJCF_FILES).fixed()
-    written = [rewrite(file, after, context, before=before) for file, (before, after) in done.files.items()]
+    door = target.door
+    if not door.sees(target.path):
+        note_outside(target.path, door, context)
+        return 0
+    done = Fixing(look, context, MJCF_FILES, door=door).fixed()
+    for path in done.outside:
+        note_outside(path, door, context)
+    texts = done.files.items()
+    written = [rewrite(file, after, context, before=before, within=door) for file, (before, after) in texts]
     return len(done.fixed) if all(written) else 0
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base.access import door_of_named
 from mjcompose.base.files import MJCF_FILES, RECIPES
 from mjcompose.base.report import counted
 from mjcompose.build.bundle.staging import staged_folder
@@ -109,7 +110,8 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
 
     migrated, model = result.migrated, result.model
     if out is None:
-        done = [rewrite(path, texts[1], context) for path, texts in migrated.changed.items()]
+        door = door_of_named(model)
+        done = [rewrite(path, texts[1], context, within=door) for path, texts in migrated.changed.items()]
         return model if all(done) else None
     target = Path(out)
     if target.suffix.lower() in MJCF_FILES:

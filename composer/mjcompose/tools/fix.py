@@ -13,6 +13,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mjcompose.base.access import ALL, Door, door_of_named
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import RECIPES, read_regular, unsaved, unsaved_text
@@ -178,11 +179,14 @@ class Fixed(Struct, frozen=False):
     """The result of fixing a recipe.
 
     `files` has the texts before and after by path. `fixed` has the fixed diagnostics, and `left` has the others.
+    `outside` are files with fixes that the `door` does not allow to change.
     """
 
     files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
     fixed: list[Diagnostic] = field(default_factory=list)
     left: tuple[Diagnostic, ...] = ()
+    outside: tuple[Path, ...] = ()
+    door: Door = ALL
 
 
 def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
@@ -191,7 +195,8 @@ def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
     Each fix is tried on every model of the recipe. A fix is reverted if it leaves its fault in one of them, brings
     another fault, or changes a model that did not have the fault.
     """
-    return Fixing(partial(models_of, recipe, given=given or {}), context).fixed()
+    look = partial(models_of, recipe, given=given or {})
+    return Fixing(look, context, door=door_of_named(context.folder / recipe)).fixed()
 
 
 def models_of(
@@ -243,7 +248,10 @@ def _digest(bundle: Bundle) -> str:
 
 
 class Fixing(Struct, frozen=False):
-    """Applies the fixes of the diagnostics that `look` finds in each model, in files with these suffixes."""
+    """Applies the fixes of the diagnostics that `look` finds in each model.
+
+    It changes only files with these suffixes that the `door` allows.
+    """
 
     look: Callable[[Context], list[Judged]]
     context: Context
@@ -252,6 +260,8 @@ class Fixing(Struct, frozen=False):
     before: dict[Path, bytes] = field(default_factory=dict)
     useless: set[Identity] = field(default_factory=set)
     at_once: int | None = None
+    door: Door = ALL
+    outside: dict[Path, None] = field(default_factory=dict)
 
     def fixed(self) -> Fixed:
         result = Fixed()
@@ -273,6 +283,8 @@ class Fixing(Struct, frozen=False):
             self.now = earlier
             self.useless |= useless
         result.left = _merged(models)
+        result.outside = tuple(self.outside)
+        result.door = self.door
         result.files = {
             path: (text, self.now[path]) for path, text in self.before.items() if self.now.get(path, text) != text
         }
@@ -317,7 +329,9 @@ class Fixing(Struct, frozen=False):
                 continue
             path = Path(os.path.normpath(self.context.folder / span.file))
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None:
+            if edit is not None and not self.door.sees(path):
+                self.outside[path] = None
+            elif edit is not None:
                 proposed.setdefault((path, edit), diagnostic)
                 texts.setdefault((path, edit.start, edit.end), set()).add(edit.text)
         return {

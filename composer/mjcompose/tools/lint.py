@@ -13,6 +13,7 @@ from xml.sax.saxutils import escape
 
 from lxml.etree import _Element as Node
 
+from mjcompose.base.access import ALL, Door, door_of_named, door_of_walk
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
@@ -39,10 +40,11 @@ _HEAD, _MOST_NEAR = 1 << 20, 200
 
 
 class Target(Struct):
-    """A file to lint. If it `may_be_part` of another file, its errors do not count."""
+    """A file to lint. If it `may_be_part` of another file, its errors do not count; `door` says what may be changed."""
 
     path: Path
     may_be_part: bool = False
+    door: Door = ALL
 
 
 def targets_of(paths: Iterable[Path]) -> list[Target]:
@@ -55,9 +57,19 @@ def targets_of(paths: Iterable[Path]) -> list[Target]:
     for path in paths:
         named = sorted(Path().glob(str(path))) if _GLOB.search(str(path)) and not os.path.exists(path) else [path]
         for each in named or [path]:
-            below = _models_below(each) if os.path.isdir(each) and not _is_bundle(each) else [Target(each)]
+            if os.path.isdir(each) and not _is_bundle(each):
+                below = _models_below(each)
+            elif each == path:
+                below = [Target(each, door=door_of_named(each))]
+            else:
+                below = [Target(each, door=door_of_walk(_folder_of_glob(path)))]
             found |= {target.path: target for target in below}
     return list(found.values())
+
+
+def _folder_of_glob(pattern: Path) -> Path:
+    """Return the folder that a glob looks through: the steps before the first one with a special character."""
+    return Path(*takewhile(lambda step: not _GLOB.search(step), pattern.parts))
 
 
 def _is_bundle(folder: Path) -> bool:
@@ -78,7 +90,8 @@ def _models_below(top: Path) -> list[Target]:
                 included |= _included(path, head)
             is_model = _MODEL.search(head) if kind in MJCF_FILES else _RECIPE.search(head) if head else kind in SUFFIXES
             models += [path] if is_model else []
-    return [Target(path, os.path.normpath(path) in included) for path in sorted(models)]
+    door = door_of_walk(top)
+    return [Target(path, os.path.normpath(path) in included, door) for path in sorted(models)]
 
 
 def _included(path: Path, head: bytes) -> set[str]:

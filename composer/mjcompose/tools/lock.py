@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from mjcompose.base.access import door_of_named
 from mjcompose.base.codes import OF_FILES
 from mjcompose.base.diagnostic import Note, Severity
 from mjcompose.base.files import read_regular
@@ -26,7 +27,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.sources.blobs import differences, digest
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
-from mjcompose.sources.lock import Disputed, Lock, LockedName, kind_of, shapes_folder, to_text
+from mjcompose.sources.lock import Disputed, Lock, LockedName, kind_of, lock_path, shapes_folder, to_text
 from mjcompose.tools.diff.sides import Kind, Operand, load_cell
 from mjcompose.tools.names import names_of
 
@@ -84,10 +85,16 @@ def write_lock(
         return None
     changes = list(lock_changes(before, after))
     text = to_text(after).encode()
+    door = door_of_named(context.folder / recipe)
+    for place in (lock_path(context.folder / recipe), shapes_folder(how.lock_file)):
+        if not door.sees(place):
+            message = f"{door.outside(str(place)).message(context.shown)}: nothing is written"
+            context.sink.error("output-unwritable", message, help="remove the link, and run the command again")
+            return None
     if not _wrote_shapes(how.lock_file, shapes, before, context=context):
         return None
     if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
-        with context.sink, staged_file(how.lock_file, rewrites=True) as stage:
+        with context.sink, staged_file(how.lock_file, rewrites=True, within=door) as stage:
             stage.write_bytes(text)
         if context.sink.errors:
             return None

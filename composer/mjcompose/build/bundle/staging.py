@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mjcompose.base import files as sources
-from mjcompose.base.files import read_regular
+from mjcompose.base.access import ALL, Door
+from mjcompose.base.files import CODE, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.scratch import locked_folder, scratch, sweep_once
 from mjcompose.build.bundle.bundle import (
@@ -48,15 +49,22 @@ def sibling(target: Path, purpose: str) -> Path:
 
 @contextlib.contextmanager
 def staged_file(
-    out: Path, option: str | None = None, *, inputs: Iterable[str | Path] = (), rewrites: bool = False
-) -> Iterator[Path]:
+    out: Path, option: str | None = None, *, inputs: Iterable[str | Path] = (), rewrites: bool = False,
+    within: Door = ALL,
+) -> Iterator[Path]:  # fmt: skip
     """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
 
     Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the file
     system become OutputError. `option` names the output in messages, and `inputs` are sources in addition to those that
     the run has read. Only output that `rewrites` a source, as `fmt` does, may replace it.
+
+    Links are resolved once, so the file that `within` allows is the file that is replaced: a link that takes its place
+    meanwhile is itself replaced, and not followed.
     """
     target = resolved_output(out)
+    if not within.sees(target):
+        refused = within.outside(str(out))
+        raise OutputError(CODE, refused.message(), refused.help)
     check_kind(target, out, option)
     if not rewrites:
         check_is_no_source(out, option, inputs)
@@ -74,14 +82,14 @@ class ChangedError(Exception):
 
 def replace_text(
     file: Path, text: bytes, option: str | None = None, *, before: bytes | None = None,
-    allowed: Callable[[], object] | None = None,
+    allowed: Callable[[], object] | None = None, within: Door = ALL,
 ) -> None:  # fmt: skip
     """Replace a source in one step, or write the text to the path of `option`; keep the file's permissions.
 
-    Raises OutputError, and ChangedError if the file no longer has the text `before`. Once the new text is ready,
-    `allowed` is called, and an error that it raises leaves the file as it is.
+    Raises OutputError, also for a file that is not `within` a door, and ChangedError if the file no longer has the text
+    `before`. Once the new text is ready, `allowed` is called, and an error that it raises leaves the file as it is.
     """
-    with staged_file(file, option, rewrites=option is None) as stage:
+    with staged_file(file, option, rewrites=option is None, within=within) as stage:
         stage.write_bytes(text)
         with contextlib.suppress(OSError):
             stage.chmod(stat.S_IMODE(os.stat(file).st_mode))

@@ -32,6 +32,11 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         return fetching
     before = context.sink.error_count
     path = lock_path(context.folder / recipe)
+    if path.is_symlink() and not os.path.exists(path):
+        message = f"the lock `{context.shown(path)}` is a link to `{os.readlink(path)}`, which does not exist"
+        help = "remove the link, or fetch the file that it leads to"
+        context.sink.error("lock-invalid", message, help=help)
+        return None
     fetching.recipe = context.shown(context.folder / recipe)
     fetching.lock = read_lock(path, context.shown(path), context.sink, disputes=disputes)
     if context.sink.error_count > before:
