@@ -86,12 +86,13 @@ WRITES_ITSELF = {
     "the folder of a worker of a cluster, or a token beside the models": """
         tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
-        sources/blobs.py:held sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
+        sources/blobs.py:held sources/blobs.py:gate sources/blobs.py:hold
         sources/blobs.py:is_left sources/fetched.py:_write_archive sources/blobs.py:write_whole sources/download.py:_Download._write
         sources/git_command.py:write_tree sources/git_repository.py:replace_by_local
         sources/git_repository.py:_Server.fill sources/fetched.py:_Artifact._fill sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/guard.py:work""",
+    "the folder of the programs that the user installs": "mujoco/programs.py:install mujoco/programs.py:_locked",
     "pages of this project, for `make schemas`": """
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """

@@ -177,9 +177,9 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
     "--output": {"names", "build", "rebuild", "import", "render", "migrate"},
     "--pick": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},

@@ -30,7 +30,7 @@ def test_the_changes_are_shown_and_nothing_is_written(folder: Path) -> None:
     assert result.exit_code == 1, result.output
     assert '+  <option ccd_iterations="20">\n' in result.stdout
     assert "can migrate old.xml from MuJoCo 3.2.2 to" in result.stdout
-    assert "not proved: `--prove` compares with MuJoCo 3.2.2" in result.stdout
+    assert "not proved: `--prove` compares both versions after `mjcompose install mujoco==3.2.2`" in result.stdout
     assert sorted(folder.iterdir()) == before and (folder / "old.xml").read_text() == OLD
 
 

@@ -47,7 +47,9 @@ def doctor(options: Options, run: Run) -> Answer:
 
     The exit code is 1 if something that every build needs is missing.
     """
-    findings = [*_installed(), *_mujoco(), _plugin(), _git(), _store(), _templates(), *_extras(), *_extensions()]
+    findings = [
+        *_installed(), *_mujoco(), *_programs(), _plugin(), _git(), _store(), _templates(), *_extras(), *_extensions(),
+    ]  # fmt: skip
     width = max(len(each.what) for each in findings)
     mark = {True: "ok", None: "--", False: "!!"}
     return Answer(
@@ -84,6 +86,22 @@ def _mujoco() -> Iterator[Finding]:
         reason = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
         reason = session.no_opengl or reason
     yield Finding("OpenGL", f"none: {reason}" if reason else "renders", None if reason else True)
+
+
+def _programs() -> Iterator[Finding]:
+    """Yield the MuJoCos of other versions, with the reason if one is not trusted."""
+    from mjcompose.mujoco.programs import ProgramError, installed, python_in
+
+    try:
+        versions = installed(os.environ)
+    except ProgramError as error:
+        yield Finding("programs", str(error), False)
+        return
+    for version in versions:
+        try:
+            yield Finding(f"mujoco=={version}", str(python_in(version, os.environ)))
+        except ProgramError as error:
+            yield Finding(f"mujoco=={version}", str(error), False)
 
 
 def _plugin() -> Finding:

@@ -47,6 +47,8 @@ _GROUPS = {
     },
     "Set up": {
         "doctor": "Check this installation, and show its features.",
+        "install": "Install another version of MuJoCo, for `upgrade` and the check `moves_alike`.",
+        "uninstall": "Remove a version of MuJoCo that `install` has installed.",
         "plugin": "Let MuJoCo open recipes in C++ programs, Studio and ROS 2 control.",
         "lsp": "Run the language server for editors, with completion, errors and origins.",
         "mcp": "Serve tools to AI agents, over the Model Context Protocol.",
@@ -61,6 +63,7 @@ _VERBS = {name: words for group in _GROUPS.values() for name, words in group.ite
 _MODULES = {
     **dict.fromkeys(("doctor", "help", "schema", "version"), "about"),
     **dict.fromkeys(("list", "rebuild", "verify"), "bundles"),
+    **dict.fromkeys(("install", "uninstall"), "programs"),
     **dict.fromkeys(("lsp", "mcp", "plugin"), "servers"),
     **dict.fromkeys(("cache", "lock"), "sources"),
     **dict.fromkeys(("fix", "lint"), "fmt"),

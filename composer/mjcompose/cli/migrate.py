@@ -43,8 +43,8 @@ class Options(Group):
         "--with-python", multiple=True, metavar="PATH", type=PATH,
         help="A Python with the other MuJoCo, to prove that the model stays the same.",
     )  # fmt: skip
-    prove: bool = flag("--prove", help="Prove that the model stays the same. Install the other MuJoCo into a separate"
-                       " environment if needed.")  # fmt: skip
+    prove: bool = flag("--prove", help="Prove that the model stays the same, with the other MuJoCo that"
+                       " `mjcompose install` has installed.")  # fmt: skip
     fetching: FetchOptions = group(FetchOptions)
     limits: TimeOptions = group(TimeOptions)
     strict: bool = STRICT
@@ -165,8 +165,8 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
         if outcome.apart:
             yield f"  not compared because their form differs: {', '.join(outcome.apart)}"
     elif migrated.before != migrated.after:
-        lack = " and ".join(result.missing)
-        yield f"not proved: `--prove` compares with MuJoCo {lack}, which it installs; `--with-python PATH` uses yours"
+        lack = " ".join(f"mujoco=={version}" for version in result.missing)
+        yield f"not proved: `--prove` compares both versions after `mjcompose install {lack}`"
 
 
 def _data(result: Result, written: Path | None, context: Context) -> dict[str, Any]:
@@ -210,7 +210,7 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
     """Show how MODEL, an MJCF file, moves differently in another version of MuJoCo, and which line causes it.
 
     Four trials run in both versions: the model settles from its reference configuration, holds a keyframe, gets a step
-    of all controls, and drops without actuators. Missing versions are installed into environments of their own.
+    of all controls, and drops without actuators. `mjcompose install` installs other versions.
 
     Exit codes: 0 the model moves the same, 1 something moves differently or fails, 2 wrong usage.
     """

@@ -16,7 +16,7 @@ from mjcompose.base.scratch import sweep_temporary
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Group, Run, Stop, command, flag, group, option
-from mjcompose.sources.blobs import blobs_in, mujocos_in
+from mjcompose.sources.blobs import blobs_in
 
 if TYPE_CHECKING:
     from mjcompose.sources.store import Store
@@ -43,16 +43,13 @@ def info(options: InfoOptions, run: Run) -> Answer:
     store = _store(run)
     entries = store.entries()
     built = list(blobs_in(store.folder))
-    mujocos = sorted(mujocos_in(store.folder), key=lambda each: each.used, reverse=True)
     size_built = sum(blob.size for blob in built)
-    size = size_built + sum(entry.size for entry in entries) + sum(each.size for each in mujocos)
+    size = size_built + sum(entry.size for entry in entries)
 
     def lines() -> Iterator[str]:
         yield f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}"
         if built:
             yield f"  {_bytes(size_built):>9}  built models, {len(built)} files"
-        for each in mujocos:
-            yield f"  {_bytes(each.size):>9}  MuJoCo {each.version}, for `migrate`"
         for entry in reversed(entries):
             yield f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}"
         if unfinished := store.unfinished():
@@ -65,7 +62,6 @@ def info(options: InfoOptions, run: Run) -> Answer:
     data = {
         "folder": str(store.folder), "size": size, "limit": store.limit, "entries": rows,
         "builds": {"size": size_built, "files": len(built)},
-        "mujocos": [{"version": each.version, "size": each.size} for each in mujocos],
     }  # fmt: skip
     return Answer(lambda: "\n".join(lines()), data, is_outcome=True)
 

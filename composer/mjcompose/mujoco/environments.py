@@ -1,43 +1,32 @@
-"""MuJoCo in other versions, in a Python that the user names or that mjcompose keeps, and the motion of models there."""
+"""MuJoCo in other versions, in a Python that the user names or has installed, and the motion of models there."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
-import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
-from mjcompose.base.processes import Process
+from mjcompose.base.processes import PIPE, Overrun, Process, WorkFolder
 from mjcompose.mujoco.arrays import BALL, FREE, SLIDE
-from mjcompose.sources.blobs import FOLDER, READY, complete, gate, hold, is_complete, mujoco_key
-from mjcompose.sources.reference import SourceError
-from mjcompose.sources.store import Store
+from mjcompose.mujoco.programs import ProgramError, python_in, python_of
 from mjcompose.tree.history import release
 
 _DUMP = Path(__file__).with_name("dump.py")
-_INSTALLING = 900.0
+_MOST_WORDS = 256 << 20
 _LONGEST = 300
 
 
-class OtherError(Exception):
-    def __init__(self, message: str, help: str | None = None) -> None:
-        super().__init__(message)
-        self.help = help
-
-
-class UnknownKeyError(OtherError):
+class UnknownKeyError(ProgramError):
     """The model has no keyframe with the requested name."""
 
 
-class RejectedError(OtherError):
+class RejectedError(ProgramError):
     """A version of MuJoCo rejects the model."""
 
 
@@ -56,15 +45,15 @@ class Other(Struct):
     version: str
 
     def compile(self, model: Path, out: Path) -> Compiled:
-        """Compile a model and write its arrays to a file. Raises OtherError if MuJoCo does not answer."""
-        answer = _run(self.python, [str(model), str(out)])
+        """Compile a model and write its arrays to a file. Raises ProgramError if MuJoCo does not answer."""
+        answer = _run(self.python, [str(model), str(out)], out)
         if answer.get("error") is not None:
             return Compiled(self.version, error=str(answer["error"]))
         return Compiled(self.version, out, answer["names"], words=answer["words"])
 
     def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Simulate a model with `dump.py`, which writes its arrays to the file `out`. Raises OtherError."""
-        return _run(self.python, [str(model), str(out), json.dumps(asked)])
+        """Simulate a model with `dump.py`, which writes its arrays to the file `out`. Raises ProgramError."""
+        return _run(self.python, [str(model), str(out), json.dumps(asked)], out)
 
 
 def this_python() -> Path:
@@ -72,107 +61,46 @@ def this_python() -> Path:
 
 
 def open_python(python: Path) -> Other:
-    """Return the MuJoCo of a Python. Raises OtherError."""
+    """Return the MuJoCo of a Python. Raises ProgramError."""
     if not os.path.exists(python):
-        raise OtherError(f"the Python `{python}` does not exist", "name an interpreter: `VENV/bin/python`")
+        raise ProgramError(f"the Python `{python}` does not exist", "name an interpreter: `VENV/bin/python`")
     if os.path.isdir(python):
-        inside = _python_of(python)
+        inside = python_of(python)
         if not os.path.exists(inside):
-            raise OtherError(f"`{python}` is a folder without a Python", "name an interpreter or its environment")
+            raise ProgramError(f"`{python}` is a folder without a Python", "name an interpreter or its environment")
         python = inside
     return Other(python.absolute(), str(_run(python.absolute(), [])["version"]))
 
 
-def make(
-    version: str, environment: Mapping[str, str], progress: Callable[[str], None], *, offline: bool = False
-) -> Other:
-    """Return the MuJoCo of a version in an environment of its own, made if needed. Raises OtherError."""
+def kept(version: str, environment: Mapping[str, str]) -> Other:
+    """Return the MuJoCo of a version that the user has installed. Raises ProgramError, also if it is not installed."""
+    return open_python(python_in(version, environment))
+
+
+def _run(python: Path, arguments: list[str], out: Path | None = None) -> dict[str, Any]:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    # Pythons before 3.11 know no -P, and -I would hide a MuJoCo in the folder of the user's own packages.
+    environment["PYTHONSAFEPATH"] = "1"
+    folder = None if out is None else WorkFolder(out.parent, "MuJoCo writes its log beside the arrays")
+    seconds = in_force().time
     try:
-        store = Store.of(environment)
-        folder = store.folder / FOLDER / version
-        with store.lock(mujoco_key(version), progress):
-            if not is_complete(folder):
-                if offline:
-                    message = f"MuJoCo {version} is not installed, and nothing is fetched offline"
-                    raise OtherError(message, "run it once without `--offline`")
-                progress(f"installing MuJoCo {version}")
-                _install(folder, version)
-            with suppress(OSError), gate(store.folder):  # it is not pruned while this process lives
-                hold(store.folder, mujoco_key(version))
-    except SourceError as error:
-        raise OtherError(error.diagnostic.message, error.diagnostic.help) from error
-    with suppress(OSError):
-        os.utime(folder / READY)
-    return open_python(_python_of(folder))
-
-
-def _install(folder: Path, version: str) -> None:
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        for command in _commands(folder, version):
-            _install_with(command, version)
-        complete(folder)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
-
-
-def _commands(folder: Path, version: str) -> list[list[str]]:
-    """Return the commands that install it: with uv if it exists, else with this Python and pip."""
-    wanted = [f"mujoco=={version}", "numpy"]
-    if (uv := shutil.which("uv")) is not None:
-        python = ["--python", "3.11"]  # all versions since 3.0 have a wheel for it
-        install = [uv, "pip", "install", "--quiet", "--python", str(_python_of(folder)), *wanted]
-        return [[uv, "venv", "--quiet", *python, str(folder)], install]
-    quiet = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:"]
-    install = [str(_python_of(folder)), "-m", "pip", "install", *quiet, *wanted]
-    return [[sys.executable, "-m", "venv", str(folder)], install]
-
-
-def _install_with(command: list[str], version: str) -> None:
-    process = Process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    late = OtherError(f"installing MuJoCo {version} took longer than {_INSTALLING:g} seconds")
-    _, said = _written(process, _INSTALLING, late)
-    if process.returncode:
-        lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip()]
-        errors = [line for line in lines if "error" in line.lower()] or lines
-        why = errors[-1].strip()[:_LONGEST] if errors else "without a reason"
-        help = "install it into an environment yourself, and name its Python with `--with-python`"
-        raise OtherError(f"MuJoCo {version} cannot be installed: {why}", help)
-
-
-def _written(process: Process, seconds: float, late: OtherError) -> tuple[bytes, bytes]:
-    """Return the output and the errors of a process at its end. Raises `late` if it takes too long."""
-    try:
-        return process.communicate(timeout=seconds)
-    except subprocess.TimeoutExpired:
-        process.end()
-        raise late from None
-    finally:
-        process.release()
-
-
-def _python_of(folder: Path) -> Path:
-    return folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
-
-
-def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
-    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    try:
-        process = Process([str(python), "-B", str(_DUMP), *arguments], env=clean, cwd=_DUMP.parent.parent,
-                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+        command = [str(python), "-B", str(_DUMP), *arguments]
+        with Process(command, env=environment, folder=folder, stdout=PIPE, stderr=PIPE) as process:
+            answer, said = process.finish(seconds=seconds, most=_MOST_WORDS)
     except OSError as error:
-        raise OtherError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None
-    message = f"the MuJoCo of `{python}` did not answer within {in_force().time:g} seconds"
-    out, said = _written(process, in_force().time, OtherError(message, "give it more with `--timeout`"))
+        raise ProgramError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None
+    except Overrun as overrun:
+        if overrun.is_late:
+            message = f"the MuJoCo of `{python}` did not answer within {seconds:g} seconds"
+            raise ProgramError(message, "give it more with `--timeout`") from None
+        raise ProgramError(f"the MuJoCo of `{python}` is not used: {overrun}") from None
     try:
-        found = json.loads(out)
+        found = json.loads(answer)
         found["version"] = release(str(found["version"])) or str(found["version"])
     except (ValueError, TypeError, KeyError):
         lines = said.decode("utf-8", "replace").strip().splitlines()
         why = lines[-1][:_LONGEST] if lines else f"it ended with {process.returncode}"
-        raise OtherError(f"the MuJoCo of `{python}` did not answer: {why}", None) from None
+        raise ProgramError(f"the MuJoCo of `{python}` did not answer: {why}", None) from None
     assert isinstance(found, dict)
     return found
 
@@ -206,7 +134,7 @@ class Motion(Struct):
 
     @classmethod
     def of(cls, other: Other, model: Path, out: Path, asked: Mapping[str, Any]) -> Motion:
-        """Simulate a model. Raises OtherError."""
+        """Simulate a model. Raises ProgramError."""
         answer = other.move(model, out, asked)
         if "error" in answer:
             raise RejectedError(f"MuJoCo {other.version} rejects the model: {' '.join(str(answer['error']).split())}")
@@ -220,7 +148,7 @@ class Motion(Struct):
 def differences(before: Motion, after: Motion, signal: str, tolerance: float) -> list[Moved]:
     """Return the joints (`qpos`) or bodies (`xpos`) that are farther apart than the tolerance, the farthest first.
 
-    Raises OtherError if the two models differ in joints, bodies or trials, so nothing is left out.
+    Raises ProgramError if the two models differ in joints, bodies or trials, so nothing is left out.
     """
     import numpy as np
 
@@ -228,7 +156,7 @@ def differences(before: Motion, after: Motion, signal: str, tolerance: float) ->
         names = [sorted(each[0] if kind == "joints" else each for each in one.answer[kind]) for one in (before, after)]
         if names[0] != names[1]:
             versions = " and ".join(str(each.answer["version"]) for each in (before, after))
-            raise OtherError(f"MuJoCo {versions} have other {kind} of the model, so its motion cannot be compared")
+            raise ProgramError(f"MuJoCo {versions} have other {kind} of the model, so its motion cannot be compared")
     found: dict[tuple[str, str], Moved] = {}
     with np.load(before.arrays, allow_pickle=False) as one, np.load(after.arrays, allow_pickle=False) as other:
         for number, trial in enumerate(before.answer["trials"]):

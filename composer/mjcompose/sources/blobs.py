@@ -1,12 +1,10 @@
-"""Single files of the store, leases on its entries, and the MuJoCos of other versions.
+"""Single files of the store, and leases on its entries.
 
-`store.py` lists the folders. A process keeps its file in `leases/` locked; the file lists the entries in use. An
-environment in `mujoco/VERSION/` is complete if it has the file `.ready`, with its size.
+`store.py` lists the folders. A process keeps its file in `leases/` locked; the file lists the entries in use.
 
 Files need no lock: all writers of a key write the same content, or content that is as good. The system unlocks a lease
 when its process ends for any reason. Looking up or removing an entry happens inside the gate, so no entry is removed
-between the look-up and the lease. An environment cannot be moved, so it is made in its place, under a lock; if a
-killed process left one incomplete, it is made again, or pruned.
+between the look-up and the lease.
 """
 
 from __future__ import annotations
@@ -259,63 +257,3 @@ def blobs_in(store: Path) -> Iterator[Blob]:
             for entry in entries:
                 status = entry.stat()
                 yield Blob(kind, entry.name, Path(entry.path), size=status.st_size, used=status.st_mtime)
-
-
-FOLDER = "mujoco"
-READY = ".ready"
-
-
-class KeptMujoco(Struct):
-    """A MuJoCo in the store. `size` is in bytes, `used` when it was last started, in seconds."""
-
-    version: str
-    folder: Path
-    size: int
-    used: float
-
-    @property
-    def key(self) -> str:
-        return mujoco_key(self.version)
-
-
-def mujoco_key(version: str) -> str:
-    """Return the name of the lock and of the lease of a version."""
-    return f"{FOLDER}-{version.replace('.', '-')}"
-
-
-def is_complete(folder: Path) -> bool:
-    """Return whether the environment in a folder was made to its end."""
-    return os.path.isfile(folder / READY)
-
-
-def complete(folder: Path) -> None:
-    """Mark an environment as complete. Raises OSError."""
-    (folder / READY).write_text(str(_measured(folder)), encoding="ascii")
-
-
-def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
-    """Yield the entries that are complete, in no particular order."""
-    for folder in _folders(store):
-        with contextlib.suppress(OSError):
-            used = (folder / READY).stat().st_mtime
-            written = read_regular(folder / READY, is_source=False).decode("ascii", "replace").strip()
-            yield KeptMujoco(folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used=used)
-
-
-def incomplete_in(store: Path) -> list[Path]:
-    """Return the entries that are being made, or were being made when their process was killed."""
-    return [folder for folder in _folders(store) if not is_complete(folder)]
-
-
-def _folders(store: Path) -> list[Path]:
-    with contextlib.suppress(OSError):
-        return sorted((store / FOLDER).iterdir())
-    return []
-
-
-def _measured(folder: Path) -> int:
-    size = 0
-    for _, path in files_below(folder):
-        with contextlib.suppress(OSError):
-            size += os.lstat(path).st_size
-    return size

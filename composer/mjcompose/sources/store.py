@@ -3,7 +3,6 @@
     git/COMMIT/, archive/SHA256/      content/ and entry.json: its origin, its size, the hash of every file
     asked/, built/, raw/, packed/     entries of the build cache, one file each (`blobs.py`)
     shapes/                           shapes made from meshes, one file each
-    mujoco/VERSION/                   MuJoCos of other versions (`blobs.py`)
     seen/                             the commit or hash of a branch, tag or URL at its last look-up
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step
@@ -72,7 +71,7 @@ class Entry(Struct):
         return self.folder / "content"
 
 
-Kept: TypeAlias = Entry | blobs.Blob | blobs.KeptMujoco
+Kept: TypeAlias = Entry | blobs.Blob
 """Entries that a prune may remove."""
 
 
@@ -204,7 +203,7 @@ class Store(Struct):
         removed: list[Kept] = []
         entries = self.entries()
         headless = self.headless(entries)
-        everything: list[Kept] = [*entries, *blobs.blobs_in(self.folder), *blobs.mujocos_in(self.folder)]
+        everything: list[Kept] = [*entries, *blobs.blobs_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
@@ -240,7 +239,7 @@ class Store(Struct):
                 if is_useless():
                     self._remove(path, key)
 
-    def _remove_unused(self, entry: Entry | blobs.KeptMujoco) -> bool:
+    def _remove_unused(self, entry: Entry) -> bool:
         with self.usable():
             with blobs.gate(self.folder):
                 if entry.key in blobs.held(self.folder):
@@ -264,7 +263,7 @@ class Store(Struct):
 
     def unfinished(self) -> list[Path]:
         """Return files that are being created or downloaded, or were left by a killed process."""
-        found = blobs.incomplete_in(self.folder)
+        found: list[Path] = []
         for name in ("staging", "partial", blobs.WRITING):
             with contextlib.suppress(OSError):
                 found += (self.folder / name).iterdir()
@@ -327,8 +326,6 @@ class Store(Struct):
             with contextlib.suppress(OSError):
                 if blobs.is_left(left) or is_older_than(GRACE):
                     left.unlink()
-        elif kind == blobs.FOLDER:
-            self._remove_useless(left, blobs.mujoco_key(left.name), lambda: not blobs.is_complete(left))
         else:
             key = left.name.partition(".")[0]
             self._remove_useless(left, key, lambda: kind == "staging" or is_older_than(7 * 24 * 3600))

@@ -12,7 +12,6 @@ from mjcompose.build.stages import Request, build
 from mjcompose.mujoco import environments
 from mjcompose.mujoco.environments import Other, this_python
 from mjcompose.sources.context import Context
-from mjcompose.sources.fetching import Fetching
 from mjcompose.targets import read_back
 from tools.migrate.test_upgrade import MODEL
 
@@ -49,15 +48,9 @@ def test_a_version_in_which_it_moves_differently(tmp_path: Path, monkeypatch: py
             model.with_name("other.xml").write_text(model.read_text().replace('kp="5"', 'kp="9"'))
             return super().move(model.with_name("other.xml"), out, asked)  # type: ignore[arg-type]
 
-    made = []
-
-    def make(version: str, *_: object, offline: bool) -> Other:
-        made.append((version, offline))
-        return Stiffer(this_python(), version)
-
-    monkeypatch.setattr(environments, "make", make)
+    monkeypatch.setattr(environments, "kept", lambda version, environment: Stiffer(this_python(), version))
     ((code, message),), (outcome,) = checked(tmp_path, "{as: mujoco==3.12, seconds: 0.5}")
-    assert code == "check-failed" and made == [("3.12.0", False)]
+    assert code == "check-failed"
     assert message.startswith("check `moves`: the model moves differently in MuJoCo 3.12.0: joint j: ")
     assert outcome.values["apart"] > 1e-3
 
@@ -68,11 +61,28 @@ def test_a_simulation_that_diverges_is_not_alike(tmp_path: Path) -> None:
     assert code == "check-failed" and "the simulation diverges in `" in message
 
 
-def test_nothing_is_installed_offline(tmp_path: Path) -> None:
-    environment = {"MJCOMPOSE_CACHE": str(tmp_path / "cache")}
-    context = Context(environment=environment, folder=tmp_path, fetching=Fetching(offline=True))
+def test_a_check_installs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stranger's recipe would choose what runs here. It names the command, which the user types."""
+    monkeypatch.setattr("mjcompose.mujoco.programs.Process", None)
+    context = Context(environment={"MJCOMPOSE_PROGRAMS": str(tmp_path / "programs")}, folder=tmp_path)
+    found, _ = checked(tmp_path, "mujoco==3.13", context)
+    assert found == [("consumer-missing", "check `moves`: MuJoCo 3.13.0 is not installed")]
+    (error,) = context.sink.errors
+    assert error.help == "run `mjcompose install mujoco==3.13.0`" and error.span is not None
+    assert not (tmp_path / "programs").exists()
+
+
+def test_a_program_that_others_can_change_is_not_run(tmp_path: Path) -> None:
+    place = tmp_path / "programs" / "mujoco-3.13.0"
+    (place / "bin").mkdir(parents=True)
+    (place / ".ready").touch()
+    (place / "bin" / "python").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
+    (place / "bin" / "python").chmod(0o755)
+    (tmp_path / "programs").chmod(0o770)
+    context = Context(environment={"MJCOMPOSE_PROGRAMS": str(tmp_path / "programs")}, folder=tmp_path)
     ((code, message),), _ = checked(tmp_path, "mujoco==3.13", context)
-    assert code == "check-failed" and "MuJoCo 3.13.0 is not installed, and nothing is fetched offline" in message
+    assert code == "check-failed" and "is not run: others may use" in message
+    assert not (tmp_path / "ran").exists()
 
 
 def test_another_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,16 +135,3 @@ def test_programs_that_nobody_can_ask(tmp_path: Path, program: str) -> None:
     ((code, message),), _ = checked(tmp_path, program)
     assert (code, message) == ("wrong-keyword", f"`as` of check `moves` cannot be `{program}`")
     assert moves_alike.KIND.word == "moves_alike"
-
-
-def test_a_fetched_recipe_installs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = []
-
-    def make(version: str, *_: object, offline: bool) -> Other:
-        made.append(offline)
-        return Other(this_python(), version)
-
-    monkeypatch.setattr(environments, "make", make)
-    monkeypatch.setattr(Fetching, "around", lambda _, path: object() if Path(path).name == "r.yaml" else None)
-    checked(tmp_path, "{as: mujoco==3.12, seconds: 0.1}", Context(environment={}, folder=tmp_path, fetching=Fetching()))
-    assert made == [True]

@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mjcompose.mujoco import environments
-from mjcompose.mujoco.environments import Compiled, Other, OtherError, make, open_python
+from mjcompose.mujoco import environments, programs
+from mjcompose.mujoco.environments import Compiled, Other, open_python
+from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.changes import ORDERED, TABLE, between
 from mjcompose.tools.migrate.migrate import Migrated, Prover, installed, measured, migrate, read
@@ -95,16 +96,18 @@ def _other(version: str) -> Other | str:
     named = os.environ.get("MJCOMPOSE_MUJOCOS")
     try:
         if named is None and shutil.which("uv"):
-            return make(version, {"MJCOMPOSE_CACHE": str(MADE)}, lambda words: None)
+            environment = {**os.environ, "MJCOMPOSE_PROGRAMS": str(MADE / "programs")}
+            programs.install(version, environment, lambda words: None)
+            return environments.kept(version, environment)
         return open_python(Path(named) / version if named else _install(version))
-    except (OtherError, OSError) as error:
+    except (ProgramError, OSError) as error:
         return str(error)
     except subprocess.CalledProcessError as error:
         return str(error.stderr)
 
 
 def _install(version: str) -> Path:
-    """An environment of MuJoCo alone, which takes all else from this one: in an eighth of the time of `make` without uv."""
+    """An environment of MuJoCo alone, which takes all else from this one: in an eighth of the time of `install` without uv."""
     folder = MADE / version
     if not folder.exists():
         MADE.mkdir(parents=True, exist_ok=True)
@@ -138,11 +141,11 @@ for line in sys.stdin:
 
 
 @pytest.fixture(scope="module")
-def kept() -> Iterator[Callable[[Path, list[str]], dict[str, Any]]]:
+def kept() -> Iterator[Callable[[Path, list[str], Path], dict[str, Any]]]:
     """Runs `dump.py` in one process for each Python: to start one takes longer than to compile these models."""
     started: dict[Path, subprocess.Popen[str]] = {}
 
-    def run(python: Path, arguments: list[str]) -> dict[str, Any]:
+    def run(python: Path, arguments: list[str], out: Path) -> dict[str, Any]:
         if python not in started:
             words = [str(python), "-B", "-c", _SERVES, str(DUMP.parent)]
             pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
@@ -171,7 +174,10 @@ def mujoco(version: str) -> Other:
 @pytest.mark.parametrize("feature", [each for each in FEATURES if not each.refuses],
                          ids=[name for name, each in zip(IDS, FEATURES, strict=True) if not each.refuses])  # fmt: skip
 def test_the_compiled_model_is_the_same(
-    feature: Feature, kept: Callable[[Path, list[str]], dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    feature: Feature,
+    kept: Callable[[Path, list[str], Path], dict[str, Any]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """By the MuJoCo of its version, and the other one; and with `shows` it is not without the change."""
     model = written(feature, tmp_path)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mjcompose.mujoco.environments import Other, OtherError, open_python, this_python
+from mjcompose.mujoco.environments import Other, open_python, this_python
+from mjcompose.mujoco.programs import ProgramError
 from mjcompose.tools.migrate.compare import Outcome, compare
 from mjcompose.tools.migrate.migrate import installed
 
@@ -57,9 +58,9 @@ def test_a_difference_names_its_element(tmp_path: Path) -> None:
 
 
 def test_a_python_that_is_none(tmp_path: Path) -> None:
-    with pytest.raises(OtherError):
+    with pytest.raises(ProgramError):
         open_python(tmp_path)
-    with pytest.raises(OtherError):
+    with pytest.raises(ProgramError):
         open_python(tmp_path / "python")
 
 

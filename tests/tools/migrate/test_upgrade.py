@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.mujoco.environments import TRIALS, Motion, Other, OtherError, differences, this_python
+from mjcompose.mujoco.environments import TRIALS, Motion, Other, differences, this_python
+from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.migrate import installed
 from mjcompose.tools.migrate.upgrade import Request, upgrade
@@ -37,7 +38,7 @@ def of_model(folder: Path, text: str, name: str = "m", **asked: object) -> Motio
 
 
 def test_a_key_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(OtherError, match="the keyframe `hom` does not exist") as caught:
+    with pytest.raises(ProgramError, match="the keyframe `hom` does not exist") as caught:
         of_model(tmp_path, MODEL, key="hom")
     assert caught.value.help == "name one of `home`, `up`"
 
@@ -72,7 +73,7 @@ def test_models_with_other_joints_are_not_compared(tmp_path: Path) -> None:
         of_model(tmp_path, MODEL),
         of_model(tmp_path, MODEL.replace('joint name="slide"', 'joint name="rail"'), "n"),
     )
-    with pytest.raises(OtherError, match="have other joints of the model"):
+    with pytest.raises(ProgramError, match="have other joints of the model"):
         differences(one, other, signal="qpos", tolerance=1)
 
 
@@ -86,7 +87,7 @@ def test_a_key_is_chosen_and_trials_that_make_no_sense_are_left_out(tmp_path: Pa
 def test_a_model_that_diverges_or_is_rejected(tmp_path: Path) -> None:
     wild = MODEL.replace('damping=".1"', 'stiffness="1e9" springref="90"')
     assert of_model(tmp_path, wild).answer["diverged"]
-    with pytest.raises(OtherError, match="rejects the model: XML Error"):
+    with pytest.raises(ProgramError, match="rejects the model: XML Error"):
         of_model(tmp_path, "<mujoco><wrong/></mujoco>")
 
 

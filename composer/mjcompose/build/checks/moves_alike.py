@@ -43,7 +43,7 @@ class MovesAlike(Check):
     example: ClassVar = "{as: mujoco==3.12}"
 
     program: Annotated[str, Checked(_program_fault)] = Field(alias="as", examples=["mujoco==3.12"])
-    """a version of MuJoCo, such as `mujoco==3.12`, which is installed into an environment of its own, or a target"""
+    """a version of MuJoCo that `mjcompose install` has installed, such as `mujoco==3.12`, or a target"""
     signal: Literal["qpos", "xpos"] = "qpos"
     """the compared positions: of joints, or of bodies (only for MuJoCo)"""
     seconds: Annotated[float, Field(gt=0, le=60), Unit("s")] = 1.0
@@ -61,37 +61,22 @@ def run(checks: Checks, check: MovesAlike, recipe: NestedRecipe, context: Contex
     """Simulate the model here and there; report joints and bodies that move differently to the context."""
     from mjcompose.build.verify.checks import report
 
-    if check.program.startswith(_MUJOCO):
-        how = context.fetching
-        # A recipe from elsewhere installs nothing.
-        is_foreign = how is not None and how.around(recipe.plan.path) is not None
-        found, values = _in_mujoco(checks, check, context, offline=is_foreign or (how is not None and how.offline))
-    else:
-        found, values = _there(checks, check)
+    is_mujoco = check.program.startswith(_MUJOCO)
+    found, values = _in_mujoco(checks, check, context) if is_mujoco else _there(checks, check)
     for finding in found:
         report(finding, check, recipe, context=context)
     return values
 
 
-def _in_mujoco(
-    checks: Checks, check: MovesAlike, context: Context, offline: bool
-) -> tuple[list[Fault], dict[str, Any]]:
-    from mjcompose.mujoco.environments import (
-        TRIALS,
-        Motion,
-        Other,
-        OtherError,
-        UnknownKeyError,
-        differences,
-        make,
-        this_python,
-    )
+def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[list[Fault], dict[str, Any]]:
+    from mjcompose.mujoco.environments import TRIALS, Motion, Other, UnknownKeyError, differences, kept, this_python
+    from mjcompose.mujoco.programs import MissingError, ProgramError
 
     version = release(check.program.removeprefix(_MUJOCO)) or ""
     asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
     try:
         own = Other(this_python(), checks.session.mujoco_version or "")
-        other = own if version == own.version else make(version, context.environment, lambda _: None, offline=offline)
+        other = own if version == own.version else kept(version, context.environment)
         with scratch("moves") as folder:
             for name, content in checks.bundle.files.items():
                 (folder / "model" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -103,7 +88,9 @@ def _in_mujoco(
             moved = differences(there, here, signal=check.signal, tolerance=check.tol)
     except UnknownKeyError as error:
         return [Fault("unknown-name", str(error), ("key",), help=error.help)], {}
-    except OtherError as error:
+    except MissingError as error:
+        return [Fault("consumer-missing", str(error), ("as",), help=error.help)], {}
+    except ProgramError as error:
         return [Fault("check-failed", str(error), ("as",), help=error.help)], {}
     if wild := sorted({*there.answer["diverged"], *here.answer["diverged"]}):
         return [

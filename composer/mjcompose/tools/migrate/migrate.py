@@ -20,8 +20,9 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.arrays import with_trait
-from mjcompose.mujoco.environments import Compiled, Other, OtherError, make, open_python, this_python
+from mjcompose.mujoco.environments import Compiled, Other, kept, open_python, this_python
 from mjcompose.mujoco.messages import parse
+from mjcompose.mujoco.programs import MissingError, ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.tools.migrate.changes import ORDERED, between
@@ -272,14 +273,14 @@ class Prover(Struct, frozen=False):
     known: dict[str, Compiled] = field(default_factory=dict)
 
     def original(self, migrated_from: str, model: Path) -> Compiled | None:
-        """Compile the model in its place with the MuJoCo of its own version. Raises OtherError."""
+        """Compile the model in its place with the MuJoCo of its own version. Raises ProgramError."""
         if migrated_from in self.others and migrated_from not in self.known:
             self.progress(f"compiling {model.name} with MuJoCo {migrated_from}")
             self.known[migrated_from] = self.others[migrated_from].compile(model, self.folder / "before.npz")
         return self.known.get(migrated_from)
 
     def prove(self, migrated: Migrated, model: Path) -> Proof:
-        """Compile the migrated model with the other MuJoCo, and compare. Raises OtherError, and OSError."""
+        """Compile the migrated model with the other MuJoCo, and compare. Raises ProgramError, and OSError."""
         proof = Proof(self.original(migrated.before, model))
         if (other := self.others.get(migrated.after)) is not None:
             self.progress(f"compiling the migrated {model.name} with MuJoCo {migrated.after}")
@@ -334,7 +335,7 @@ _FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
 
 
 class Wish(Struct):
-    """The request. `pythons` have other versions of MuJoCo; `proves` installs missing versions."""
+    """The request. `pythons` have other versions of MuJoCo; with `proves`, both versions must be there."""
 
     model: str
     before: str | None = None
@@ -371,7 +372,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
         before = before or written_for(unit, after, others, context=context)
         if before is None:
             return None
-        install((before, after) if wish.proves else (), others, context, progress=progress)
+        gather((before, after) if wish.proves else (), others, context)
         with scratch("migrate") as folder:
             prover = Prover(folder, others, progress)
             values = measured(prover.original(before, path)) if before != after else {}
@@ -382,26 +383,32 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
             missing = tuple(each for each in (before, after) if each not in others)
             result = Result(path, migrated, proof, missing=missing)
             _judge(result, context)
-    except (OtherError, OSError) as error:
+    except (ProgramError, OSError) as error:
         context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
         return None
     return None if context.sink.has_errors else result
 
 
 def opened(pythons: Iterable[Path], context: Context) -> dict[str, Other]:
-    """Return the versions of MuJoCo in the Pythons that the user names, by version. Raises OtherError, and OSError."""
+    """Return the versions of MuJoCo of the Pythons that the user names. Raises ProgramError, and OSError."""
     return {each.version: each for each in (open_python(context.folder / path) for path in pythons)}
 
 
-def install(
-    versions: Iterable[str], others: dict[str, Other], context: Context, progress: Callable[[str], None]
-) -> None:
-    """Add the MuJoCo of this Python to `others`, and other versions, which it installs if needed. Raises OtherError."""
+def gather(versions: Iterable[str], others: dict[str, Other], context: Context) -> None:
+    """Add the MuJoCo of this Python to `others`, and the versions that are installed.
+
+    Raises MissingError for all versions that are not installed, and ProgramError.
+    """
     others.setdefault(installed(), Other(this_python(), installed()))
-    offline = context.fetching is not None and context.fetching.offline
+    missing: list[str] = []
     for each in versions:
-        if each not in others:
-            others[each] = make(each, context.environment, progress, offline=offline)
+        try:
+            if each not in others:
+                others[each] = kept(each, context.environment)
+        except MissingError:
+            missing.append(each)
+    if missing:
+        raise MissingError(missing)
 
 
 def found_model(model: str, context: Context) -> Path | None:

@@ -8,7 +8,8 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.scratch import scratch
-from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, OtherError, RejectedError, differences
+from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, RejectedError, differences
+from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate import migrate
 from mjcompose.tools.migrate.editing import Meaning, Step
@@ -69,13 +70,13 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
         return None
     try:
         others = migrate.opened(request.pythons, context)
-        migrate.install((before, after), others, context, progress=progress)
+        migrate.gather((before, after), others, context)
         with scratch("upgrade") as folder:
             trials = _Trials(request, model, folder, context=context, others=others, progress=progress)
             one, other = trials.motion(model, before), trials.motion(model, after)
             moved = differences(one, other, signal="qpos", tolerance=request.tolerance)
             causes = tuple(trials.causes(one, moved, before, after=after)) if moved else ()
-    except (OtherError, OSError) as error:
+    except (ProgramError, OSError) as error:
         help = getattr(error, "help", None)
         if isinstance(error, RejectedError):
             help = f"write the model for it first: `mjcompose migrate {request.model} --from {before} --mujoco {after}`"
@@ -97,7 +98,7 @@ class _Trials:
         self.others, self.progress, self.count = others, progress, 0
 
     def motion(self, model: Path, version: str) -> Motion:
-        """Simulate a model in a version. Raises OtherError."""
+        """Simulate a model in a version. Raises ProgramError."""
         self.count += 1
         self.progress(f"simulating {model.name} with MuJoCo {version}")
         asked = {"seconds": self.request.seconds, "trials": TRIALS, "key": self.request.key}
