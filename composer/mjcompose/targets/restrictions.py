@@ -145,11 +145,12 @@ def refused(feature: str, path: str, why: str, help: str) -> Limit:
 
 
 def without_attribute(
-    feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = ()
-) -> Limit:
+    feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = (),
+    outcome: Outcome = Outcome.LEFT_OUT,
+) -> Limit:  # fmt: skip
     """Return a limit that removes an attribute, and attributes that have no meaning without it.
 
-    A value other than zero is a loss.
+    A value other than zero is a loss. The outcome is `PARTLY` if other elements or attributes keep the feature.
     """
 
     def apply(draft: Draft) -> None:
@@ -160,7 +161,7 @@ def without_attribute(
             if not _ZERO.issuperset(value):
                 draft.lose(feature, element, why, what=what)
 
-    return Limit(feature, Outcome.LEFT_OUT, apply)
+    return Limit(feature, outcome, apply)
 
 
 def no_shapes(*kinds: str) -> Limit:
@@ -183,7 +184,10 @@ def no_shapes(*kinds: str) -> Limit:
 def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     """Return limits that remove attributes from joints of a type."""
     path = f".//joint[@type='{joints}']"
-    return tuple(without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes)
+    return tuple(
+        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name), outcome=Outcome.PARTLY)
+        for name in attributes
+    )
 
 
 def _hidden(draft: Draft) -> None:
@@ -244,12 +248,19 @@ NO_SPRINGS = without_attribute(
 NO_FRICTION = without_attribute("friction", ".//joint", "frictionloss", what="dry friction")
 NO_DAMPING = without_attribute("damping", ".//joint", "damping", what="damping")
 NO_ARMATURE = without_attribute("armature", ".//joint", "armature", what="armature")
-NO_EFFORT = without_attribute(
-    "effort", ".//joint", "actuatorfrcrange", what="the greatest force",
-    also=("actuatorfrclimited", "actuatorgravcomp"),
-)  # fmt: skip
+
+
+def _no_effort(outcome: Outcome) -> Limit:
+    also = ("actuatorfrclimited", "actuatorgravcomp")
+    what = "the greatest force"
+    return without_attribute("effort", ".//joint", "actuatorfrcrange", what=what, also=also, outcome=outcome)
+
+
+NO_EFFORT = _no_effort(Outcome.LEFT_OUT)
+NO_JOINT_EFFORT = _no_effort(Outcome.PARTLY)
+"""For a target that reads the force ranges of actuators."""
 NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colors)
-NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`")
+NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`", outcome=Outcome.PARTLY)
 NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)
 
 
@@ -313,16 +324,28 @@ def _scale(element: Node, name: str, by: float) -> None:
         element.set(name, text(sorted(float(each) * by for each in str(element.get(name)).split())))
 
 
+_BOTH_SIDES = "it has the same limit on both sides"
+
+
 def _symmetric(draft: Draft) -> None:
     """Widen each range of a force to the same limit on both sides."""
-    for actuator in draft.root.iterfind("actuator/*"):
-        for name in ("forcerange", "ctrlrange") if actuator.tag == "motor" else ("forcerange",):
-            ends = [float(each) for each in (actuator.get(name) or "").split()]
-            most = max(map(abs, ends), default=0.0)
-            if ends and (ends[0] != -most or ends[1] != most):
-                actuator.set(name, text((-most, most)))
-                why = "it has the same limit on both sides"
-                draft.lose("effort", actuator, why, what=f"the narrower side of `{name}`")
+    _widen(draft, "actuator/*", "forcerange")
+    _widen(draft, "actuator/motor", "ctrlrange")
+
+
+def _symmetric_efforts(draft: Draft) -> None:
+    """Widen the ranges of forces of joints and actuators, and keep the ranges of controls."""
+    _widen(draft, "actuator/*", "forcerange")
+    _widen(draft, ".//joint", "actuatorfrcrange")
+
+
+def _widen(draft: Draft, path: str, name: str) -> None:
+    for element in draft.root.iterfind(path):
+        ends = [float(each) for each in (element.get(name) or "").split()]
+        most = max(map(abs, ends), default=0.0)
+        if ends and (ends[0] != -most or ends[1] != most):
+            element.set(name, text((-most, most)))
+            draft.lose("effort", element, _BOTH_SIDES, what=f"the narrower side of `{name}`")
 
 
 def _reflected(draft: Draft) -> None:
@@ -379,12 +402,17 @@ ONE_FOR_EACH_JOINT = Limit("actuators", Outcome.PARTLY, _one_for_each_joint)
 AT_JOINTS = Limit("gears", Outcome.WRITTEN, _at_joints)
 GEARS = Limit("gears", Outcome.PARTLY, _geared)
 SYMMETRIC_FORCES = Limit("effort", Outcome.PARTLY, _symmetric)
+SYMMETRIC_EFFORTS = Limit("effort", Outcome.PARTLY, _symmetric_efforts)
 REFLECTED_ARMATURE = Limit("armature", Outcome.PARTLY, _reflected)
 CARRIED_FORCES = Limit("effort", Outcome.WRITTEN, _carried)
 NO_SERVO_DAMPING = without_attribute("gains", "actuator/position", "kv", what="`kv`")
-NO_ACTUATOR_ARMATURE = without_attribute("armature", "actuator/*", "armature", what="armature")
-NO_DELAY = without_attribute("actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"))
-NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping")
+NO_ACTUATOR_ARMATURE = without_attribute(
+    "armature", "actuator/*", "armature", what="armature", outcome=Outcome.PARTLY
+)  # fmt: skip
+NO_DELAY = without_attribute(
+    "actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"), outcome=Outcome.PARTLY
+)  # fmt: skip
+NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping", outcome=Outcome.PARTLY)
 
 
 _PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"

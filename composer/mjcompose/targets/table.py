@@ -32,8 +32,9 @@ DRAKE = Target(
         limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_EMPTY_INERTIA, limits.NO_KEYS, limits.NO_SENSORS,
         limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_PAIRS, limits.NO_SOFT,
         limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS, limits.NO_FRICTION,
-        limits.NO_EFFORT, *limits.unread_in("free", "damping"), limits.no_shapes("hfield"), limits.NO_HIDDEN_SHAPES,
-        limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE, limits.AT_JOINTS,
+        limits.NO_JOINT_EFFORT, *limits.unread_in("free", "damping"), limits.no_shapes("hfield"),
+        limits.NO_HIDDEN_SHAPES, limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE,
+        limits.AT_JOINTS,
         limits.SYMMETRIC_FORCES, limits.NO_SERVO_DAMPING, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE,
         limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE, limits.left_out("equality", "equality/*",
         but=("connect",), why="what they couple moves freely"), limits.COMPUTING, limits.GRAVCOMP, limits.BITS,
@@ -139,14 +140,16 @@ _IN_WRITING = tuple(
     Limit(feature, outcome, lambda _draft: None)
     for feature, outcome in (
         ("roots", Outcome.WRITTEN), ("shapes", Outcome.LEFT_OUT), ("armature", Outcome.LEFT_OUT),
-        ("effort", Outcome.PARTLY), ("equality", Outcome.PARTLY), ("actuators", Outcome.PARTLY),
+        ("equality", Outcome.PARTLY), ("keys", Outcome.PARTLY),
     )
 )  # fmt: skip
 
 URDF = Target(
     "urdf", "URDF, in a ROS package with `ros2_control` and SRDF", (
         limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
-        *_IN_WRITING, limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
+        *_IN_WRITING, limits.servos("motor", "position", "velocity"), limits.ONE_FOR_EACH_JOINT, limits.AT_JOINTS,
+        limits.SYMMETRIC_EFFORTS, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE, limits.NO_ACTUATOR_DAMPING,
+        limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
         limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, limits.COMPUTING,
         limits.GRAVITY, limits.GRAVCOMP, limits.BITS, limits.SOFTNESS, limits.unread_contacts("sliding", "torsional",
         "rolling"),
@@ -240,12 +243,20 @@ _CELLS: Mapping[Outcome, str] = {
 def features() -> str:
     """Return the table with a row for each feature that some target does not support. Other cells are empty."""
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
-    outcomes = {name: {limit.feature: limit.outcome for limit in target.limits} for name, target in TARGETS.items()}
+    outcomes = {name: _outcomes(target) for name, target in TARGETS.items()}
     for feature, words in FEATURES.items():
         cells = [outcomes[name].get(feature, Outcome.KEPT) for name in TARGETS]
         if set(cells) != {Outcome.KEPT}:
             lines.append(f"| {words} | {' | '.join(_CELLS[each] for each in cells)} |")
     return "\n".join(lines) + "\n"
+
+
+def _outcomes(target: Target) -> Mapping[str, Outcome]:
+    """Return the outcome of each feature: the worst one, if several limits are about it."""
+    found: dict[str, Outcome] = {}
+    for limit in target.limits:
+        found[limit.feature] = max(limit.outcome, found.get(limit.feature, Outcome.KEPT), key=list(Outcome).index)
+    return found
 
 
 def read_back() -> str:

@@ -52,15 +52,23 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
     return found
 
 
-def massless(name: str) -> Node:
+_MASS, _MOMENT = "1e-9", "1e-12"
+"""The mass (kg) and the moments (kg·m²) of a link that moves and weighs nothing: MuJoCo needs more than 1e-14."""
+
+
+def massless(name: str, *, moves: bool = False) -> Node:
     """Return a link that only connects joints.
 
-    Its inertia is written as zero: some programs give a link without inertia a mass of their own.
+    Its inertia is written as zero: some programs give a link without inertia a mass of their own. If the link `moves`,
+    its inertia is negligible, but not zero, which MuJoCo refuses.
     """
     found = etree.Element("link", name=name)
     inertial = etree.SubElement(found, "inertial")
-    etree.SubElement(inertial, "mass", value="0")
-    etree.SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+    etree.SubElement(inertial, "mass", value=_MASS if moves else "0")
+    moments = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
+    if moves:
+        moments |= dict.fromkeys(("ixx", "iyy", "izz"), _MOMENT)
+    etree.SubElement(inertial, "inertia", moments)
     return found
 
 
@@ -143,7 +151,7 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
         _motion(draft, number, node, joint=found)
         yield found
         if not ends:
-            yield massless(child)
+            yield massless(child, moves=True)
         parent, last, stands = child, anchor, shifted((0, 0, 0))
     if last.any():
         yield fixed(f"{name}_fixed", parent, name, frame=shifted(-last))
@@ -202,26 +210,34 @@ def mimics(draft: Draft, joints: dict[str, Node]) -> None:
 
 
 _INTERFACE = {"motor": "effort", "position": "position", "velocity": "velocity"}
+_GAINS = {"position": {"kp": "kp", "kv": "kd"}, "velocity": {"kv": "kv"}}
+"""By the tag of a servo: the names of its gains in MJCF, and in a `<param>` of the joint."""
 _PLUGIN = "mock_components/GenericSystem"
 """The system that `ros2_control` has for tests; a robot puts its own there."""
 
 
 def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
-    """Return the element, or None if no joint has an actuator. Actuators of anything else are recorded as losses."""
+    """Return the element, or None if no joint has an actuator.
+
+    The limits of the target have written controls and gains at the joints, and left one actuator for each.
+    """
     found = etree.Element("ros2_control", name=str(draft.root.get("model") or "model"), type="system")
     etree.SubElement(etree.SubElement(found, "hardware"), "plugin").text = _PLUGIN
     for number, node in list(draft.of("actuator")):
-        name = str(node.get("joint") or "")
-        if node.tag not in _INTERFACE or name not in joints:
-            draft.lose("actuators", node, "`ros2_control` has motors and servos of joints")
+        name, tag = str(node.get("joint")), str(node.tag)
+        if name not in joints:
+            draft.lose("actuators", node, "their joints are not in this URDF")
             continue
-        joint = next((each for each in found.iterchildren("joint") if each.get("name") == name), None)
-        if joint is None:
-            joint = etree.SubElement(found, "joint", name=name)
-        command = etree.SubElement(joint, "command_interface", name=_INTERFACE[str(node.tag)])
+        if node.get("name") != name:
+            draft.lose("actuators", node, "their controls have the names of their joints", outcome=Outcome.WRITTEN)
+        joint = etree.SubElement(found, "joint", name=name)
+        command = etree.SubElement(joint, "command_interface", name=_INTERFACE[tag])
         if draft.model.actuator_ctrllimited[number]:
-            for side, end in zip(("min", "max"), draft.model.actuator_ctrlrange[number], strict=True):
-                etree.SubElement(command, "param", name=side).text = text(end)
+            for side, end in zip(("min", "max"), str(node.get("ctrlrange")).split(), strict=True):
+                etree.SubElement(command, "param", name=side).text = end
+        for attribute, param in _GAINS.get(tag, {}).items():
+            if node.get(attribute):
+                etree.SubElement(joint, "param", name=param).text = str(node.get(attribute))
     for joint in found.iterchildren("joint"):
         for each in ("position", "velocity", "effort"):
             etree.SubElement(joint, "state_interface", name=each)
@@ -241,6 +257,7 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
         for each in movable:
             etree.SubElement(group, "joint", name=each)
     for number, key in draft.of("key"):
+        _lose_of_key(draft, number, key)
         state = etree.SubElement(root, "group_state", name=str(key.get("name") or f"key{number}"), group=GROUP)
         for joint, node in draft.of("joint"):
             if node.get("name") in movable:
@@ -253,6 +270,18 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
             etree.SubElement(root, "disable_collisions", link1=names[first], link2=names[second], reason=reason)
     etree.indent(root)
     return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
+
+
+_OF_KEYS = {"qvel": "velocities", "act": "activations", "ctrl": "controls"}
+
+
+def _lose_of_key(draft: Draft, number: int, key: Node) -> None:
+    """Record the numbers of a key that a `group_state`, which has the positions of joints, does not have."""
+    model = draft.model
+    lost = [words for array, words in _OF_KEYS.items() if getattr(model, f"key_{array}")[number].any()]
+    lost += ["poses of free bodies"] if (model.jnt_type == _FREE).any() else []
+    if lost:
+        draft.lose("keys", key, "a `group_state` has the positions of joints", what=" and ".join(lost))
 
 
 WORLD = "world"
