@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import mujoco
 import pytest
 from link.workshop import BASE, Piece, Workshop, hinge, placed
 
@@ -315,3 +316,40 @@ def test_muscles_keep_the_range_that_they_have_alone_where_something_hangs_on_th
     workshop.link(arm, Piece(load, place=placed("body", "c"))).check()
     workshop.link(BASE, Piece(arm, options={"joints": (hinge(name="part/"),)})).check()
     assert "lengthrange" not in workshop.link(arm, load).xml
+
+
+STRONG = """
+<mujoco><default><default class="m"><muscle scale="300"/></default></default><worldbody>
+  <body name="b"><joint name="j" axis="0 1 0"/><geom size=".1"/><site name="p" pos=".2 0 0"/>
+    <body name="c" pos=".3 0 0"><joint name="k" axis="0 1 0"/><geom size=".05" pos=".1 0 0"/><site name="r" pos=".1 .02 0"/></body></body>
+  <geom size=".1"/><site name="q" pos=".5 .5 0.2"/></worldbody>
+  <tendon><spatial name="t"><site site="r"/><site site="q"/></spatial></tendon>
+  <actuator>
+    <muscle name="m" joint="j" class="m" lengthrange="-1 1"/><motor name="o" joint="j"/><muscle name="n" tendon="t" scale="40"/>
+    <general name="g" joint="k" gaintype="muscle" biastype="muscle" dyntype="muscle" lengthrange="-1 1"
+      gainprm="0.8 1.1 -1 70 0.5 1.6 1.5 1.3 1.2" biasprm="0.7 1.2 -1 90 0.5 1.6 1.5 1.3 1.2"/>
+    <muscle name="f" joint="k" force="3" lengthrange="-1 1"/>
+  </actuator></mujoco>
+"""
+HEAVY = '<mujoco><worldbody><body name="w"><geom size=".3" mass="9"/></body></worldbody></mujoco>'
+
+
+@pytest.mark.parametrize("activation", [0.1, 0.4, 1])
+@pytest.mark.parametrize("is_below", [False, True])
+def test_muscles_are_as_strong_as_alone(workshop: Workshop, is_below: bool, activation: float) -> None:
+    """The force of each actuator at the same pose, alone and where another body hangs together with it."""
+    arm = Piece(STRONG, options={"joints": (hinge(name="part/"),)})
+    linked = workshop.link(BASE, arm) if is_below else workshop.link(STRONG, Piece(HEAVY, place=placed("body", "c")))
+    linked.check()
+    forces = []
+    for model in (mujoco.MjModel.from_xml_string(STRONG), linked.model()):
+        data = mujoco.MjData(model)
+        data.act[:] = activation
+        mujoco.mj_forward(model, data)
+        forces.append([float(data.actuator(n).force[0]) for n in range(model.nu)])
+    assert forces[1] == pytest.approx(forces[0], rel=1e-9) and any(forces[0])
+
+
+def test_muscles_that_nothing_hangs_on_are_not_touched(workshop: Workshop) -> None:
+    assert 'scale="40"/>' in workshop.link(BASE, STRONG).xml
+    assert "force=" not in workshop.link(STRONG).xml.replace('force="3"', "")

@@ -13,7 +13,7 @@ from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
-from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges
+from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges, muscle_forces
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import AT_THE_START, FINISHING, PASSES, Fact, row_of
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
@@ -229,6 +229,18 @@ part: <worldbody><geom type="sphere" size="1"...
 >>> print_after(lengthranges, part)  # doctest: +ELLIPSIS
 part: <compiler/>
 part: <actuator><motor joint="j" lengthrange="-0.000...
+""",
+    muscle_forces.__name__: """
+The peak force of a muscle follows from its `scale` and the bodies that it moves, here without the load on them:
+
+>>> base = (
+...     '<worldbody><body name="b"><joint name="j" axis="0 1 0"/>'
+...     '<geom type="box" size=".1 .1 .1" mass="3" pos="1 0 0"/><site name="s"/></body></worldbody>'
+...     '<actuator><muscle joint="j" scale="6" lengthrange="0 1"/></actuator>'
+... )
+>>> load = '<worldbody><body><geom size=".1"/></body></worldbody>'
+>>> print_after(muscle_forces, load, base, on="s")  # doctest: +ELLIPSIS
+base: <actuator><muscle joint="j" scale="6" lengthrange="0 1" force="18.1...
 """,
     keyframes.__name__: """
 The two keys of one name become one, in the order of the joints:

@@ -12,7 +12,7 @@ into its parent, so a frame replaces it. The bodies that change get the inertia 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from lxml.etree import _Element as Node
 
@@ -227,6 +227,49 @@ def lengthranges(linking: Linking) -> None:
                 break
         for rule in rules:
             detach(rule)
+
+
+_MUSCLE_LAWS = (("gainprm", "gaintype"), ("biasprm", "biastype"))
+_MUSCLE = 2  # mjGAIN_MUSCLE, mjBIAS_MUSCLE
+_FORCE, _SCALE, _PARAMETERS = 2, 3, 10
+_STRENGTHS = (
+    "actuator_acc0", "actuator_outadr", *(f"actuator_{name}" for pair in _MUSCLE_LAWS for name in pair),
+)  # fmt: skip
+
+
+def muscle_forces(linking: Linking) -> None:
+    """Write the peak force that each muscle has in its file alone, if bodies of other files can change it.
+
+    In MuJoCo 4.0, the peak force of a muscle without `force` is `scale` / `acc0`, and `acc0` depends on all bodies that
+    hang together: a finger whose muscle gives 0.26 N m gave 0.06 N m on an arm.
+    """
+    hanging = any(part.joints or part.place.kind != "world" for part in linking.parts) or linking.request.adds_mass
+    for unit in linking.units if hanging else ():
+        sections = unit.root.iterchildren("actuator", "default")
+        candidates = (each for section in sections for each in section.iter("muscle", "general"))
+        if linking.measure is None or not any(map(_is_muscle, candidates)):
+            continue
+        arrays = linking.measure(unit, _STRENGTHS)
+        actuators = unit.root.findall("actuator/*")
+        if len(arrays.get("actuator_gaintype", ())) != len(actuators):
+            continue  # MuJoCo makes copies of actuators; a part whose muscles differ then fails as changed
+        for row, actuator in enumerate(actuators):
+            _write_force(actuator, row, arrays)
+
+
+def _write_force(actuator: Node, row: int, arrays: Mapping[str, list[float]]) -> None:
+    output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
+    acceleration = arrays["actuator_acc0"][output]
+    width = len(arrays["actuator_gainprm"]) // len(arrays["actuator_gaintype"])
+    for name, kind in _MUSCLE_LAWS:
+        parameters = arrays[f"actuator_{name}"][row * width : row * width + _PARAMETERS]
+        if int(arrays[f"actuator_{kind}"][row]) != _MUSCLE or parameters[_FORCE] >= 0 or not acceleration:
+            continue
+        parameters[_FORCE] = parameters[_SCALE] / acceleration
+        if actuator.tag == "muscle":
+            actuator.set("force", numbers.text([parameters[_FORCE]]))
+        else:
+            actuator.set(name, numbers.text(parameters))
 
 
 def _is_muscle(actuator: Node) -> bool:

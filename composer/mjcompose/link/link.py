@@ -12,7 +12,7 @@ from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
-from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges
+from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges, muscle_forces
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.linking import Linking
 from mjcompose.link.names import names
@@ -154,6 +154,7 @@ PASSES: tuple[Pass, ...] = (
     _pass(inertia, "the inertia rules of its file, made explicit", "REDUCED ALONE OWN_NAMES"),
     _pass(fitted_sizes, "fitted by MuJoCo to the mesh's bounding box, by `fitaabb`", "REDUCED ALONE OWN_NAMES"),
     _pass(autolimits, "checked by the linker", "ALONE OWN_NAMES OWN_SECTIONS", stops=False),
+    _pass(muscle_forces, "measured by MuJoCo on its file alone", "ALONE OWN_SECTIONS", stops=False),
     _pass(lengthranges, "measured by MuJoCo on its file alone", "ALONE OWN_SECTIONS"),
     _pass(angles, "in the model's unit of angle and Euler sequence", "UNROLLED OWN_NAMES", leaves="ANGLES_SHARED",
           ends="ALONE", rewrites=True),

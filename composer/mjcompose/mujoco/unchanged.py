@@ -102,6 +102,35 @@ class Placing:
         yield "dir", rotate(self.transform.quat, mine), rotate(frame.quat, theirs)
 
 
+_OF_MUSCLES = {"actuator_gainprm": "actuator_gaintype", "actuator_biasprm": "actuator_biastype"}
+_MUSCLE = 2  # mjGAIN_MUSCLE, mjBIAS_MUSCLE
+_FORCE, _SCALE = 2, 3
+_LEAST = 1e-15  # mjMINVAL
+
+
+def _with_force(alone: Model, composed: Model, array: str, pair: tuple[int, int]) -> Array:
+    """Return the parameters of an actuator as they should be in the composition, for a muscle with its peak force.
+
+    A negative force stands for `scale` / `acc0` in MuJoCo 4.0, which depends on the bodies around.
+    """
+    index, target = pair
+    expected = np.array(getattr(alone, array)[index])
+    actual = getattr(composed, array)[target]
+    if int(getattr(alone, _OF_MUSCLES[array])[index]) != _MUSCLE or min(expected[_FORCE], actual[_FORCE]) >= 0:
+        return expected
+    before = _peak_force(alone, expected, index)
+    after = _peak_force(composed, actual, target)
+    expected[_FORCE] = actual[_FORCE] if math.isclose(before, after, rel_tol=_CLOSE) else before
+    return expected
+
+
+def _peak_force(model: Model, parameters: Array, actuator: int) -> float:
+    if parameters[_FORCE] >= 0:
+        return float(parameters[_FORCE])
+    output = rows_of(model, "actuator", "actuator_acc0", index=actuator).start
+    return float(parameters[_SCALE]) / max(float(model.actuator_acc0[output]), _LEAST)
+
+
 def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
     return bool(np.allclose(a, b, rtol=bound, atol=bound, equal_nan=True))
 
@@ -126,6 +155,8 @@ class InComposition(Rules):
         return kind == "mesh" and HULL in about(array).traits and int(self.alone.mesh_graphadr[index]) < 0
 
     def expected(self, array: str, pairs: Pairs, mine: Array, theirs: Array) -> Array:
+        if array in _OF_MUSCLES:
+            return np.array([_with_force(self.alone, self.composed, array, pair) for pair in pairs])
         if array != "eq_data" or not self.moved:
             return mine
         return np.array([self._moved(*pair, theirs[pair[1]]) for pair in pairs])

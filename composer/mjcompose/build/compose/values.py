@@ -204,7 +204,7 @@ class Masses:
         return found[0]
 
     def _as_written(self, body: Node) -> float | None:
-        """Return the mass that the elements of a body say, or None if only MuJoCo knows what they mean."""
+        """Return the mass that the elements of a body say, or None if only MuJoCo knows it."""
         if self._has_rules or self._may_fuse:
             return None
         if (inertial := self._inertial(body)) is not None:

@@ -27,7 +27,15 @@ from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
 from mjcompose.link.defaults import defaults
 from mjcompose.link.files import add_file, files
-from mjcompose.link.inertia import MEASURED, body_reduction, fitted_sizes, has_mass, inertia, lengthranges
+from mjcompose.link.inertia import (
+    MEASURED,
+    body_reduction,
+    fitted_sizes,
+    has_mass,
+    inertia,
+    lengthranges,
+    muscle_forces,
+)
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
@@ -203,6 +211,9 @@ class Causes:
         if rule is None:
             return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
+
+    def _muscle_forces(self, life: Life, change: Change) -> Reason:
+        return Reason(f"the peak force that its `scale` gives it in {_file(change.cause.unit)} alone")
 
     def _agreement(self, life: Life, change: Change) -> Reason | None:
         linking = change.cause.linking
@@ -396,6 +407,7 @@ CHANGES: dict[Function | None, Words] = {
     inertia: Causes._inertia,
     fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
     lengthranges: Causes._lengthranges,
+    muscle_forces: Causes._muscle_forces,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
