@@ -385,6 +385,10 @@ class Analysis(Struct, slots=False):
         return lines_of(self.text)
 
     @cached_property
+    def _moved(self) -> dict[str, Entries[int, int]]:
+        return {}
+
+    @cached_property
     def file(self) -> str:
         return shown(self.path, self.folder)
 
@@ -407,7 +411,15 @@ class Analysis(Struct, slots=False):
         """Return the current place of a span in an earlier text, or None if it may have changed."""
         if span.file != self.file or of == self.text:
             return span
-        return span_after(span, moved(lines_of(of), self.lines))
+        return span_after(span, self._lines_after(of))
+
+    def _lines_after(self, of: str) -> Entries[int, int]:
+        """Return the numbers of the lines of an earlier text in this one; every place of that text needs the same."""
+        lines = self._moved.get(of)
+        if lines is None:
+            lines = moved(lines_of(of), self.lines)
+            self._moved[of] = lines
+        return lines
 
     def all_now(self, spans: Iterable[Span | None], of: str) -> Iterator[Span]:
         """Yield the current places, except places that may have changed."""

@@ -159,7 +159,10 @@ class _Reader:
 
     def tail(self, column: int) -> list[Comment]:
         """Return the comments before the next token that are indented like the collection that ends here."""
-        following = next(token for token in self.tokens[self.at :] if token.text or token.kind == "StreamEnd")
+        index = self.at
+        while not self.tokens[index].text and self.tokens[index].kind != "StreamEnd":
+            index += 1
+        following = self.tokens[index]
         deep = following.column if following.kind not in ("StreamEnd", "DocumentEnd") else -1
         waiting = self.next.comments
         count = 0

@@ -140,8 +140,9 @@ def _may_have_mass(body: Node, linking: Linking) -> bool:
 def check_names(linking: Linking, making: ElementBuilder) -> None:
     """Declare every new name, then look up every reference; those to keys wait for `check_names_of_keys`."""
     references: list[Reference] = []
+    seen: dict[str, set[Node]] = {}
     for top, section in making.registered:
-        for node in top.iter("*"):
+        for node in _unseen(top, seen.setdefault(section, set())):
             written = making.written(node)
             for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
                 if kind == DECLARES and name in written and (value := node.get(name)):
@@ -152,6 +153,16 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
             making.of_keys.append(each)
         else:
             _look_up(linking, making, each)
+
+
+def _unseen(top: Node, seen: set[Node]) -> Iterator[Node]:
+    """Yield an element and all below it. Elements that were added to an added element were seen with that one."""
+    if top in seen:
+        return
+    for node in top.iter("*"):
+        if node not in seen:
+            seen.add(node)
+            yield node
 
 
 def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
