@@ -261,3 +261,14 @@ def test_what_is_in_a_list_is_told_by_name_and_by_element() -> None:
     ball, other = world.add("geom", name="ball", size=[1]), mjcf.RootElement().worldbody.add("geom", size=[1])
     assert ball in world.geom and "ball" in world.geom
     assert other not in world.geom and "bal" not in world.geom and None not in world.geom
+
+
+def test_reading_one_element_of_a_long_list_creates_no_other() -> None:
+    model = mjcf.RootElement()
+    for number in range(50):
+        model.worldbody.add("body", name=f"b{number}")
+    model = mjcf.from_xml_string(str(model))
+    before = len(model._model.views)
+    assert model.worldbody.body["b30"].name == "b30"
+    assert model.worldbody.body[-1].name == "b49"
+    assert len(model._model.views) <= before + 3

@@ -49,7 +49,7 @@ def view(model: Model, node: Node) -> Any:
 
 def views(model: Model, tag: str, nodes: Iterable[Node]) -> Any:
     """Return the Elements of nodes with the same tag as an `ElementList`."""
-    return _CLASSES[0].several(tag, (view(model, node) for node in nodes))
+    return _CLASSES[0].several(tag, model, nodes)
 
 
 def _class_for(model: Model, node: Node) -> Any:

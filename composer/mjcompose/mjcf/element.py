@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar, cast, overload
 
 from lxml import etree
+from lxml.etree import _Element as Node
 
 from mjcompose.base.access import ALL
 from mjcompose.base.diagnostic import Note, call_site
@@ -407,12 +408,21 @@ class ElementList(Sequence[_E]):
     []
     """
 
-    __slots__ = ("_elements", "tag")
+    __slots__ = ("_model", "_nodes", "_viewed", "tag")
 
-    def __init__(self, tag: str, elements: Iterable[_E]) -> None:
+    def __init__(self, tag: str, model: Model, nodes: Iterable[Node]) -> None:
         """For internal use. A list of elements is read from an attribute such as `body.geom`."""
         self.tag = tag
-        self._elements = tuple(elements)
+        self._model = model
+        self._nodes = tuple(nodes)
+        self._viewed: tuple[_E, ...] | None = None
+
+    @property
+    def _elements(self) -> tuple[_E, ...]:
+        # Programs read one element of a long list in a loop, so the others are not created.
+        if self._viewed is None:
+            self._viewed = tuple(view(self._model, node) for node in self._nodes)
+        return self._viewed
 
     @overload
     def __getitem__(self, index: SupportsIndex | str) -> _E: ...
@@ -426,9 +436,16 @@ class ElementList(Sequence[_E]):
         if isinstance(index, slice):
             return list(self._elements[index])
         if not isinstance(index, str):
-            return self._elements[index]
-        if (found := next((each for each in self._elements if each.name == index), None)) is not None:
-            return found
+            element: _E = view(self._model, self._nodes[index])
+            return element
+        node = next((node for node in self._nodes if node.get("name") == index), None)
+        if node is not None:
+            named: _E = view(self._model, node)
+            return named
+        # An asset without a name is called after its file.
+        for element in self._elements:
+            if element.name == index:
+                return element
         names = self._ipython_key_completions_()
         unnamed = Note(f"none of the {len(self)} elements here has a name: select them by index")
         message = f"the {self.tag} `{index}` does not exist here"
@@ -458,7 +475,7 @@ class ElementList(Sequence[_E]):
         del self[:]
 
     def __len__(self) -> int:
-        return len(self._elements)
+        return len(self._nodes)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ElementList | list) and list(self) == list(other)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -104,6 +104,12 @@ class NameTable:
         body = int(bodies[index])
         place = int((bodies[:index] == body).sum())
         return f"#{place} of body `{self.describe('body', body)}`"
+
+
+@lru_cache(maxsize=2)
+def name_table(model: Model) -> NameTable:
+    """Return the names of a compiled model. Each part of a composition needs those of the whole."""
+    return NameTable(model)
 
 
 _CONTACT = "friction solref solimp margin gap"

@@ -17,7 +17,7 @@ from typing import TypeAlias
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.mujoco.addresses import Run, counted, runs
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder, name_table
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
@@ -121,7 +121,7 @@ class Mount(Struct):
         offset = Pose(pos, normalize(quat))
         if site is None:
             return cls(body, offset)
-        index = NameTable(composed).ids["site"][site]
+        index = name_table(composed).ids["site"][site]
         return cls(holder(composed, "site", index) or None, pose_of(composed, "site", index) @ offset)
 
     def index(self, roster: NameTable) -> int:

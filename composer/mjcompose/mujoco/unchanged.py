@@ -18,7 +18,7 @@ from mjcompose.base.rotation import Pose, multiply, rotate
 from mjcompose.mujoco import arrays, match
 from mjcompose.mujoco.addresses import RUNS, rows_of, span
 from mjcompose.mujoco.arrays import DERIVED_ROUNDING, HULL, MEASURED, PLACED, ROUNDING, SLIDE, Treatment, about
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder, name_table
 from mjcompose.mujoco.compare import Keys, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.match import ABSENT, Correspondence, Coupling, Difference, Mount, pose_of
@@ -397,7 +397,7 @@ def compare(
     """
     mount = hung_on or Mount()
     matching = Correspondence(
-        NameTable(alone), NameTable(composed), prefix=prefix, mount=mount, renamed=renamed or {}, cut=cut
+        NameTable(alone), name_table(composed), prefix=prefix, mount=mount, renamed=renamed or {}, cut=cut
     )
     coupling = Coupling(matching, mount, cut=cut)
     placing = Placing(matching, mount)

@@ -105,6 +105,7 @@ class Fetching(Struct, frozen=False):
     in this run, by id: all parts see the same commit of a moving branch. `first` has the first file requested from
     each. `digests` has the sha256 of files, and `files` has the files of sources; both are computed once for all cells
     of a matrix. `outer` is the outermost recipe, `trust` is its `trust`, and `doors` has the doors of models.
+    `listings` has the model files of folders, for messages about files that do not exist.
     """
 
     offline: bool = False
@@ -122,6 +123,14 @@ class Fetching(Struct, frozen=False):
     outer: Path | None = None
     trust: Trust = field(default_factory=Trust)
     doors: dict[tuple[Path, Path | None, Trust], Door] = field(default_factory=dict)
+    listings: dict[tuple[Path, int], list[str]] = field(default_factory=dict)
+
+    def model_files(self, folder: Path, depth: int | None = None) -> list[str]:
+        """Return `model_files` of a folder, which is searched once in a run."""
+        key = (folder, _DEPTH if depth is None else depth)
+        if key not in self.listings:
+            self.listings[key] = model_files(*key)
+        return self.listings[key]
 
     def digest(self, path: Path) -> str:
         """Return the sha256 of a file, which is read once. Raises OSError."""

@@ -28,15 +28,16 @@ def _resolve_path(reference: Reference, lookup: Lookup) -> Source:
     if not door.sees(wanted):  # before any message lists existing files
         refused = door.outside(wanted)
         raise SourceError(CODE, refused.message(), refused.help)
-    return _with_origin(_file(reference, lookup.folder), fetching, lookup.folder)
+    return _with_origin(_file(reference, lookup.folder, fetching), fetching, lookup.folder)
 
 
-def _file(reference: Reference, relative_to: Path) -> Source:
+def _file(reference: Reference, relative_to: Path, fetching: Fetching) -> Source:
     wanted = relative_to / reference.path
     if os.path.isdir(wanted):
         raise _is_folder(reference.text, wanted)
     if not has_format(wanted):
-        raise nearby.without_suffix(reference.text, _existing(reference.path, wanted, relative_to))
+        existing = _existing(reference.path, wanted, relative_to, fetching=fetching)
+        raise nearby.without_suffix(reference.text, existing)
     if not os.path.isfile(wanted):
         if os.path.exists(wanted):
             message = f"the model reference `{reference.text}` is neither a file nor a folder"
@@ -44,15 +45,16 @@ def _file(reference: Reference, relative_to: Path) -> Source:
         hint = "`~` is not expanded: write the whole path" if reference.path.startswith("~") else None
         if reference.path.startswith("menagerie/"):
             hint = f"write `menagerie:{PurePath(reference.path).relative_to('menagerie').with_suffix('')}`"
-        raise nearby.not_found(reference.text, wanted, _existing(reference.path, wanted, relative_to), hint=hint)
+        existing = _existing(reference.path, wanted, relative_to, fetching=fetching)
+        raise nearby.not_found(reference.text, wanted, existing, hint=hint)
     return Source(wanted, reference.kind, reference.text, licenses=license.find(wanted))
 
 
-def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
+def _existing(written: str, wanted: Path, relative_to: Path, fetching: Fetching) -> list[str]:
     folder = PurePath(written).parent.as_posix()
     start = "./" if folder == "." else f"{folder}/" if folder.startswith((".", "/", "~")) else f"./{folder}/"
-    beside = [start + each for each in nearby.model_files(wanted.parent, depth=0)]
-    return list(dict.fromkeys(beside + [f"./{each}" for each in nearby.model_files(relative_to)]))
+    beside = [start + each for each in fetching.model_files(wanted.parent, 0)]
+    return list(dict.fromkeys(beside + [f"./{each}" for each in fetching.model_files(relative_to)]))
 
 
 def _is_folder(text: str, folder: Path) -> SourceError:

@@ -336,3 +336,16 @@ def test_the_licenses_of_a_manifest_are_in_the_bundle(folder: Path, check: Check
     _manifest(folder, lambda manifest: manifest["inputs"][0].update(licenses=["LICENSES/one/LICENSE"]))
     [error] = [each for each in check()[1] if each.startswith("error")]
     assert error.endswith("names the license `LICENSES/one/LICENSE`, which is not in it")
+
+
+def test_the_folder_is_searched_once_for_all_parts_that_are_not_found(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    searched: list[str] = []
+    scan = os.scandir
+    monkeypatch.setattr(os, "scandir", lambda path: searched.append(str(path)) or scan(path))
+    with Session() as session:
+        found = verify_stored(folder / "out.zip", Context(environment={}, folder=elsewhere), session)
+    assert found is not None and len(found.parts) == 2
+    assert [path.rstrip("/") for path in searched].count(str(elsewhere)) == 1

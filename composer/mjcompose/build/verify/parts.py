@@ -19,7 +19,7 @@ from mjcompose.link.measure import folder_of, measure_with
 from mjcompose.link.subtree import take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
-from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
+from mjcompose.mujoco.attributes import DERIVED, Model, NameTable, name_table
 from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
@@ -107,7 +107,7 @@ def compare_part(
     the composition lacks the body.
     """
     body, pose, key_prefix, welded, renamed, keys = map(question.get, _PLACED)
-    if body is not None and body not in NameTable(composed).ids["body"]:
+    if body is not None and body not in name_table(composed).ids["body"]:
         return None
     if key_prefix is not None:
         renamed = {**(renamed or {}), "key": {name: key_prefix + name for name in NameTable(alone).ids["key"]}}

@@ -23,6 +23,7 @@ from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.mujoco.engine import Compiled, Session
 from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
@@ -47,6 +48,7 @@ class InputFinder:
         # The bundle may come from anyone, so its references may only name files of this project.
         self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
         self.planned: list[Source] = []
+        self.fetching = Fetching()
         if found is not None:
             aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
             plan = make_plan(found, aside)
@@ -77,7 +79,12 @@ class InputFinder:
         # Only the bundle asks for this reference, so nothing is fetched and no code runs.
         if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
-                found = resolve(wanted.reference, relative_to=self.folder, environment=self.context.environment)
+                found = resolve(
+                    wanted.reference,
+                    relative_to=self.folder,
+                    environment=self.context.environment,
+                    fetching=self.fetching,
+                )
                 if found.origin is not None or self.door.sees(found.path):
                     yield found
         path = self.folder / wanted.path
