@@ -81,7 +81,7 @@ class KeySource(Struct):
 
     `taken` are the `from` entries of recipes that passed the number on. `moved` are the parts whose place changed it,
     each with the place of its attachment. Both are in order. `lost` is the first number of a key that an edit has made
-    meaningless here.
+    meaningless here. `joint` is the joint from whose number a control follows.
     """
 
     kind: Kind
@@ -91,6 +91,7 @@ class KeySource(Struct):
     taken: tuple[Span, ...] = ()
     moved: tuple[tuple[str, Span | None], ...] = ()
     lost: Number | None = None
+    joint: str | None = None
 
 
 class Number(NamedTuple):

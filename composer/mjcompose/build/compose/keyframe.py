@@ -257,11 +257,13 @@ class _KeyWriter(Struct, frozen=False):
             else:
                 number = self._without_angle(joint, value, scale.quantity)
             values.append(scale.control(number))
-        self._write("ctrl", node, values, path=path)
+        self._write("ctrl", node, values, path=path, joint=joint)
 
-    def _write(self, vector: str, node: Node, values: list[float], path: tuple[str, ...]) -> None:
+    def _write(
+        self, vector: str, node: Node, values: list[float], path: tuple[str, ...], joint: str | None = None
+    ) -> None:
         span = self._at(vector, *path)
-        source = KeySource("entry", vector, span=span)
+        source = KeySource("entry", vector, span=span, joint=joint)
         self.noted.entries.setdefault(vector, {})[node] = (values, span)
         row = [Number(text, source, at) for at, text in enumerate(numbers.text(values).split())]
         self.values.setdefault(vector, {})[node] = row

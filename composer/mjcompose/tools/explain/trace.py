@@ -239,7 +239,8 @@ class NumberOrigin(Struct):
 
     `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the
     `from` entries of recipes that passed them on. `moved` are the parts whose place changed them, each with the
-    place of its attachment. `lost` is the origin of numbers in a key that edits made meaningless.
+    place of its attachment. `lost` is the origin of numbers in a key that edits made meaningless. `joint` is the
+    joint from whose number a control follows.
     """
 
     kind: Kind
@@ -249,6 +250,7 @@ class NumberOrigin(Struct):
     moved: tuple[tuple[str, Span | None], ...] = ()
     change: Change | None = None
     lost: NumberOrigin | None = None
+    joint: str | None = None
 
 
 class Row(NamedTuple):
@@ -343,7 +345,7 @@ class _Reading:
         text = " ".join(each.number.text for each in run)
         if found.written is not None and not source.moved and numbers.read(found.written) != numbers.read(text):
             found = NumberOrigin("unknown")
-        return replace(found, taken=source.taken, moved=source.moved, lost=lost)
+        return replace(found, taken=source.taken, moved=source.moved, lost=lost, joint=source.joint)
 
     def _of(self, source: KeySource, at: tuple[int, int]) -> NumberOrigin:
         if source.kind == "entry":

@@ -59,7 +59,8 @@ _NOBODY = {"reference": "the reference configuration", "zero": "0, because no ke
 
 def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None) -> RowExplained:
     """Return the row; `reason` comes from `reason_of`, `written` is the text at its place."""
-    on_the_way = [Reason("by `from`", span) for span in origin.taken]
+    on_the_way = [] if origin.joint is None else [Reason(f"from that number of the joint `{origin.joint}`")]
+    on_the_way += [Reason("by `from`", span) for span in origin.taken]
     on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
     if origin.lost is not None:
         on_the_way.append(Reason("an edit made the numbers there meaningless:", origin.lost.span))
