@@ -55,6 +55,15 @@ CUT = """\
   </contact>
 </mujoco>
 """
+LAMPS = """\
+<mujoco>
+  <worldbody>
+    <body name="rail"><joint/><geom size="0.1"/></body>
+    <replicate count="3" offset="1 0 0"><body name="lamp"><joint/><geom size="0.1"/></body></replicate>
+  </worldbody>
+  <equality><connect name="hang" body1="lamp" body2="rail" anchor="0 0 .3"/></equality>
+</mujoco>
+"""
 CLASSES = "<default><default class='visual'/><default class='collision'/></default>"
 HOME = "<keyframe><key name='home' time='{}' qpos='0.1'/></keyframe>"
 SCENE = PROP.format("palm", "", "").replace("<worldbody>", '<worldbody><geom name="floor" type="plane" size="1 1 1"/>')
@@ -94,6 +103,7 @@ MODELS_OF = {
     "mirror": {"bent_arm.xml": ARM.format("", "").replace('name="link" pos="0 0 0.5"', 'name="link" pos="0 0.02 0.5"')},
     "mesh-unusable": {"arm.xml": WEIGHED},
     "name-clash": {"arm.xml": PROP.format("table", "", "")},
+    "not-as-written": {"lamps.xml": LAMPS},
     "not-held": {"arm.xml": ARM.format("", '<actuator><motor name="shoulder" joint="elbow"/></actuator>')},
     "option-conflict": {
         "arm.xml": ARM.format('<option timestep="0.002"/>', ""),

@@ -14,7 +14,8 @@ from hypothesis import given, settings, strategies as st
 from link.workshop import OLDER, told
 from lxml import etree
 from mjcompose.base.sink import Sink
-from mjcompose.link.key_layout import BLOCK, Copy, Holder, Slot, actuators_in_order, suffixes
+from mjcompose.link.expansion import Copy, actuators_in_order, suffixes
+from mjcompose.link.key_layout import BLOCK, Holder, Slot
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import measure_with
 from mjcompose.link.unit_keys import layout_of
@@ -223,8 +224,6 @@ def test_order(world: str, tendons: bool) -> None:
             '<fixed name="t"><joint joint="rj" coef="1"/></fixed><fixed name="u"><joint joint="sj" coef="1"/></fixed>'
         )
         actuators += '<motor name="mt" tendon="t"/><motor name="mu" tendon="u"/><motor name="ms" site="rs"/>'
-    if world == WORLDS["deep"]:  # elsewhere MuJoCo refuses what refers to something replicated and to something else
-        actuators += '<general name="x" site="as" refsite="rs" gear="1 0 0 0 0 0"/>'
     text = f"<mujoco><worldbody>{world}</worldbody><tendon>{sites}</tendon><actuator>{actuators}</actuator></mujoco>"
     model = mujoco.MjModel.from_xml_string(text)
     count = model.nactuator if hasattr(model, "nactuator") else model.nu

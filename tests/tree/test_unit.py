@@ -7,7 +7,7 @@ import pytest
 from lxml import etree
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
-from mjcompose.link.key_layout import Copy
+from mjcompose.link.expansion import Copy
 from mjcompose.tree import unit as file_text
 from mjcompose.tree.merged_settings import ReadRow
 from mjcompose.tree.parse import parse_file, parse_text

@@ -129,6 +129,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "mujoco-rejects": "MuJoCo does not accept the model",
         "mujoco-timeout": "MuJoCo took longer than the limit",
         "mujoco-warning": "MuJoCo accepts the model and warns about it",
+        "not-as-written": "MuJoCo drops or multiplies an element without an error",
         "unstable": "a simulation diverges, so a film of it cannot be made",
     },
     "Bundles and outputs": {

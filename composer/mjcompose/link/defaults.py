@@ -21,7 +21,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.link.angles import in_world, keep_in_main
-from mjcompose.link.key_layout import actuators_in_order, element_of
+from mjcompose.link.expansion import actuators_in_order, element_of
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.tree.classes import MAIN, NESTED, Classes, DefaultClass, says_something
 from mjcompose.tree.grammar import GRAMMAR

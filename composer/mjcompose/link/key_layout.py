@@ -3,93 +3,22 @@
 MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do not
 count. A `<replicate>` is laid out copy by copy. An element that only MuJoCo expands (`flexcomp`, `attach`) is one
 block. The joints in which a rod is twisted are another. `test_key_layout.py` compares all of this with MuJoCo.
-
-MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes the tendons and actuators
-that refer to something inside it, and appends their copies: first all copies for its first copy, then for its second,
-and so on. Elements that also refer to something outside the replicate are not copied and are lost.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import field
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.link.expansion import Copy, Within, actuators_in_order, copies_of, element_of
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.tree.classes import Classes, childclass_of, through_frames
-from mjcompose.tree.names import DECLARES, REFERS, naming_table
 from mjcompose.tree.unit import Unit
-
-Name = tuple[str, str]
-"""Namespace and name."""
-
-Within = tuple[tuple[Node, int], ...]
-"""The number of a copy in each `<replicate>` that makes it, innermost first."""
-
-
-class Copy(NamedTuple):
-    """A joint, actuator or mocap body that MuJoCo makes from an element; `twists` marks joints that twist a rod."""
-
-    element: Node
-    within: Within = ()
-    twists: bool = False
-
-
-def element_of(holder: Node | Copy) -> Node:
-    return holder.element if isinstance(holder, Copy) else holder
-
-
-class _Multiplied(Struct):
-    """A tendon or an actuator after the replicates carried out so far."""
-
-    element: Node
-    within: Within
-    name: str
-    refers: frozenset[Name]
-
-    @classmethod
-    def of(cls, element: Node, section: str) -> _Multiplied:
-        table = naming_table(section)
-        refers = {
-            (namespace, str(each.get(name)))
-            for each in element.iter("*")
-            for name, (action, namespace) in table.get(str(each.tag), {}).items()
-            if action == REFERS and each.get(name) and namespace != "default"
-        }
-        return cls(element, (), str(element.get("name") or ""), refers=frozenset(refers))
-
-    def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Multiplied:
-        refers = frozenset((kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers)
-        name = self.name + suffix if self.name else ""
-        return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
-
-
-def actuators_in_order(root: Node) -> list[Node | Copy]:
-    """Return every actuator of a model in the order of its controls. For a multiplied actuator, return its copies."""
-    return in_order(root, "actuator")
-
-
-def in_order(root: Node, section: str) -> list[Node | Copy]:
-    """Return the elements of the section `actuator` or `sensor` in MuJoCo's order, with all copies."""
-    elements = root.findall(f"{section}/*")
-    if not elements or next(root.iter("replicate"), None) is None:
-        return list(elements)
-    rows = {
-        each: [_Multiplied.of(node, each) for node in root.iterfind(f"{each}/*")]
-        for each in dict.fromkeys(("tendon", "actuator", section))
-    }
-    made: dict[Node, list[Name]] = {}
-    for replicate, inside in _names_inside(root, made):
-        lost = frozenset(inside)
-        for each, before in rows.items():  # sensors refer to the others, and actuators to tendons
-            rows[each], gone = _multiply(before, lost, replicate)
-            lost |= {(each, name) for name in gone}
-    return [Copy(each.element, each.within) if each.within else each.element for each in rows[section]]
 
 
 def joints_in_order(unit: Unit) -> list[Holder]:
@@ -99,98 +28,6 @@ def joints_in_order(unit: Unit) -> list[Holder]:
     for worldbody in unit.root.iterchildren("worldbody"):
         reader.visit_world(worldbody, layout)
     return list(layout.joints)
-
-
-def name_of_holder(holder: Holder) -> str:
-    """Return the name that MuJoCo gives to an element or to its copy; empty if it has none."""
-    name = str(element_of(holder).get("name") or "")
-    within = holder.within if name and isinstance(holder, Copy) else ()
-    return name + "".join(suffixes(replicate)[number] for replicate, number in within)
-
-
-def copied_names(root: Node) -> set[Name]:
-    made: dict[Node, list[Name]] = {}
-    for _ in _names_inside(root, made):
-        pass
-    return {name for names in made.values() for name in names}
-
-
-def _names_inside(root: Node, made: dict[Node, list[Name]]) -> Iterator[tuple[Node, list[Name]]]:
-    """Yield each replicate, inner ones first, with the names in it, and note the names that it makes in `made`."""
-    for world in root.iterchildren("worldbody"):
-        for replicate in inner_first(world):
-            inside = list(_declared(replicate, made))
-            made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
-            yield replicate, inside
-
-
-def _multiply(
-    elements: list[_Multiplied], lost: frozenset[Name], replicate: Node
-) -> tuple[list[_Multiplied], list[str]]:
-    """Multiply the elements that refer to `lost` names, as a replicate does. Return all elements, and the old names."""
-    # MuJoCo 4.0 also multiplies elements that refer to something inside: `<motor joint="j"/>` on the joint of a body
-    # in `<replicate count="2">` gives two controls. They come after the actuators that are not multiplied.
-    # With `<motor name="z" …/>` behind `a` on a joint outside, the order is z, a0, a1.
-    kept = [each for each in elements if each.refers.isdisjoint(lost)]
-    removed = [each for each in elements if not each.refers.isdisjoint(lost)]
-    copies = [
-        each.copied(replicate, number, end, lost=lost)
-        for number, end in enumerate(suffixes(replicate))
-        for each in removed
-        if each.refers <= lost
-    ]
-    return kept + copies, [each.name for each in removed if each.name]
-
-
-def inner_first(top: Node) -> Iterator[Node]:
-    """Return every replicate in `top`, including `top` itself, in the order in which MuJoCo applies them."""
-    # MuJoCo 4.0 appends the number of the inner replicate first: a `<body name="b"/>` in `<replicate count="2"
-    # sep="-">` in `<replicate count="2" sep="_">` becomes b-0_0, b-1_0, b-0_1, b-1_1.
-    for child in top.iterchildren("*"):
-        yield from inner_first(child)
-    if top.tag == "replicate":
-        yield top
-
-
-def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
-    """Yield the names inside a replicate, including those that inner replicates have made."""
-    for child in replicate.iterchildren("*"):
-        if child.tag == "replicate":
-            yield from made[child]
-            continue
-        action, namespace = naming_table("worldbody").get(str(child.tag), {}).get("name", (None, ""))
-        if action == DECLARES and (name := child.get("name")):
-            yield namespace, name
-        yield from _declared(child, made)
-
-
-def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
-    """Return the copies that these replicates, innermost first, make from their content, by the ends of their names."""
-    if not around:
-        return {}
-    copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
-    return {
-        "".join(end for _, end in each): tuple(zip(around, (number for number, _ in each), strict=True))
-        for each in copies
-    }
-
-
-def names_of_copies(element: Node) -> list[str]:
-    name = str(element.get("name") or "")
-    ends = ends_of_copies(list(element.iterancestors("replicate")))
-    return [name + end for end in ends or [""]] if name else []
-
-
-def suffixes(replicate: Node) -> list[str]:
-    """Return the suffixes of the names in each copy. All have as many digits as the count: ten begin at `00`."""
-    count = copies_of(replicate)
-    # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
-    width = len(str(count))
-    return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
-
-
-def copies_of(replicate: Node) -> int:
-    return int(str(replicate.get("count") or 1))
 
 
 JOINTS = ("joint", "freejoint")

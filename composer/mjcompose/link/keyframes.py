@@ -11,7 +11,8 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
+from mjcompose.link.expansion import Copy
+from mjcompose.link.key_layout import BLOCK, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part, detach, shown_name
 from mjcompose.link.measure import Reference
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes

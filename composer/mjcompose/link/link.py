@@ -10,6 +10,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.link.agreement import agreement, autolimits, passthrough
 from mjcompose.link.angles import angles, check_flexes, flex_turns, note_flexes
 from mjcompose.link.bodies import bodies
+from mjcompose.link.boundaries import boundaries, crossings
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
 from mjcompose.link.inertia import body_reduction, fitted_sizes, inertia, lengthranges, muscle_forces
@@ -138,6 +139,7 @@ def _pass(
 # - A part hangs on a place by its final name, with the angles of the model (`bodies`), and takes the pose of a site
 #   from its class (`defaults`). Whether its body is aligned is known by then (`alignment`).
 PASSES: tuple[Pass, ...] = (
+    _pass(boundaries, "checked by the linker", "OWN_NAMES", stops=False),
     _pass(note_flexes, "noted by the linker", "OWN_NAMES ALONE", leaves="FLEXES_NOTED"),
     _pass(flex_turns, "checked by the linker", "FLEXES_NOTED OWN_NAMES", stops=False),
     _pass(replicates, "a copy by a `<replicate>`, written out", "ALONE OWN_NAMES", leaves="UNROLLED"),
@@ -183,6 +185,7 @@ PASSES: tuple[Pass, ...] = (
           "JOINED NAMES_FINAL ANGLES_SHARED OWN_SECTIONS", stops=False),
     _pass(sections, "holds what the parts bring", "NAMES_FINAL CLASSES_WRAPPED FILES_PLACED MODELS_NAMED",
           ends="OWN_SECTIONS"),
+    _pass(crossings, "written out for each copy of a `<replicate>`", "JOINED NAMES_FINAL", stops=False, rewrites=True),
     _pass(compiler, "the settings that hold for every part", "ANGLES_SHARED ALIGNED FILES_PLACED MODELS_NAMED",
           ends="ALONE", rewrites=True),
 )  # fmt: skip
@@ -214,7 +217,7 @@ def link(linking: Linking) -> bool:
 
 def link_alone(linking: Linking) -> None:
     """Link a base without parts: only the paths of its files change. The caller has checked its names and keys."""
-    for link_pass in (files, submodels, compiler):
+    for link_pass in (boundaries, crossings, files, submodels, compiler):
         link_pass(linking)
 
 

@@ -19,21 +19,8 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import (
-    BLOCK,
-    BLOCKS,
-    Copy,
-    Holder,
-    Layout,
-    Slot,
-    Unknown,
-    Within,
-    actuator_slot,
-    actuators_in_order,
-    copies_of,
-    element_of,
-    lay_out,
-)
+from mjcompose.link.expansion import Copy, Within, actuators_in_order, copies_of, element_of
+from mjcompose.link.key_layout import BLOCK, BLOCKS, Holder, Layout, Slot, Unknown, actuator_slot, lay_out
 from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.mujoco import engine

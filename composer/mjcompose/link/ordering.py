@@ -15,7 +15,8 @@ from itertools import groupby
 from lxml import etree
 from lxml.etree import _Element as Node
 
-from mjcompose.link.key_layout import BLOCKS, JOINTS, element_of, in_order, joint_type, joints_in_order, name_of_holder
+from mjcompose.link.expansion import element_of, in_order, name_of_holder
+from mjcompose.link.key_layout import BLOCKS, JOINTS, joint_type, joints_in_order
 from mjcompose.link.unit_keys import keys_of
 from mjcompose.tree.classes import Classes
 from mjcompose.tree.unit import Unit

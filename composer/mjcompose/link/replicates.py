@@ -20,12 +20,13 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import BLOCKS, Name, copied_names, inner_first, suffixes
+from mjcompose.link.expansion import Name, copied_names, inner_first, references_to_copied, suffixes
+from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.files import read_settings
-from mjcompose.tree.names import REFERS, REFERS_BY, WORLD, NameIndex, declaration, naming_table, object_namespace
+from mjcompose.tree.names import WORLD, NameIndex, declaration, naming_table
 from mjcompose.tree.unit import Unit
 
 
@@ -48,8 +49,6 @@ def copy_poses(
 
 _SECTIONS = ("contact", "tendon", "equality", "actuator", "sensor", "custom")
 _OF_NOTHING = ("numeric", "text")
-# Kinds that a replicate copies; assets, numbers and texts keep their names, so they always resolve.
-_COPIED = frozenset("body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split())
 
 
 def check_replicates(linking: Linking) -> None:
@@ -102,19 +101,13 @@ def is_made_by(
     )
 
 
-def references_of(thing: Node) -> Iterator[tuple[str, str]]:
-    """Yield the namespace and name of each reference of a thing to something that a replicate copies."""
+def references_of(thing: Node) -> Iterator[Name]:
+    """Yield the references of a thing to something that a replicate copies; a tuple may always refer to the world."""
     section = thing.getparent()
     assert section is not None
-    table = naming_table(str(section.tag))
-    for element in thing.iter("*"):
-        for attribute, (action, namespace) in table.get(str(element.tag), {}).items():
-            name = str(element.get(attribute) or "")
-            kind = object_namespace(element, namespace) if action == REFERS_BY else namespace
-            if name == WORLD and thing.tag == "tuple":
-                continue
-            if name and action in (REFERS, REFERS_BY) and kind in _COPIED:
-                yield str(kind), name
+    for kind, name in references_to_copied(thing, str(section.tag)):
+        if name != WORLD or thing.tag != "tuple":
+            yield kind, name
 
 
 def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
@@ -138,13 +131,16 @@ def replicates(linking: Linking) -> None:
 
 
 def spare_added(linking: Linking) -> None:
-    """Write out the replicates of the finished model that would multiply the recipe's additions; report the others."""
+    """Write out the replicates that would multiply other elements, if the recipe added one of the two.
+
+    Report those that cannot be written out.
+    """
     base = linking.base
     nests = list(_outermost(base))
-    candidates = multiplied_elements(base) if nests else ()
-    added = {each for each in candidates if not isinstance(base.origins.owner(each, base.file), str)}
-    if not added:
+    candidates = list(multiplied_elements(base)) if nests else []
+    if not candidates:
         return
+    added = {each for each in candidates if _is_added(base, each)}
     index_of = cache(lambda unit: NameIndex.of(unit.root))
     places = {element: at for at, element in enumerate(base.root.iter("*"))}
     made = copied_names(base.root)
@@ -152,21 +148,31 @@ def spare_added(linking: Linking) -> None:
     for nest in nests:
         inside = list(inner_first(nest))
         resolves = partial(resolves_in_copies, linking, places=places, made=made)
-        multiplied = [each for each in added if any(resolves(each, replicate) for replicate in inside)]
+        affected = candidates if _is_added(base, nest) else added
+        multiplied = [each for each in affected if any(resolves(each, replicate) for replicate in inside)]
         if multiplied and _is_separate(base, index_of, nest, inside=inside, spared=multiplied):
             for each in inside:
                 _write_out(linking, base, each)
             linking.names.declared = NameIndex.of(base.root).declared
             continue
         for element in sorted(multiplied, key=places.__getitem__):
-            called, place = shown_name(element), linking.span(base, nest)
-            linking.sink.error(
-                "not-supported",
-                f"MuJoCo would multiply the `<{element.tag}>` {called} with the contents of a `<replicate>`",
-                linking.span(base, element), notes=(Note("the `<replicate>`", place),),
-                help="write the copies out instead of `<replicate>`",
-                cause=Cause(f"multiplied by line {place}", called), subjects=(str(element.get("name") or ""),),
-            )  # fmt: skip
+            _refuse_added(linking, element, nest)
+
+
+def _is_added(base: Unit, element: Node) -> bool:
+    return not isinstance(base.origins.owner(element, base.file), str)
+
+
+def _refuse_added(linking: Linking, element: Node, nest: Node) -> None:
+    base = linking.base
+    called, place = shown_name(element), linking.span(base, nest)
+    linking.sink.error(
+        "not-supported",
+        f"MuJoCo would multiply the `<{element.tag}>` {called} with the contents of a `<replicate>`",
+        linking.span(base, element), notes=(Note("the `<replicate>`", place),),
+        help="write the copies out instead of `<replicate>`",
+        cause=Cause(f"multiplied by line {place}", called), subjects=(str(element.get("name") or ""),),
+    )  # fmt: skip
 
 
 _IndexOf = Callable[[Unit], NameIndex]

@@ -11,8 +11,9 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.link.expansion import element_of
 from mjcompose.link.inertia import MEASURED, write_inertias
-from mjcompose.link.key_layout import Holder, element_of
+from mjcompose.link.key_layout import Holder
 from mjcompose.link.keyframes import cut_row
 from mjcompose.link.linking import Linking, Measure, detach
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys

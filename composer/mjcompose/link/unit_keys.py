@@ -21,7 +21,8 @@ from lxml.etree import _Element as Node, tostring
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
+from mjcompose.link.expansion import Copy, element_of, ends_of_copies
+from mjcompose.link.key_layout import Layout, Slot, Unknown, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured, strip
 from mjcompose.tree.files import read_settings

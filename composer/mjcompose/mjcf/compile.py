@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
+from mjcompose.link.existence import existence_faults
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.mujoco.attributes import Model as MjModel, NameTable
+from mjcompose.mujoco.attributes import Model as MjModel, NameTable, all_names
 from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
@@ -165,6 +166,9 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     raise_errors(sink)
     name_files(flat)
     compiled = compile_text(write(flat.unit.root), contents(flat), flat)
+    for fault in existence_faults(flat.unit, all_names(compiled)):
+        sink.add(fault)
+    raise_errors(sink)
     issue_warnings(flat.warnings)
     return compiled, _snapshot(model, copies, flat, roster=NameTable(compiled))
 

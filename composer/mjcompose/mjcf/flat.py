@@ -19,6 +19,7 @@ from mjcompose.base.naming import is_portable
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect, read
+from mjcompose.link.boundaries import has_crossings
 from mjcompose.link.defaults import choose_classes
 from mjcompose.link.files import ASSETS, is_settled
 from mjcompose.link.link import finish, link, link_alone
@@ -127,7 +128,9 @@ def relocated_text(model: Model, label: str) -> str | None:
     never replaced by mistake.
     """
     unit = model.unit
-    if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label) or not is_portable(label):
+    if model.attachments or unit.contents or has_crossings(unit):
+        return None
+    if not re.fullmatch(r"[\w.-]+", label) or not is_portable(label):
         return None
     files = _plain_files(unit)
     if files is None or next(empty_elements(unit), None) is not None:

@@ -75,9 +75,17 @@ def holder(model: Model, kind: str, index: int) -> int:
 
 def names(model: Model, kind: str) -> list[str]:
     """Return the names of a kind's elements by id, with `""` for unnamed elements; invalid UTF-8 is replaced."""
-    text: bytes = model.names
-    starts = [int(start) for start in getattr(model, KINDS[kind].addresses)]
-    return [text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts]
+    starts = getattr(model, KINDS[kind].addresses)
+    count = len(starts)
+    if not count:
+        return []
+    text: bytes = model.names[int(starts[0]) :]  # the names of a kind follow one another, each with a zero at its end
+    return text.decode("utf-8", "replace").split("\0", count)[:count]
+
+
+def all_names(model: Model) -> dict[str, list[str]]:
+    """Return the names of all elements by kind."""
+    return {kind: names(model, kind) for kind in KINDS}
 
 
 class NameTable:

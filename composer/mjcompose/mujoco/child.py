@@ -122,7 +122,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
     if "index" in wants:
         answer["index"] = json.dumps(asdict(index(model, mujoco)))
     if "names" in wants:
-        answer["names"] = attributes.NameTable(model).names
+        answer["names"] = attributes.all_names(model)
     if request["mjb"]:
         mujoco.mj_saveModel(model, request["mjb"])
         if not os.path.isfile(request["mjb"]):

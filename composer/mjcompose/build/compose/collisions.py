@@ -17,7 +17,7 @@ from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.steps import SetCollisions
 from mjcompose.language.contact import BETWEEN
-from mjcompose.link.key_layout import names_of_copies
+from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.linking import Linking
 from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context

@@ -57,6 +57,7 @@ from mjcompose.build.plan.plan import (
 from mjcompose.build.plan.planner import STEPS
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
+from mjcompose.link.boundaries import crossings
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
@@ -356,6 +357,8 @@ class Composer:
         else:
             if changes:
                 changes.edit()
+            crossings(linking)
+            linking.watch(linking.units, crossings)
             order_elements(plan, linking)  # before draws, which count elements without a name
             if changes:
                 changes.draw()

@@ -24,7 +24,7 @@ from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.build.verbs.remove import listed_kind, remove
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Drop
-from mjcompose.link.key_layout import element_of
+from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
 from mjcompose.link.linking import Linking, Request
 from mjcompose.link.subtree import DroppedElement

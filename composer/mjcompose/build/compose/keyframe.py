@@ -21,7 +21,8 @@ from mjcompose.build.plan.steps import WriteKeyframe
 from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, Entry
 from mjcompose.language.value import Single, shown
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, element_of
+from mjcompose.link.expansion import Copy, element_of
+from mjcompose.link.key_layout import BLOCK, Layout, Slot
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import without_void

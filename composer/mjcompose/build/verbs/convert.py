@@ -24,7 +24,7 @@ from mjcompose.language.forms.model import IT, WHOLE
 from mjcompose.language.select import unknown_attribute
 from mjcompose.language.value import kind_of, read_value
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import element_of
+from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import part_keys
 from mjcompose.tree.classes import levels
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text

@@ -19,6 +19,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, writing
 from mjcompose.build.bundle.read import files_outside
 from mjcompose.build.bundle.staging import write_files
+from mjcompose.link.existence import existence_faults
 from mjcompose.mujoco import engine, messages
 from mjcompose.mujoco.engine import Compiled, Session
 from mjcompose.sources.context import Context
@@ -65,6 +66,8 @@ def compile_and_report(
             element = _element(fault, bundle, model)
             messages.report(messages.translate(message, element), element, model, context=context, at=at)
         return None
+    if verified.compiled.names is not None:
+        context.sink.extend(existence_faults(model, verified.compiled.names))
     version = verified.compiled.mujoco_version
     # A newer version may have more attributes.
     if version is None or version_key(version) <= version_key(GRAMMAR.versions[-1]):
@@ -196,7 +199,7 @@ def verify(
         if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
             raise OutsideFilesError(found)
         compiled = engine.compile(
-            folder, bundle.model, wants=("index",), keep=keep, folder_is_reused=is_reused, limits=limits,
+            folder, bundle.model, wants=("index", "names"), keep=keep, folder_is_reused=is_reused, limits=limits,
             session=session,
         )  # fmt: skip
     warnings, fault = tuple(map(messages.parse, compiled.warnings)), None

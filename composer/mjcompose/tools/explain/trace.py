@@ -17,7 +17,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import Layout, Unknown, element_of, lay_out
+from mjcompose.link.expansion import element_of
+from mjcompose.link.key_layout import Layout, Unknown, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
 from mjcompose.tree.unit import KeySource, Number, Origins, Place, Unit, line_of
