@@ -1,7 +1,7 @@
 """A recipe as a model in this process: built without files, except generated assets in the cache.
 
-`python -m mjcompose.tools.open.recipe RECIPE` prints the MJCF for MuJoCo's decoder in C, or the reason that there is
-none; the exit code says which.
+`python -P -m mjcompose.tools.open.recipe RECIPE FOLDER` prints the MJCF for MuJoCo's decoder in C, or the reason that
+there is none, on one line; the exit code says which. `FOLDER` is the current folder of the program.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ from pathlib import Path
 from threading import RLock
 from typing import Any, NamedTuple, TypeAlias
 
-from mjcompose.base.diagnostic import warn
+from mjcompose.base.diagnostic import Severity, warn
 from mjcompose.base.files import Mark, mark_of, read_regular
-from mjcompose.base.report import MjcomposeError, render, short_traceback
+from mjcompose.base.guard import limit
+from mjcompose.base.limits import in_force
+from mjcompose.base.report import MjcomposeError, counted, render, short_traceback
+from mjcompose.base.runtime import forget_current_folder
 from mjcompose.base.suggest import exists_note
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.build.plan.read import Given
@@ -244,14 +247,33 @@ def nodes_of(written: Mapping[str, str], context: Context) -> Given:
     return {name: node for name, node in nodes.items() if node is not None}
 
 
-def main(recipe: str) -> int:
+def main(recipe: str, folder: str) -> int:
+    """Print the MJCF of a recipe or, on one line, why there is none; standard error gets all diagnostics."""
+    forget_current_folder()
+    if os.name == "posix":
+        limit(in_force().memory, 0)
     try:
-        text, code = text_of(recipe), 0
+        os.chdir(folder)
+        text = text_of(recipe)
+        code = 0
     except MjcomposeError as error:
-        text, code = str(error), 1
+        sys.stderr.write(f"{error}\n")
+        text = in_one_line(error)
+        code = 1
+    except OSError as error:
+        text = f"`{recipe}` cannot be opened: {(error.strerror or str(error)).lower()}"
+        code = 1
     sys.stdout.buffer.write(text.encode(errors="replace"))
     return code
 
 
+def in_one_line(error: MjcomposeError) -> str:
+    """Return the first error with its help, and the number of the others. No I/O."""
+    first, *others = [each for each in error.diagnostics if each.severity is Severity.ERROR]
+    head = render(first).splitlines()[0]
+    help = f"; help: {' '.join(first.help.split())}" if first.help else ""
+    return f"{head}{help}" + (f" (and {counted(len(others), 'more error')})" if others else "")
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(sys.argv[1], sys.argv[2]))
