@@ -8,8 +8,12 @@ import struct
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
+import numpy as np
 import pytest
+from mjcompose.link.measure import folder_of
 from mjcompose.mujoco.shapes import is_flat
+from mjcompose.tree.xml_text import write
 from mjcompose.urdf.read import UrdfReader
 from urdf.parts import ARM, INERTIAL, link, robot
 
@@ -263,3 +267,78 @@ def test_a_mesh_may_not_name_files_outside(reader: Reader, tmp_path: Path) -> No
     read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep")
     assert read.unit() is None
     assert [each.code for each in read.sink.errors] == ["source-outside"]
+
+
+def painted(folder: Path, name: str = "m") -> str:
+    """Write an OBJ of a closed wedge with a material on each of its faces."""
+    colors = ("1 0 0", "0 1 0", "0 0 1", "1 1 0")
+    materials = [f"newmtl c{number}\nKd {color}" for number, color in enumerate(colors)]
+    (folder / f"{name}.mtl").write_text("\n".join(materials) + "\n")
+    rows = [f"mtllib {name}.mtl", *(f"v {0.3 * x} {0.2 * y} {0.2 * z}" for x, y, z in CORNERS)]
+    for number, face in enumerate(FACES):
+        rows += [f"usemtl c{number}", "f " + " ".join(str(corner + 1) for corner in face)]
+    (folder / f"{name}.obj").write_text("\n".join(rows) + "\n")
+    return f"{name}.obj"
+
+
+def painted_collada(folder: Path) -> str:
+    """Write two wedges with a material each, that touch nothing of one another."""
+    pytest.importorskip("collada")
+    (folder / "m.dae").write_text(collada("1 0 0 1", "0 0 1 1"))
+    return "m.dae"
+
+
+def compiled(reader: UrdfReader) -> mujoco.MjModel:
+    unit = reader.unit()
+    assert unit is not None, [each.message for each in reader.sink.errors]
+    with folder_of(unit) as folder:
+        file = str(folder / "model.xml")
+        return mujoco.MjSpec.from_file(file, include={file: write(unit.root)}).compile()
+
+
+@pytest.mark.parametrize("inertial", [INERTIAL, ""], ids=["weighed", "weighed by its shape"])
+@pytest.mark.parametrize("make", [painted, painted_collada])
+def test_colors_touch_no_physics(reader: Reader, tmp_path: Path, inertial: str, make: Callable[[Path], str]) -> None:
+    """One `<collision>` is one geom of the same hull and mass, whether pictures are kept or not."""
+    pytest.importorskip("trimesh")
+    file = make(tmp_path)
+    text = robot(ARM[0], link("upper", inertial + shape(file) + shape(file, "visual")), *ARM[2:])
+    hulls = []
+    for visuals in ("drop", "keep"):
+        model = compiled(reader("r.urdf", text, visuals=visuals))
+        (touching,) = (geom for geom in range(model.ngeom) if model.geom_contype[geom])
+        shown = model.ngeom - 1
+        assert shown == (0 if visuals == "drop" else 4 if file.endswith("obj") else 2)
+        mesh = int(model.geom_dataid[touching])
+        hulls.append((model.body("upper").mass[0], model.body("upper").inertia.tolist(), int(model.mesh_facenum[mesh])))
+    dropped, kept = hulls
+    assert kept == dropped
+
+
+@pytest.mark.parametrize("folders", [("collision", "visual"), ("b", "a")])
+def test_files_of_one_name_are_two_meshes(reader: Reader, tmp_path: Path, folders: tuple[str, str]) -> None:
+    """MuJoCo 3.12 and 3.13 read the first file for both."""
+    for folder, scale in zip(folders, (0.1, 0.3), strict=True):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "link.obj").write_text(obj(scale))
+    shapes = "".join(shape(f"{folder}/link.obj") for folder in folders)
+    setting = '<mujoco><compiler strippath="false"/></mujoco>'
+    model = compiled(reader("r.urdf", robot(setting, ARM[0], link("upper", INERTIAL + shapes), *ARM[2:])))
+    sizes = [float(np.ptp(model.mesh_vert[start : start + count], axis=0).max())
+             for start, count in zip(model.mesh_vertadr, model.mesh_vertnum, strict=True)]  # fmt: skip
+    assert len(sizes) == 2 and max(sizes) / min(sizes) == pytest.approx(3, rel=1e-6)
+    assert len(set(model.geom_dataid.tolist())) == 2
+
+
+def test_a_file_with_parts_is_judged_as_a_whole(reader: Reader, tmp_path: Path) -> None:
+    """A label of a tenth of a millimeter on a part that is large enough."""
+    pytest.importorskip("trimesh")
+    rows = ["mtllib m.mtl", *(f"v {0.2 * x} {0.2 * y} {0.2 * z}" for x, y, z in CORNERS)]
+    rows += [f"v {1e-4 * x} {1e-4 * y} {1e-4 * z}" for x, y, z in CORNERS]
+    for number in range(2):
+        rows.append(f"usemtl c{number}")
+        rows += ["f " + " ".join(str(corner + 1 + 4 * number) for corner in face) for face in FACES]
+    (tmp_path / "m.mtl").write_text("newmtl c0\nKd 1 0 0\nnewmtl c1\nKd 0 0 1\n")
+    (tmp_path / "m.obj").write_text("\n".join(rows) + "\n")
+    text = robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:])
+    assert told(reader("r.urdf", text, visuals="keep")) == []

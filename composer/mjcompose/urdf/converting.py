@@ -1,6 +1,6 @@
 """Runs in the child process: convert meshes that MuJoCo does not read to OBJ, and measure others.
 
-Each material becomes an OBJ of its own, with its texture.
+Each material becomes an OBJ of its own, with its texture, and all of them together one OBJ, for shapes that collide.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ _FEWEST = 4
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the parts of each file, or the reason that there are none: `missing` (a package), `error`, `refused`."""
+    """Return the parts of each file, or the reason that there are none: `missing` (a package), `error`, `refused`.
+
+    With parts come the `measures` of all of them together, and the OBJ of the `whole`, None if there is one part.
+    """
     door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
     return [_one(path, door) for path in argument["files"]]
 
@@ -57,11 +60,25 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         name = type(error).__name__
         return {"error": (str(error).strip().partition("\n")[0].removeprefix(f"{name}: ") or name)[:160]}
     scale = _meters(scene)
-    parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene, suffix)) if part is not None]
+    surfaces = [(mesh, surface) for mesh in _meshes(scene, suffix) if (surface := _surface(mesh, scale)) is not None]
     read = [each for each in resolver.read if os.path.isfile(each)]
     if resolver.refused:
         return {"refused": resolver.refused[0]}
-    return {"parts": parts, "files": read, "lost": resolver.lost}
+    parts = [_part(mesh.visual, *surface) for mesh, surface in surfaces]
+    return {"parts": parts, "files": read, "lost": resolver.lost, **_together([surface for _, surface in surfaces])}
+
+
+def _together(surfaces: list[tuple[Any, Any]]) -> dict[str, Any]:
+    """Return the measures of surfaces as one, and their OBJ if there are several."""
+    import numpy
+
+    if not surfaces:
+        return {"measures": None, "whole": None}
+    starts = numpy.cumsum([0, *(len(vertices) for vertices, _ in surfaces)])
+    vertices = numpy.concatenate([vertices for vertices, _ in surfaces])
+    faces = numpy.concatenate([faces + start for start, (_, faces) in zip(starts, surfaces, strict=False)])
+    whole = _obj(vertices, faces, None) if len(surfaces) > 1 else None
+    return {"measures": measures(vertices, faces), "whole": whole}
 
 
 def _without_textures(data: bytes) -> bytes | None:
@@ -91,9 +108,9 @@ def _own(path: str, door: Door) -> dict[str, Any]:
     except (ValueError, IndexError) as error:
         return {"error": str(error)[:200]}
     if not len(faces) or not numpy.isfinite(vertices).all():
-        return {"parts": [], "files": [], "lost": []}
-    part = {"obj": _obj(vertices, faces, None), "rgba": None, "texture": None, "measures": measures(vertices, faces)}
-    return {"parts": [part], "files": [], "lost": []}
+        return {"parts": [], "files": [], "lost": [], **_together([])}
+    part = {"obj": _obj(vertices, faces, None), "rgba": None, "texture": None}
+    return {"parts": [part], "files": [], "lost": [], **_together([(vertices, faces)])}
 
 
 class _Resolver:
@@ -142,20 +159,23 @@ def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
             yield mesh
 
 
-def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
+def _surface(mesh: Any, scale: float) -> tuple[Any, Any] | None:
+    """Return the vertices of a mesh in meters, and its faces; None if it has no place."""
     import numpy
 
     vertices = numpy.asarray(mesh.vertices, float) * scale
     if not numpy.isfinite(vertices).all() or not len(vertices):
         return None
-    faces, visual = numpy.asarray(mesh.faces), mesh.visual
+    return vertices, numpy.asarray(mesh.faces)
+
+
+def _part(visual: Any, vertices: Any, faces: Any) -> dict[str, Any]:
     uv: Any = getattr(visual, "uv", None) if getattr(visual, "kind", None) == "texture" else None
     rgba, texture = _look(visual)
     if uv is not None and (texture is None or len(uv) != len(vertices)):
         uv = None
     encoded = None if texture is None else base64.b64encode(texture).decode("ascii")
-    obj = _obj(vertices, faces, uv)
-    return {"obj": obj, "rgba": rgba, "texture": encoded, "measures": measures(vertices, faces)}
+    return {"obj": _obj(vertices, faces, uv), "rgba": rgba, "texture": encoded}
 
 
 def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:

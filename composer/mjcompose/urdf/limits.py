@@ -31,8 +31,12 @@ class Unlimited(Struct):
 def complete_limits(robot: Robot) -> None:
     """Write the 0 that the standard gives to a missing `lower` or `upper`: MuJoCo ignores a limit without both.
 
-    A `<limit>` with neither stays: by the standard the joint cannot move, and nobody means that.
+    A `<limit>` with neither stays: by the standard the joint cannot move, and nobody means that. Ends that no version
+    of MuJoCo uses are removed: MuJoCo 3.12 saves equal ones as a range that it then refuses.
     """
+    for unlimited in list(unlimited_joints(robot.root)):
+        for end in _ENDS if unlimited.element.tag == "limit" else ():
+            robot.changed |= unlimited.element.attrib.pop(end, None) is not None
     for _, limit in _limits(robot.root):
         missing = [end for end in _ENDS if limit is not None and limit.get(end) is None]
         if limit is not None and len(missing) == 1:

@@ -22,6 +22,7 @@ from mjcompose.base.naming import file_name
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco.engine import Session, call
 from mjcompose.mujoco.shapes import Doubt, doubts, measured
+from mjcompose.tree.files import stem
 from mjcompose.tree.unit import Unit
 from mjcompose.urdf.converting import convert, measure
 from mjcompose.urdf.robot import FLAT_HELP, Look, Robot, locate_as
@@ -61,16 +62,56 @@ class Meshes(Struct, frozen=False):
                     wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
                 except Refused as refused:
                     refused.report(self.sink, self._span(mesh), shown=self.shown)
-        convertible = [path for path, meshes in wanted.items() if self._is_to_convert(path, meshes)]
-        plain = [path for path in wanted if path not in convertible and _suffix(path) in ("stl", "obj")]
-        for path, facts in self._call(measure, plain):
+        convertible: dict[str, list[Node]] = {}
+        plain: dict[str, list[Node]] = {}
+        for path, meshes in wanted.items():
+            shown = [mesh for mesh in meshes if _shape(mesh).tag == "visual"]
+            if not self._is_to_convert(path, meshes):
+                plain[path] = meshes
+            elif _suffix(path) == "obj":  # only its materials need it, which nothing touches
+                convertible[path] = shown
+                plain[path] = [mesh for mesh in meshes if mesh not in shown]
+            else:
+                convertible[path] = meshes
+        measurable = [path for path, meshes in plain.items() if meshes and _suffix(path) in ("stl", "obj")]
+        for path, facts in self._call(measure, measurable):
             if facts is not None:
                 if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
-                    self.shells.update(str(mesh.get("filename")) for mesh in wanted[path])
-                for mesh in wanted[path]:
+                    self.shells.update(str(mesh.get("filename")) for mesh in plain[path])
+                for mesh in plain[path]:
                     self._check(mesh, Path(path), facts)
-        for path, result in self._call(convert, convertible):
-            self._replace(Path(path), wanted[path], result)
+        for path, result in self._call(convert, list(convertible)):
+            self._replace(Path(path), convertible[path], result)
+
+    def separate(self) -> None:
+        """Give each file a name of its own if MuJoCo takes `visual/link.stl` and `collision/link.stl` for one mesh."""
+        files: dict[str, dict[str, list[Node]]] = {}
+        for mesh in self._used():
+            written = str(mesh.get("filename") or "")
+            path = written if written in self.robot.made else str(self.robot.file_of(written) or written)
+            files.setdefault(stem(written), {}).setdefault(path, []).append(mesh)
+        alike = [paths for paths in files.values() if len(paths) > 1]
+        if not alike or call(self.session, tells_files_apart, (), argument=None).value is not False:
+            return
+        for paths in alike:
+            for path, meshes in list(paths.items())[1:]:
+                self._rename(path, meshes)
+
+    def _rename(self, path: str, meshes: list[Node]) -> None:
+        robot = self.robot
+        if path not in robot.made and not os.path.isfile(path):
+            return  # MuJoCo reports it
+        content = robot.made.pop(path) if path in robot.made else robot.unit.door.read(path)
+        names = (f"{_FOLDER}/{stem(path)}-{number}.{_suffix(path)}" for number in count(2))
+        name = next(each for each in names if each not in robot.made)
+        robot.made[name] = content
+        if path in robot.looks:
+            robot.looks[name] = robot.looks.pop(path)
+        robot.changed = True
+        for mesh in meshes:
+            if mesh.get("filename") in self.shells:
+                self.shells.add(name)
+            mesh.set("filename", name)
 
     def report_flat(self) -> None:
         """Warn about flat meshes that MuJoCo accepts; for other meshes, MuJoCo reports an error."""
@@ -142,22 +183,34 @@ class Meshes(Struct, frozen=False):
             message = f"{called} names {file}, which does not exist: the mesh looks plain"
             self.sink.warning("mesh-look", message, span)
         self.files += [path, *(Path(each) for each in result["files"])]
-        names = [self._keep(path, part, len(result["parts"])) for part in result["parts"]]
         self.robot.changed = True
+        touching = [mesh for mesh in meshes if _shape(mesh).tag == "collision"]
+        is_one = len(result["parts"]) == 1
+        parts = [
+            self._keep_part(path, part, is_one) for part in result["parts"] if is_one or len(touching) < len(meshes)
+        ]
+        whole = parts[0] if is_one else self._keep(path, result["whole"], is_one=True) if touching else ""
         if all(map(_is_weighed_otherwise, meshes)):
-            self.shells.update(names)
+            self.shells.update([*parts, *filter(None, [whole])])
         for mesh in meshes:
-            for part in result["parts"]:
-                self._check(mesh, path, part["measures"])
-            self._split(mesh, names)
+            self._check(mesh, path, result["measures"])
+            if mesh in touching:  # one shape, whatever its colors
+                mesh.set("filename", whole)
+            else:
+                self._split(mesh, parts)
 
-    def _keep(self, path: Path, part: dict[str, Any], of: int) -> str:
-        ends = (f"_{number}" if of > 1 else f"-{number + 1}" if number else "" for number in count())
-        names = (f"{_FOLDER}/{path.stem}{end}.obj" for end in ends)
-        name = next(each for each in names if each not in self.robot.made)
-        self.robot.made[name] = part["obj"].encode()
+    def _keep_part(self, path: Path, part: dict[str, Any], is_one: bool) -> str:
+        name = self._keep(path, part["obj"], is_one=is_one)
         texture = None if part["texture"] is None else base64.b64decode(part["texture"])
         self.robot.looks[name] = Look(None if part["rgba"] is None else tuple(part["rgba"]), texture)
+        return name
+
+    def _keep(self, path: Path, obj: str, *, is_one: bool) -> str:
+        """Keep a converted mesh under a name of its own: of the file, or of one of its parts."""
+        ends = ((f"-{number + 1}" if number else "") if is_one else f"_{number}" for number in count())
+        names = (f"{_FOLDER}/{path.stem}{end}.obj" for end in ends)
+        name = next(each for each in names if each not in self.robot.made)
+        self.robot.made[name] = obj.encode()
         return name
 
     def _split(self, mesh: Node, names: list[str]) -> None:
@@ -194,6 +247,17 @@ class Meshes(Struct, frozen=False):
                     cause = Cause(f"{doubt.kind} meshes of {self.robot.unit.file}", called)
                     help = doubt.advice(scale, 'scale="{}"')
                     self.sink.warning(doubt.code, message, span, help=help, cause=cause)
+
+
+_ALIKE = """<robot name="alike"><mujoco><compiler strippath="false"/></mujoco><link name="link">
+  <collision><geometry><mesh filename="one/mesh.obj"/></geometry></collision>
+  <collision><geometry><mesh filename="two/mesh.obj"/></geometry></collision>
+</link></robot>"""
+
+
+def tells_files_apart(mujoco: Any, _: None) -> bool:
+    """Return whether MuJoCo reads files of one name in two folders. Runs in the child: 3.12 and 3.13 read the first."""
+    return len(mujoco.MjSpec.from_string(_ALIKE).meshes) == 2
 
 
 def _shape(mesh: Node) -> Node:

@@ -84,6 +84,7 @@ class UrdfReader(Struct, frozen=False):
         inertia.turn(robot, self.session)
         meshes = Meshes(robot, self.session, self.sink, shown=self.shown)
         meshes.prepare()
+        meshes.separate()
         if self.sink.error_count > before:
             return None
         converted = self._converted(robot, meshes.shells, stack)
