@@ -31,6 +31,7 @@ recipe: 1
 params: {length: 1}
 add: [{to: world, body: {name: rail, geom: {type: box, size: ["${length}", 0.1, 0.1]}}}]
 """
+CLAW = """<mujoco><worldbody><body name="claw"><joint axis="0 1 0" range="-0.5 0.5"/><geom size="0.1"/></body></worldbody></mujoco>"""
 BOX = """\
 <robot name="box"><link name="box"><collision><geometry><mesh filename="package://box_meshes/box.obj"/></geometry>
 </collision></link></robot>
@@ -128,6 +129,7 @@ def test_an_example_builds(name: str, number: int, tmp_path: Path) -> None:
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
     (tmp_path / "rail.yaml").write_text(RAIL, encoding="utf-8")
     (tmp_path / "box.urdf").write_text(BOX, encoding="utf-8")
+    (tmp_path / "claw.xml").write_text(CLAW, encoding="utf-8")
     (tmp_path / "cloth.xml").write_text(CLOTH, encoding="utf-8")
     (tmp_path / "box_meshes").mkdir()
     (tmp_path / "box_meshes" / "box.obj").write_bytes((ROOT / "recipes/models/arm6/assets/elbow.obj").read_bytes())

@@ -22,7 +22,8 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import closest
 from mjcompose.language.edit import Drops, Edits, Given, UrdfKeys
-from mjcompose.language.forms.context import Schema, Settings, validated_with
+from mjcompose.language.element import FRAGMENT, Reader
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference, validated_with
 from mjcompose.language.forms.model import IT, Bars, Exclusive, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import (
     LENGTHS,
@@ -42,6 +43,7 @@ from mjcompose.language.forms.scalars import (
 )
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
 from mjcompose.language.value import EXCLUSIVE, Element, Single, odd_name
+from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.merged_settings import KeyPolicy
 
 Vector = tuple[Single, ...]
@@ -216,6 +218,24 @@ class _Prefix:
         yield {"if": without, "then": {"properties": {"replicate": False}, "errorMessage": message}}
 
 
+class FileCompiler(ByGrammar):
+    """Form of `compiler` next to a `model`: attributes of `<compiler>`."""
+
+    kind = GRAMMAR.section("compiler")
+
+    def schema(self) -> Schema:
+        return reference("attributes:compiler")
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+        below = [*self.kind.children, FRAGMENT]
+        refused = [name for name in value if name in below] if isinstance(value, dict) else []
+        for name in refused:
+            message = f"`{name}` cannot be in the `compiler` of a part, which has attributes"
+            help = "write the attributes as keys" if name == FRAGMENT else "write it in the recipe's own `compiler`"
+            faults.append(Fault("compiler-setting", message, (name,), key=True, help=help))
+        return Reader(settings, faults).element(self.kind, value, (), "`compiler`", own=refused)
+
+
 _MIRROR = Bars("mirror", *("pos", *ORIENTATIONS, "mate", "replicate"), why="takes its pose from another part")
 
 
@@ -236,6 +256,9 @@ class Attachment(Model):
     is a ROS workspace with all of its packages."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """The reading of a URDF: visuals, fixed links, actuators."""
+    compiler: Annotated[Element | None, FileCompiler()] = None
+    """Attributes of `<compiler>` for a file that does not write them, such as `{angle: radian}`. The file is read as if
+    it began with this `<compiler>`."""
     given: Given = Field(default_factory=dict, alias="with")
     """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
     subtree: Annotated[str, Name("body", inside="model")] | None = None
@@ -315,7 +338,7 @@ class Attachment(Model):
         return sorted(cls.key_names(), key=lambda name: name in _OF_A_MODEL)
 
 
-_OF_A_MODEL = ("packages", "urdf", "with", "subtree", "drop", "edit", "keys", "allow")
+_OF_A_MODEL = ("packages", "urdf", "compiler", "with", "subtree", "drop", "edit", "keys", "allow")
 """Keys about the model itself, which an unknown key seldom means."""
 _OF_A_PLACE = frozenset({*ORIENTATIONS, "pos", "mate", "joint", "sense"})
 _NOT_OF_A_BASE = (*PLACES, "prefix", "replicate", "mirror")

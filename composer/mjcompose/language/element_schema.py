@@ -129,6 +129,7 @@ def _words(attribute: Attribute) -> list[Any]:
 
 
 definition("element")(lambda path: element(GRAMMAR.element(path)))
+definition("attributes")(lambda path: element(GRAMMAR.element(path), fragment=False, children=False))
 
 
 @definition("named")

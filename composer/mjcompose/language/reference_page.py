@@ -279,7 +279,7 @@ class _Keys:
     def _apart(pointer: str) -> bool:
         # Numbers are known by their type, and a piece of recipe has the same keys as a recipe.
         known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "Drop")
-        return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "property"))
+        return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "attributes.", "property"))
 
     def _row(self, place: str, schema: Schema, required: bool) -> str:
         target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})

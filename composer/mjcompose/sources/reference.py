@@ -237,7 +237,10 @@ FORMATS: dict[str, Format] = {
 """The format of a file by its suffix in lower case."""
 
 
-ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices]
+CompilerSettings: TypeAlias = tuple[tuple[str, str], ...]
+"""Attributes of `<compiler>` with their values as text, sorted by name."""
+
+ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices, CompilerSettings]
 """A file, and how it is read; equal for sources that give the same model."""
 
 
@@ -249,7 +252,7 @@ class Source(Struct):
     `licenses` are the license files of the model, sorted by name. `packages` are the folders for `package://NAME` in
     URDF, if the recipe gives them. `origin` is its repository, archive or package, None for a plain path. `license` is
     the SPDX expression of its package. `door` limits the files that the model may read. `urdf` has the choices for
-    reading a URDF.
+    reading a URDF. The file is read as if it began with a `<compiler>` with the attributes `compiler`.
     """
 
     path: Path
@@ -263,6 +266,7 @@ class Source(Struct):
     license: str | None = None
     door: Door = field(default=NOTHING, compare=False, repr=False)
     urdf: UrdfChoices = AS_WRITTEN
+    compiler: CompilerSettings = ()
 
     def __post_init__(self) -> None:
         (self.kind if self.origin is None else self.origin.kind).check_pinned(package=self.package)
@@ -274,7 +278,7 @@ class Source(Struct):
 
     @property
     def read_as(self) -> ReadAs:
-        return self.path, self.packages, self.urdf
+        return self.path, self.packages, self.urdf, self.compiler
 
 
 def has_format(path: PurePath) -> bool:

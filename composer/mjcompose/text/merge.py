@@ -94,7 +94,7 @@ _SHORT = {("base",): "model", ("params", "*"): "default"}
 # Another `type` makes these another element.
 _TYPED = frozenset({("sensor", "*"), ("actuator", "*"), ("equality", "*"), ("tendon", "*")})
 # Keys that belong to one model, and are dropped for another one.
-_OF_MODEL = ("with", "subtree", "drop", "edit", "mate")
+_OF_MODEL = ("with", "compiler", "subtree", "drop", "edit", "mate")
 _ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 # Alternative keys: keys of one group may be combined, keys of different groups may not.
 _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 import threading
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import takewhile
 from pathlib import Path
@@ -131,18 +131,23 @@ _INCLUDED = "refer to the model that includes it"
 _NO_MODEL = {"mujocoinclude": _INCLUDED, "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`"}
 
 
+Assumed = Sequence[tuple[str, str, Span]]
+"""Attributes of a `<compiler>` that a recipe gives for a file, as text, each with its place in the recipe."""
+
+
 def parse_file(
-    path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None
-) -> Unit | None:
+    path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None,
+    assumed: Assumed = (),
+) -> Unit | None:  # fmt: skip
     """Return the unit of an MJCF file, or None after errors, which go to `sink`.
 
     `file` is its name in messages, and `span` is the place where it is requested; `door` limits the files that it may
-    read, by default to its project.
+    read, by default to its project. The file is read as if it began with a `<compiler>` with the `assumed` attributes.
     """
     shown, door = file or str(path), door or own_door(path)
     if (data := read_file(path, sink, door, file=shown, span=span)) is None:
         return None
-    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door)
+    unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door, assumed=assumed)
     if unit is not None:
         unit.origins.texts[shown] = FileText(path)
     return unit
@@ -164,11 +169,12 @@ def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | Non
 
 def parse_text(
     data: bytes | str, sink: Sink, *, file: str, directory: Path, label: str,
-    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None,
+    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None, assumed: Assumed = (),
 ) -> Unit | None:  # fmt: skip
     """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
 
-    `door` limits the files that it may read besides `contents`, by default as for a file in `directory`.
+    `door` limits the files that it may read besides `contents`, by default as for a file in `directory`. `assumed` is
+    the same as for `parse_file`.
     """
     before = sink.error_count
     if (root := parse_xml(data, file, sink)) is None:
@@ -180,7 +186,10 @@ def parse_text(
         message = f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
         sink.error("not-mjcf", message, unit.origins.span(root, file), help=help)
         return None
+    first = assumed_compiler(unit, assumed) if assumed else None
     expand_includes(unit, sink)
+    if first is not None:
+        join_compiler(unit, first)
     for section in list(root.iterchildren("*")) if sink.error_count == before else ():
         if section.tag not in GRAMMAR.root.children:
             _unknown_section(section, unit, sink)
@@ -188,6 +197,31 @@ def parse_text(
     if sink.error_count == before:
         check_size(unit, sink, opens_files=False)
     return None if sink.error_count > before else unit
+
+
+def assumed_compiler(unit: Unit, assumed: Assumed) -> Node:
+    """Put a `<compiler>` before everything that a file writes, and return it."""
+    first = etree.Element("compiler")
+    for name, value, span in assumed:
+        first.set(name, value)
+        unit.origins.settings.setdefault(first, {})[name] = span
+    unit.origins.own(first, assumed[0][2])
+    unit.root.insert(len(unit.header), first)
+    return first
+
+
+def join_compiler(unit: Unit, first: Node) -> None:
+    """Move the attributes that the file does not write itself into its own `<compiler>`, if it has one."""
+    others = [each for each in unit.root.iterchildren("compiler") if each is not first]
+    if not others:
+        return
+    places = unit.origins.settings.pop(first, {})
+    for name, value in first.items():
+        if not any(str(each.get(name) or "").strip() for each in others):
+            others[0].set(name, value)
+            unit.origins.settings.setdefault(others[0], {})[str(name)] = places[str(name)]
+    unit.origins.owners.pop(first, None)
+    unit.root.remove(first)
 
 
 def read_from(unit: Unit, data: bytes | str, door: Door | None = None) -> None:

@@ -72,6 +72,13 @@ class UrdfReader(Struct, frozen=False):
         if not includes_admitted(written, self.sink, self.shown):
             return None
         self._report_unread(robot)
+        for setting, value in self.source.compiler:
+            written = robot.setting(setting)
+            if written is None:
+                robot.set(setting, value)
+            elif written.split() != value.split():
+                message = f'`{setting}` here has no effect: `{robot.unit.file}` writes `{setting}="{written}"` itself'
+                self.sink.warning("compiler-unused", message, self.asked, help=f"remove `{setting}` from `compiler`")
         choices = self.source.urdf
         for setting, choice in (("discardvisual", choices.visuals), ("fusestatic", choices.fixed)):
             if choice is not None:

@@ -322,6 +322,7 @@ def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table:
     return _as(
         entries.Input, source, path=as_text(path), kind=source.kind.name, sha256=remembered_sha256(source.path),
         origin=origin, license=license_of(source), licenses=licenses, urdf=tuple(urdf),
+        compiler=dict(source.compiler),
     )  # fmt: skip
 
 

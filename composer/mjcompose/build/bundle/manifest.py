@@ -141,6 +141,9 @@ class Input(_Part):
     package: str | None = Field(None, description="The Python package it came from.")
     version: str | None = Field(None, description="The version of that package, or the commit.")
     urdf: tuple[OfUrdf, ...] = Field((), description="The elements of a URDF, read or not; omitted for other models.")
+    compiler: dict[str, str] = Field(
+        {}, description="Settings of `<compiler>` that the recipe gives for the file; omitted if there are none."
+    )
 
 
 def _finite(value: dict[str, Any]) -> dict[str, Any]:
@@ -401,8 +404,9 @@ def to_json(manifest: Manifest) -> bytes:
         if not data[name]:
             del data[name]
     for each in data["inputs"]:
-        if not each["urdf"]:
-            del each["urdf"]
+        for name in ("urdf", "compiler"):
+            if not each[name]:
+                del each[name]
     return to_text(data)
 
 

@@ -246,7 +246,9 @@ def _source(model: Plan | Source | None) -> object:
     licenses, packages = [map(str, model.licenses), ((name, str(path)) for name, path in model.packages)]
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     origin = model.origin.id if model.origin else None
-    return [*about, list(licenses), list(packages), repr(model.urdf), origin, list(model.door.roots)]
+    return [
+        *about, list(licenses), list(packages), repr(model.urdf), list(model.compiler), origin, list(model.door.roots),
+    ]  # fmt: skip
 
 
 def _values(node: Node, file: str) -> Iterator[object]:

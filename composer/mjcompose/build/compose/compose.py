@@ -36,6 +36,7 @@ from mjcompose.build.compose.checks import (
     check_names_of_keys,
 )
 from mjcompose.build.compose.collisions import Exclusions, set_collisions
+from mjcompose.build.compose.compiler import check_assumed, note_rules_of_base
 from mjcompose.build.compose.editing import EditCost
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.build.compose.interface import order_elements
@@ -55,6 +56,7 @@ from mjcompose.build.plan.plan import (
     part_name,
 )
 from mjcompose.build.plan.planner import STEPS
+from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
@@ -346,6 +348,7 @@ class Composer:
                 self.parts[node] = f"{name}/{inner}" if inner else name
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making=making)
+        note_rules_of_base(plan, linking)
         return linking
 
     def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
@@ -387,7 +390,10 @@ class Composer:
         for place in plan.walk(is_fixed):
             if isinstance(place.model, Source) and place.model.format == "mjcf":
                 path = place.model.path
-                unit = parse_file(path, Sink(), file=self.context.shown(path), door=place.model.door)
+                unit = parse_file(
+                    path, Sink(), file=self.context.shown(path), door=place.model.door,
+                    assumed=assumed_of(place.model),
+                )  # fmt: skip
                 if unit is not None and (self.loader.embed is None or self.loader.embed(unit)):
                     yield source_key(place.model, place.is_fixed_in_world), unit
 
@@ -405,6 +411,7 @@ class Composer:
         if unit is None:
             return None
         if isinstance(wanted.model, Source):
+            check_assumed(wanted.model.compiler, unit, plan, wanted.at, sink=self.context.sink)
             self.keys.note_source(unit)
         if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
             return None

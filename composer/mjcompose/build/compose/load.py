@@ -21,6 +21,7 @@ from mjcompose.base.naming import portable_step
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
+from mjcompose.build.plan.read import assumed_of
 from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
 from mjcompose.link.files import ASSETS, path_in_assets, set_path
@@ -32,7 +33,7 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
-from mjcompose.sources.reference import Source
+from mjcompose.sources.reference import CompilerSettings, Source
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping as Located, locate
 from mjcompose.tree.files import file_attributes, join, written_path
@@ -61,7 +62,7 @@ def keep_finished(unit: Unit, context: Context, session: engine.Session) -> bool
     return found.ok
 
 
-Key = tuple[PathlibPath, tuple[tuple[str, PathlibPath], ...], UrdfChoices, bool]
+Key = tuple[PathlibPath, tuple[tuple[str, PathlibPath], ...], UrdfChoices, CompilerSettings, bool]
 """`Source.read_as`, and whether the part is attached to the world."""
 
 Library = dict[Key, Unit]
@@ -90,7 +91,7 @@ class Loader(Struct, frozen=False):
     def unit(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
         if (key := source_key(model, is_fixed)) not in self.parsed:
-            refused = self.parsed.get((*key[:3], not key[3]), ...) is None  # a fault of a file is reported once
+            refused = self.parsed.get((*key[:-1], not key[-1]), ...) is None  # a fault of a file is reported once
             self.parsed[key] = None if refused else self._known_or_read(key, model, span, is_fixed=is_fixed)
         unit = self.parsed[key]
         self.uses[key] -= 1
@@ -102,7 +103,7 @@ class Loader(Struct, frozen=False):
         return unit
 
     def tables(self) -> Tables:
-        return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
+        return {key[:-1]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
 
     def _known_or_read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if self.library is None or self.embed is not None:
@@ -117,7 +118,8 @@ class Loader(Struct, frozen=False):
         if model.format == "urdf":
             return _urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink, shown = self.context.sink, self.context.shown
-        unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
+        assumed = assumed_of(model, span)
+        unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door, assumed=assumed)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
         return None if self.checks and not check_source(unit, sink) else unit

@@ -173,7 +173,12 @@ def _model(part: AttachPart) -> str:
         return f"{'the model written here' if model.at else f'the recipe {model.file}'}{alone}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
     converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
-    return f"{model.reference}{release}{converted}{alone}"
+    settings = f", read with {_compiler(model)}" if model.compiler else ""
+    return f"{model.reference}{release}{converted}{settings}{alone}"
+
+
+def _compiler(source: Source) -> str:
+    return f"<compiler {' '.join(f'{name}={value!r}' for name, value in source.compiler)}/>".replace("'", '"')
 
 
 def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) -> Iterator[str]:
@@ -308,6 +313,7 @@ def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
     return {
         "reference": model.reference, "kind": model.kind.name, "format": model.format, "package": model.package,
         "version": model.version, "licenses": [path.name for path in model.licenses],
+        **_some(compiler=dict(model.compiler)),
     }  # fmt: skip
 
 

@@ -46,9 +46,10 @@ from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import Source, SourceError
+from mjcompose.sources.reference import CompilerSettings, Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping, find, locate
+from mjcompose.tree.grammar import GRAMMAR, to_text
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import Randomize
@@ -129,6 +130,14 @@ class _LoadedRecipe(Struct):
     randomize: Randomize | None = None
     sample: int = 0
     drawn: tuple[Drawn, ...] = ()
+
+
+def compiler_settings(attachment: Attachment) -> CompilerSettings:
+    """Return the attributes of `compiler` next to a `model`, as the file would write them."""
+    element = attachment.compiler
+    kinds = GRAMMAR.section("compiler").attributes
+    written = {} if element is None else element.attributes
+    return tuple(sorted((name, to_text(kinds[name], value)) for name, value in written.items()))
 
 
 class _Planner:
@@ -285,6 +294,7 @@ class _Planner:
         reference, written = attachment.model, find(document, (*at, "model"))
         if not isinstance(reference, str):
             assert isinstance(written, Mapping)
+            self._no_settings(attachment, "a model that is written in place", document=document, at=at)
             return self._in_place(at, written, around, inside=inside)
         span, environment, fetching = locate(document, (*at, "model")), self.context.environment, self.context.fetching
         folder = folder_of(span, self.context)
@@ -302,6 +312,7 @@ class _Planner:
         if attachment.packages and source.format != "urdf":
             self._only_for("packages", "URDF", f"`{reference}`", document=document, at=at)
         if source.format == "recipe":
+            self._no_settings(attachment, f"the recipe `{reference}`", document=document, at=at)
             values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
             plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and plan.separator != outer.separator:
@@ -311,6 +322,7 @@ class _Planner:
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
                 if find(document, (*at, key)) is not None:
                     self._only_for(key, what, f"`{reference}`", document=document, at=at)
+            source = replace(source, compiler=compiler_settings(attachment))
             return source if self._plan_inner(source, inside) else None
         packages = tuple(self._packages(attachment.packages, document, at))
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
@@ -325,7 +337,16 @@ class _Planner:
         choices = UrdfChoices(
             tuple(arguments), keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
         )
-        return replace(source, packages=packages, door=door, urdf=choices)
+        settings = compiler_settings(attachment)
+        return replace(source, packages=packages, door=door, urdf=choices, compiler=settings)
+
+    def _no_settings(self, attachment: Attachment, model: str, document: Mapping, at: KeyPath) -> None:
+        """Report settings of `<compiler>` for a recipe, whose files have their own."""
+        if attachment.compiler is not None:
+            message = f"`compiler` is for a file of MJCF or URDF, and not for {model}"
+            help = "write it next to the `model` of the file that needs it"
+            span = locate(document, (*at, "compiler"), key=True)
+            self.sink.error("unknown-key", message, span, help=help, subjects=("compiler",))
 
     def _plan_inner(self, source: Source, inside: Outer) -> bool:
         """Plan the recipes that MJCF attaches itself. Return whether none has errors."""

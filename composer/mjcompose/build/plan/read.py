@@ -46,7 +46,7 @@ from mjcompose.sources.context import Context, ReadRecipe
 from mjcompose.sources.fetching import Fetching, model_files, nearest
 from mjcompose.sources.kinds import EXTENDED
 from mjcompose.sources.lock import resolve as resolve_sources
-from mjcompose.sources.reference import Origin, Source, SourceError, Trust
+from mjcompose.sources.reference import CompilerSettings, Origin, Source, SourceError, Trust
 from mjcompose.text.load import load, refuse_size
 from mjcompose.text.merge import merge
 from mjcompose.text.node import (
@@ -63,7 +63,7 @@ from mjcompose.text.node import (
 )
 from mjcompose.tree.files import CUBE, file_attributes, join, written_path
 from mjcompose.tree.grammar import number_text
-from mjcompose.tree.parse import parse_file
+from mjcompose.tree.parse import Assumed, parse_file
 from mjcompose.urdf.robot import SCHEMES
 from mjcompose.urdf.xacro import files_named, is_template as is_template_urdf
 
@@ -365,9 +365,18 @@ _MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")
 _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
 
 
+def assumed_of(source: Source, span: Span | None = None) -> Assumed:
+    """Return the settings that a recipe gives for the file of a source, which it names at `span`."""
+    return _assumed(source.compiler, span or Span(str(source.path), 1, 1))
+
+
+def _assumed(settings: CompilerSettings, at: Span) -> Assumed:
+    return [(name, value, at) for name, value in settings]
+
+
 def files_of_source(source: Source) -> Iterator[Path]:
     """Yield the files of a model that exist and that it may read; others are reported where they are read."""
-    files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
+    files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set(), source.compiler)
     yield from filter(os.path.isfile, [*filter(source.door.sees, files), *source.licenses])
 
 
@@ -393,12 +402,13 @@ def _named(element: Element) -> Iterator[tuple[Place, str]]:
         yield from _named(child)
 
 
-def _of_mjcf(path: Path, door: Door, seen: set[Path]) -> Iterator[Path]:
+def _of_mjcf(path: Path, door: Door, seen: set[Path], settings: CompilerSettings = ()) -> Iterator[Path]:
     if path in seen:
         return
     seen.add(path)
     yield path
-    unit = parse_file(path, Sink(), door=door) if door.sees(path) else None
+    assumed = _assumed(settings, Span(str(path), 1, 1))
+    unit = parse_file(path, Sink(), door=door, assumed=assumed) if door.sees(path) else None
     if unit is None:
         return
     yield from map(Path, unit.origins.texts)  # the included files too

@@ -7,6 +7,8 @@ from dataclasses import asdict, field
 from pathlib import Path
 from typing import Any
 
+from lxml import etree
+
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.report import with_rest
@@ -14,6 +16,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.plan.plan import PartRecord
+from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.measure import folder_of, measure_with
 from mjcompose.link.subtree import take_subtree
@@ -24,6 +27,7 @@ from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
+from mjcompose.sources.reference import Source
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.xml_text import write
@@ -41,7 +45,7 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
     """Keep the whole source under `name`. Raises Incomparable if it cannot be read or MuJoCo refuses it."""
     path = member.source.path
     if member.source.format != "urdf":
-        _keep(session, path.parent, path, text=None, name=name)
+        _keep(session, path.parent, path, text=_text_of(member.source), name=name)
         return
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
@@ -50,6 +54,18 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
         raise _unreadable(sink)
     with folder_of(unit) as folder:
         _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
+
+
+def _text_of(source: Source) -> bytes | None:
+    """Return the text of MJCF that begins with the recipe's settings for it; None if the file is read as it is."""
+    if not source.compiler:
+        return None
+    try:
+        root = etree.fromstring(source.door.read(source.path))
+    except (OSError, etree.XMLSyntaxError) as error:
+        raise Incomparable("its source cannot be read") from error
+    root.insert(0, etree.Element("compiler", dict(source.compiler)))
+    return etree.tostring(root)
 
 
 _NAMELESS = "a body around the subtree, "
@@ -64,7 +80,8 @@ def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole
     assert member.subtree is not None
     sink = Sink()
     path = member.source.path
-    if (unit := parse_file(path, sink, door=member.source.door)) is None:
+    assumed = assumed_of(member.source)
+    if (unit := parse_file(path, sink, door=member.source.door, assumed=assumed)) is None:
         raise _unreadable(sink)
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)
@@ -73,7 +90,7 @@ def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole
     for number, each in enumerate(nameless):
         each.set("name", f"{_NAMELESS}{number}")
     with folder_of(unit) as folder:
-        _keep(session, folder, path, text=write(unit.root) if nameless else None, name=whole)
+        _keep(session, folder, path, text=write(unit.root) if nameless or assumed else None, name=whole)
     above = (*(str(each.get("name")) for each in around), None)
     measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
     keyframes: KeyPolicy = "none" if member.keys is None else "merge"
@@ -261,6 +278,7 @@ def _kept(member: PartRecord) -> str:
     stands = member.is_fixed_in_world or member.source.format != "urdf"
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
     read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""
+    read += f"{member.source.compiler} " if member.source.compiler else ""
     return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
 
 

@@ -6,6 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from mjcompose.base.access import Door, folder_of_recipe, own_door
@@ -19,6 +20,7 @@ from mjcompose.build.bundle.manifest import Input, Manifest, check_files, check_
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan
+from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.mujoco.engine import Compiled, Session
@@ -27,7 +29,9 @@ from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
+from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.values import NOT_XML
 
 
 class InputFinder:
@@ -59,11 +63,16 @@ class InputFinder:
         if number >= len(self.manifest.inputs):
             return f"the manifest has no input {number}"
         wanted = self.manifest.inputs[number]
+        if not all(map(_is_setting, wanted.compiler, wanted.compiler.values())):
+            return "the manifest gives settings for its source that `<compiler>` does not have"
         changed: Path | None = None
-        for source in self._candidates(number, wanted):
+        for candidate in self._candidates(number, wanted):
+            source = replace(candidate, compiler=tuple(sorted(wanted.compiler.items())))
             if (digest := _sha256(source.path)) == wanted.sha256:
                 # MuJoCo may open the source and its files. URDF is checked when it is converted.
-                unit = parse_file(source.path, Sink(), door=source.door) if source.format == "mjcf" else None
+                assumed = assumed_of(source)
+                is_mjcf = source.format == "mjcf"
+                unit = parse_file(source.path, Sink(), door=source.door, assumed=assumed) if is_mjcf else None
                 if source.format != "mjcf" or (unit is not None and all_admitted(unit, Sink())):
                     return source
                 return "its source names files that it may not read"
@@ -90,6 +99,10 @@ class InputFinder:
         path = self.folder / wanted.path
         if self.door.sees(path):
             yield Source(path, kind or PATH, wanted.reference, door=own_door(path))
+
+
+def _is_setting(name: str, value: str) -> bool:
+    return name in GRAMMAR.section("compiler").attributes and NOT_XML.search(value) is None
 
 
 def _sha256(path: Path) -> str | None:
