@@ -163,7 +163,7 @@ Identity = tuple[str, str, str]
 class Judged(Struct):
     """A model of a recipe and its findings. `digest` stands for its files; it is None after errors.
 
-    `cell` is None for the model with the default values, and for a file that is no recipe.
+    `cell` is None for the model with the default values, and for a file that is not a recipe.
     """
 
     cell: CellName | None
@@ -320,7 +320,7 @@ class Fixing(Struct, frozen=False):
         return [diagnostic for chosen in edits.values() for diagnostic in chosen.values()]
 
     def _agreed(self, models: Iterable[Judged]) -> dict[tuple[Path, Edit], Diagnostic]:
-        """Return the fixes that fit, without those of a place for which two models propose different texts."""
+        """Return the fixes that fit. If two models propose different texts for a place, neither is returned."""
         proposed: dict[tuple[Path, Edit], Diagnostic] = {}
         texts: dict[tuple[Path, int, int], set[str]] = {}
         for diagnostic in (each for model in models for each in model.found):
