@@ -404,6 +404,18 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
     return tuple((model, node) for node, model in models.items() if models.keys().isdisjoint(node.iterancestors()))
 
 
+def unused_instances(root: Node, names: Iterable[str]) -> list[Node]:
+    """Return the plugin instances of these names that no element uses.
+
+    MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
+    """
+    sought = set(names)
+    if not sought:
+        return []
+    sought -= {str(each.get("instance")) for each in root.iter("*") if each.get("instance")}
+    return [each for each in root.iterfind("extension/plugin/instance") if each.get("name") in sought]
+
+
 def whole(node: Node) -> Node:
     """Return the smallest meaningful element around a node: a section's child, or the node itself in the body tree."""
     if section_of(node) == WORLD_SECTION:

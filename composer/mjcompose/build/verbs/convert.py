@@ -26,7 +26,9 @@ from mjcompose.language.value import kind_of, read_value
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import part_keys
+from mjcompose.link.linking import detach
 from mjcompose.tree.classes import levels
+from mjcompose.tree.edit import unused_instances
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.unit import texts
 
@@ -305,11 +307,8 @@ def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], 
         node.attrib.pop(name, "")
     if node.tag == PLUGIN:
         del node[:]  # its `<config>`
-        # MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
-        is_needless = all(each.get("instance") != instance for each in editing.root.iter("*"))
-        for each in editing.root.findall("extension/plugin/instance") if instance and is_needless else ():
-            if each.get("name") == instance:
-                each.getparent().remove(each)  # type: ignore[union-attr]
+        for each in unused_instances(editing.root, [str(instance)] if instance else []):
+            detach(each)
     node.tag = to
     for name, text in written.items():
         node.set(name, text)

@@ -13,7 +13,7 @@ from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.link.subtree import DroppedElement
-from mjcompose.tree.edit import Removal, is_section, whole
+from mjcompose.tree.edit import Removal, is_section, unused_instances, whole
 from mjcompose.tree.names import declaration, is_list, word
 from mjcompose.tree.select import kind_of, naming_attribute, section_of
 
@@ -37,7 +37,10 @@ class Remove(Verb):
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
-    """Remove nodes, and return all of them. Without `cascade`, a reference is an error, and nothing is removed."""
+    """Remove nodes, and the plugin instances that only they use. Return all of them.
+
+    Without `cascade`, a reference is an error, and nothing is removed.
+    """
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)
@@ -45,9 +48,14 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
     removal = removal.with_referrers()
     removal.drop_references()
     gone: list[DroppedElement] = []
+    instances: dict[str, None] = {}
     for _, node in removal.going:
         gone += _named(node)
+        instances.update((str(each.get("instance")), None) for each in node.iter("*") if each.get("instance"))
         _take_out(editing, node)
+    for instance in unused_instances(editing.root, instances):
+        gone += _named(instance)
+        _take_out(editing, instance)
     linking = editing.linking
     # The bundle omits a file that only removed elements used.
     linking.files = [use for use in linking.files if use.element.getroottree().getroot() is editing.root]
