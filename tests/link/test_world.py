@@ -323,17 +323,31 @@ NAMING = """<mujoco><worldbody><geom size=".1"/><body name="b" pos=".15 0 0"><jo
   <custom><tuple name="t"><element objtype="body" objname="world" prm="1"/></tuple></custom></mujoco>"""
 
 
-def test_whoever_names_the_world_names_the_body_that_holds_it(workshop: Workshop) -> None:
+def test_targets_and_excludes_that_name_the_world_name_the_body_that_holds_it(workshop: Workshop) -> None:
     linked = workshop.link(CART, Piece(NAMING, place=placed("body", "cart")))
     model = linked.check()
     data = mujoco.MjData(model)
     data.qpos[:] = [0.4, 0.3, 0.1]
     mujoco.mj_forward(model, data)
     assert data.ncon == 0
-    assert data.sensor("part/p").data == pytest.approx([0.25, 0, 0])
     assert model.cam_targetbodyid[0] == model.body("cart").id
-    assert 'objname="cart"' in linked.xml
+    assert 'body1="cart" body2="part/b"' in linked.xml
     assert not linked.linking.sink.diagnostics
+
+
+@pytest.mark.parametrize("where", [placed("body", "cart"), placed("site", "deck", quat=(0.6, 0, 0, 0.8)), placed()])
+def test_sensors_and_tuples_that_name_the_world_keep_it(workshop: Workshop, where: AttachmentPlace) -> None:
+    """A sensor reads the same with the world as its reference as without a reference, alone and attached."""
+    text = NAMING.replace("</sensor>", '<framepos name="free" objtype="body" objname="b"/></sensor>')
+    linked = workshop.link(CART, Piece(text, place=where))
+    model = linked.check()
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.4, 0.3, 0.1]
+    mujoco.mj_forward(model, data)
+    assert data.sensor("part/p").data == pytest.approx(data.sensor("part/free").data)
+    assert data.sensor("part/p").data == pytest.approx(data.body("part/b").xipos)
+    assert model.tuple_objid.tolist() == [0]
+    assert 'body1="world"' in linked.xml
 
 
 def test_in_the_world_the_world_keeps_its_name(workshop: Workshop) -> None:

@@ -137,11 +137,16 @@ def _moves(geom: Node) -> bool:
 
 
 _SAME = 1e-9
+_OF_THE_WORLD = ("sensor", "custom")
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
 
 
 def worlds(linking: Linking) -> None:
     """Make references to the world of each part refer to the body that carries it, and move poses in its world.
+
+    Sensors and tuples keep the world: they measure or list it, and nothing holds the part there. In MuJoCo 4.0 a sensor
+    with `reftype="body" refname="world"` reads the same as one without a reference. On a body it would measure in the
+    body's inertial frame, which is no frame of the part.
 
     MuJoCo's own attach changes none of this: in 4.0 a `<weld body1="b"/>` pulls an attached part back to its pose in
     its file, and on a moving body it fixes the part to the world.
@@ -172,9 +177,11 @@ class _MovedWorld(NamedTuple):
 
 
 def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
-    """Change every reference to the world outside the body tree, and in it the anchors of equalities."""
+    """Change the references to the world of equalities, excludes and the like, and the anchors of equalities."""
     refused: list[Node] = []
     for section in hung.part.unit.root.iterchildren(*_APPENDED):
+        if section.tag in _OF_THE_WORLD:
+            continue
         naming: dict[Node, list[tuple[Node, str]]] = {}
         for node, attribute in users(section, "body", WORLD):
             naming.setdefault(whole(node), []).append((node, attribute))

@@ -66,7 +66,7 @@ def _number(value: Value) -> str:
 
 def distinguishes(link: Link) -> bool:
     """Return whether a reference helps to identify an element; its place and elements matched later do not."""
-    return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
+    return link.kind != "plugin" and link.world in (World.WORLD, World.KEPT) and link.field != "jnt_actuatorid"
 
 
 def raw(model: Model, kind: str, index: int) -> Hashable:
@@ -194,8 +194,9 @@ class Correspondence:
         if link.index < 0:
             return {link.index}  # no target; -2 means several
         if link.kind == "body" and link.index == 0:
-            either = link.world is World.EITHER or (link.world is World.WORLD and self.cut)
-            return {0, *self.worlds} if either else self.worlds
+            if link.world is World.EITHER or (link.world is not World.MOUNT and self.cut):
+                return {0, *self.worlds}
+            return {0} if link.world is World.KEPT else self.worlds
         target = self.ids[link.kind][link.index]
         return set() if target == ABSENT else {target}
 

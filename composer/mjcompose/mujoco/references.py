@@ -84,7 +84,9 @@ class World(StrEnum):
     MOUNT = "mount"
     """The parent of the part's roots."""
     WORLD = "world"
-    """An element names the world: the parent of the part's roots, too."""
+    """An equality, an exclude or a target names the world: the parent of the part's roots, too."""
+    KEPT = "kept"
+    """A sensor or a tuple names the world: the world of the composition."""
     EITHER = "either"
     """Both: vertices and bones pinned to the part's world."""
 
@@ -263,14 +265,14 @@ def _transmission(model: Model, index: int) -> Iterator[Link]:
 def _sensor(model: Model, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
         if (kind := OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))) is not None:
-            yield from _row(array, kind)(model, index)
+            yield from _row(array, kind, World.KEPT)(model, index)
 
 
 def _tuple(model: Model, index: int) -> Iterator[Link]:
     first = int(model.tuple_adr[index])
     for place in range(int(model.tuple_size[index])):
         if (kind := OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))) is not None:
-            yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]))
+            yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]), world=World.KEPT)
 
 
 _READERS: dict[str, tuple[Reader, ...]] = {
