@@ -530,3 +530,26 @@ def test_they_are_remembered_for_what_the_model_becomes_a_part_of(workshop: Work
     linking = workshop.link(BASE, Piece(HINGE, "a/")).linking
     assert linking.base.part_keys["a"].depth == 1
     assert "a" not in workshop.link(BASE, Piece(HINGE, "a/", options={"keyframes": "none"})).linking.base.part_keys
+
+
+ATTACHING = """<mujoco><asset><model name="sub" file="sub.xml"/></asset><worldbody><attach model="sub" body="b" prefix="s/"/>
+  <geom size=".1"/></worldbody></mujoco>"""
+FREE_KEYS = {
+    "free": ("<freejoint/>", "", '<key name="k" qpos="1 2 3 1 0 0 0"/>', True),
+    "mocap": ("", ' mocap="true"', '<key name="k" mpos="1 2 3" mquat="1 0 0 0"/>', True),
+    "hinge": ("<joint/>", "", '<key name="k" qpos="1"/>', False),
+}
+
+
+@pytest.mark.mujoco4("it attaches no keys")
+@pytest.mark.parametrize(("joint", "mocap", "key", "refused"), FREE_KEYS.values(), ids=FREE_KEYS.keys())
+@pytest.mark.parametrize("moved", [True, False])
+def test_keys_with_poses_of_a_model_that_mujoco_attaches_do_not_move(
+    workshop: Workshop, joint: str, mocap: str, key: str, refused: bool, moved: bool
+) -> None:
+    sub = f'<mujoco><worldbody><body name="b"{mocap}>{joint}<geom size=".1"/></body></worldbody><keyframe>{key}</keyframe></mujoco>'
+    place = placed(pos=(1, 0, 0)) if moved else placed()
+    linked = workshop.link(BASE, Piece(ATTACHING, place=place, files={"sub.xml": sub}))
+    faults = [each.message for each in linked.linking.sink.errors]
+    expected = ["the model attached here has keys with poses of its free bodies, and `part/` moves it"]
+    assert faults == (expected if refused and moved else [])

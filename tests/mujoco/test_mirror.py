@@ -54,3 +54,20 @@ def test_a_constraint_that_is_not_reflected_is_a_fault() -> None:
     assert fault["why"] == "equality"
     wider = RACKS.format(".05", "").replace('range="0 2"', 'range="1 2"')
     assert mirrored_keys(mujoco, {"texts": [of, wider], "axis": 1})["fault"]["why"] == "range"
+
+
+HINGES = """<mujoco><compiler angle="radian"/><worldbody><body name="base"><geom size=".1"/>
+  <body name="arm"><joint name="pan" axis="1 0 0" ref="0.3" range="{}"/><geom size=".1"/><body name="tip" pos="0 0 .3"><geom size=".1"/></body></body></body>
+</worldbody><keyframe>{}</keyframe></mujoco>"""
+
+
+def test_a_range_is_reflected_about_the_reference_of_its_joint() -> None:
+    """The image of a hinge that turns the other way round, with a reference of 0.3."""
+    about_reference = HINGES.format("-0.4 1", '<key qpos="0.8"/>')
+    found = mirrored_keys(mujoco, {"texts": [about_reference, HINGES.format("-0.4 1", "")], "axis": 1})
+    assert found["keys"][0]["qpos"] == pytest.approx([-0.2])
+    about_zero = HINGES.format("-1 1", '<key qpos="0.8"/>')
+    fault = mirrored_keys(mujoco, {"texts": [about_zero, HINGES.format("-1 1", "")], "axis": 1})["fault"]
+    assert fault["why"] == "range"
+    reflected = mirrored_keys(mujoco, {"texts": [about_zero, HINGES.format("-0.4 1.6", "")], "axis": 1})
+    assert reflected["keys"][0]["qpos"] == pytest.approx([-0.2])

@@ -204,3 +204,17 @@ def test_elements_of_other_programs_are_not_taken_for_those_of_urdf(
     assert unread == {"link/drake:inertial", "joint/drake:rotor_inertia", "drake:joint", "gazebo/ignition:plugin"}
     (note,) = (each for each in reading.sink.sorted() if each.code == "urdf-unread")
     assert "`<drake:joint>` (1)" in "".join(each.message for each in note.notes)
+
+
+def test_a_continuous_joint_gives_its_servo_no_range(reader: Reader) -> None:
+    """The limits of a continuous joint have no meaning in URDF, nor have its soft limits."""
+    soft = '<safety_controller k_velocity="1" soft_lower_limit="-0.5" soft_upper_limit="0.75"/>'
+    gains = '<param name="kp">300</param>'
+    for inside in ("", soft):
+        text = robot(
+            *ARM[:3],
+            joint("shoulder", "base", "upper", inside, kind="continuous"),
+            ARM[4],
+            control(*(commanded(name, "position", inside=gains) for name in ("shoulder", "elbow"))),
+        )
+        assert [each.get("ctrlrange") for each in actuators(reader("r.urdf", text))] == [None, "-1 1.5"]
