@@ -8,13 +8,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from mjcompose.base import scratch as module
 from mjcompose.base.scratch import locked_folder, scratch, sweep
 from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import write_folder
+from mjcompose.build.bundle.staging import staged_file, write_folder
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs signals")
 HOLDS = """
@@ -151,3 +152,67 @@ def test_a_process_killed_while_it_removes_its_folder_leaves_the_lock(
     with scratch("engine") as folder:
         monkeypatch.setattr(module.shutil, "rmtree", remove)
     assert seen[0] == ("files", True)
+
+
+def _folder_with(lock: str) -> Callable[[Path], None]:
+    def plant(folder: Path) -> None:
+        folder.mkdir()
+        if lock == "a file":
+            (folder / "lock").touch()
+        elif lock == "a folder":
+            (folder / "lock").mkdir()
+        elif lock == "a pipe":
+            os.mkfifo(folder / "lock")
+        else:
+            (folder / "lock").symlink_to("/etc/hostname")
+        (folder / "old-output").write_text("planted")
+
+    return plant
+
+
+def _file(path: Path) -> None:
+    path.write_text("planted")
+
+
+def _link(path: Path) -> None:
+    (path.parent / "linked").mkdir()
+    (path.parent / "linked" / "lock").touch()
+    (path.parent / "linked" / "kept").touch()
+    path.symlink_to("linked")
+
+
+def _deep(path: Path) -> None:
+    """Removing it takes more calls within calls than Python allows."""
+    path.mkdir()
+    (path / "lock").touch()
+    at = os.getcwd()
+    os.chdir(path)
+    for _ in range(1500):
+        os.mkdir("d")
+        os.chdir("d")
+    os.chdir(at)
+
+
+@posix
+@pytest.mark.parametrize(
+    "plant", [*map(_folder_with, ("a file", "a folder", "a pipe", "a link")), _file, _link],
+    ids=["file", "folder", "pipe", "link", "no folder", "link to a folder"],
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["..", "...", ".arm.zip", ".\udce9", ".a\nb"])
+def test_a_sweep_never_ends_a_command(tmp_path: Path, name: str, plant: Callable[[Path], None]) -> None:
+    work = tmp_path / "work"
+    work.mkdir()
+    plant(work / f"{name}.tmp-0123456789ab")
+    with staged_file(work / "out.xml") as stage:
+        stage.write_text("new")
+    assert (work / "out.xml").read_text() == "new"
+    assert not (work / "linked").exists() or (work / "linked" / "kept").exists()
+
+
+@posix
+def test_a_folder_that_is_too_deep_to_remove_ends_no_command(tmp_path: Path) -> None:
+    _deep(tmp_path / ".arm.zip.tmp-0123456789ab")
+    with staged_file(tmp_path / "out.xml") as stage:
+        stage.write_text("new")
+    assert (tmp_path / "out.xml").read_text() == "new"
+    subprocess.run(["rm", "-rf", str(tmp_path / ".arm.zip.tmp-0123456789ab")], check=True)

@@ -78,7 +78,10 @@ def locked_folder(folder: Path) -> Iterator[Path]:
 
 
 def sweep_once(parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None) -> None:
-    """Remove locked folders whose process has ended, once in this process; `save` rescues their contents."""
+    """Remove locked folders whose process has ended, once in this process; `save` rescues their contents.
+
+    Anyone may have put folders with such names there, so a fault in one of them ends neither the sweep nor the command.
+    """
     key = str(parent), getattr(is_ours, "__qualname__", "")
     if key in _swept:
         return
@@ -86,7 +89,8 @@ def sweep_once(parent: Path, is_ours: Callable[[str], bool], save: Callable[[Pat
     with contextlib.suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             if is_ours(entry.name):
-                sweep(Path(entry.path), save)
+                with contextlib.suppress(Exception):
+                    sweep(Path(entry.path), save)
 
 
 def sweep(folder: Path, save: Callable[[Path], None] | None = None) -> bool:
