@@ -14,10 +14,14 @@ from mjcompose.base.report import (
     Case,
     MjcomposeError,
     Suite,
+    as_lines,
+    json_text,
+    one_line,
     printable,
     render,
     render_github,
     render_json_format,
+    render_markdown,
     report,
     summary,
 )
@@ -355,3 +359,92 @@ def test_no_character_acts_on_who_shows_it(form: str) -> None:
 def test_colors_stay_where_they_are_meant() -> None:
     assert printable("\x1b[1;31mred\x1b[0m\x1b[2J", colors=True) == "\x1b[1;31mred\x1b[0m\u241b[2J"
     assert printable("\x1b[1;31mred") == "\u241b[1;31mred"
+
+
+NAMES = [
+    "\n::error file=a.py::planted", "\r\n  ::add-mask::x", "##[error]planted", "##vso[task.complete]x", "\x1b]0;title\x07", "\x1b[31m",
+    "\u202egpj.exe", "\u200bhidden", "\U000e0041\U000e0042", "\u2028", "\ufeff", "<script>alert(1)</script>", "`|`", "``", "`<b>`",
+    "a`<img src=x>", "@someone", "&#64;someone", "[a](http://example.org)", "]]>", "\n# heading", "\n- item", "\n```", "\x00\x01", "\udce9",
+]  # fmt: skip
+RUN_BY_MACHINES = re.compile(r"(?m)^\s*::|##\w*\[")
+UNSEEN_OR_TURNED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\u200b\ufeff\U000e0000-\U000e0fff\ud800-\udfff]"
+)
+
+
+def about(text: str) -> Diagnostic:
+    """A diagnostic that quotes a name everywhere."""
+    name = f"`{text}`"
+    notes = (Note(f"there is {name}"), Note(f"and {name}", Span(f"{text}.xml", 1, 1)))
+    cells = (CellName(text, text), CellName(f"{text}2", text))
+    return Diagnostic(
+        "bad-name", f"the name {name} is bad", Span(f"{text}.xml", 1, 2), notes=notes, help=f"rename {name}", cells=cells,
+        others=(Note(f"also {name}", at(2, 1)),), recipes=(text, "b.yaml"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("text", NAMES)
+@pytest.mark.parametrize("color", [True, False])
+def test_no_machine_carries_out_a_name_in_text(text: str, *, color: bool) -> None:
+    shown = render(about(text), lambda file: f"{text}\n{text}", color=color)
+    assert not RUN_BY_MACHINES.search(shown)
+    assert not UNSEEN_OR_TURNED.search(re.sub(r"\x1b\[[0-9;]*m", "", shown) if color else shown)
+    assert "planted" not in [line.strip().removeprefix("::error file=a.py::") for line in shown.splitlines()[:1]]
+
+
+@pytest.mark.parametrize("text", NAMES)
+def test_a_name_is_one_command_for_github(text: str) -> None:
+    shown = render_github(about(text))
+    assert len(shown.splitlines()) == 1 and shown.startswith("::error ")
+    assert "##[" not in shown and not UNSEEN_OR_TURNED.search(shown)
+    properties = shown[len("::error ") :].partition("::")[0]
+    assert [each.partition("=")[0] for each in properties.split(",")] == ["file", "line", "col", "title"]
+
+
+@pytest.mark.parametrize("text", NAMES)
+def test_a_name_is_only_text_in_markdown(text: str) -> None:
+    shown = render_markdown(about(text))
+    assert not UNSEEN_OR_TURNED.search(shown) and not RUN_BY_MACHINES.search(shown)
+    parser = pytest.importorskip("markdown_it").MarkdownIt("gfm-like", {"html": True, "linkify": False})
+    tokens = parser.parse(shown)
+    inline = [child for token in tokens for child in token.children or ()]
+    kinds = {each.type for each in (*tokens, *inline)}
+    assert not kinds & {
+        "html_block",
+        "html_inline",
+        "heading_open",
+        "link_open",
+        "image",
+        "fence",
+        "code_block",
+        "table_open",
+    }
+    assert len([each for each in tokens if each.type == "bullet_list_open"]) == 2
+    words = "".join(each.content for each in inline if each.type == "text")
+    assert "@someone" not in words
+
+
+@pytest.mark.parametrize("text", NAMES)
+def test_a_name_is_only_text_in_junit(text: str) -> None:
+    shown = report([Suite(text, [Case(text, text, [about(text)], file=text, line=1)])], lambda file: text)
+    assert not UNSEEN_OR_TURNED.search(shown) and not RUN_BY_MACHINES.search(shown)
+    [case] = Xml.fromstring(shown).iter("testcase")
+    assert [each.tag for each in case] == ["failure"]
+
+
+@pytest.mark.parametrize("text", NAMES)
+@pytest.mark.parametrize("ensure_ascii", [True, False])
+def test_a_name_in_json_is_the_same_name_again(text: str, *, ensure_ascii: bool) -> None:
+    shown = json_text({"name": text}, ensure_ascii=ensure_ascii)
+    assert json.loads(shown) == {"name": text}
+    assert len(shown.splitlines()) == 1
+    assert not UNSEEN_OR_TURNED.search(shown) and not RUN_BY_MACHINES.search(shown)
+
+
+@pytest.mark.parametrize("text", ["arm/left", "a_b", "bras_é", "机械臂", "a::b", "std::vector", "# [x]", "می‌خواهم"])
+def test_usual_text_stays(text: str) -> None:
+    assert printable(text) == text and one_line(text) == text
+
+
+def test_a_line_break_of_a_name_starts_no_line() -> None:
+    assert as_lines(["a\nb", "c\td"]) == "a␊b\nc␉d"

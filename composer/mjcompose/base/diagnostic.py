@@ -186,7 +186,9 @@ class Diagnostic(Struct):
         if not self.others:
             return self.notes
         lines = [f"{len(self.others)} more like this:"]
-        lines += [f"{each.span}: {each.message}" if each.span else each.message for each in self.others[:_SHOWN]]
+        for each in self.others[:_SHOWN]:
+            message = " ".join(each.message.splitlines())
+            lines.append(f"{each.span}: {message}" if each.span else message)
         if len(self.others) > _SHOWN:
             lines.append(f"… and {len(self.others) - _SHOWN} more")
         return (*self.notes, Note("\n".join(lines)))

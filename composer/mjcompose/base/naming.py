@@ -63,11 +63,11 @@ def portable_path(path: str) -> str:
     return path if is_portable(path) else "/".join(map(portable_step, path.split("/")))
 
 
-_ODD = re.compile(
-    "[\x00-\x1f\x7f-\x9f\u2028\u2029"  # control characters and line breaks
-    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # characters that reorder text
-    "\u200b\u2060-\u2064\ufeff\ud800-\udfff\ufffe\uffff]"  # characters without a shape, and no characters
-)
+BIDIRECTIONAL = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
+"""Characters that reorder text, as a part of a regular expression."""
+UNSEEN = "\u00ad\u200b\u2060-\u2064\ufeff\U000e0000-\U000e0fff"
+"""Characters without a shape, which hide text from people, likewise; not those that join letters of some scripts."""
+_ODD = re.compile(f"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff{BIDIRECTIONAL}{UNSEEN}]")
 _LINE_BREAKS = "\n\r\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029"
 
 

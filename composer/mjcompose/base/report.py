@@ -14,10 +14,11 @@ from xml.etree import ElementTree as Xml
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked, plain_data
 from mjcompose.base.limits import Advice
+from mjcompose.base.naming import BIDIRECTIONAL, UNSEEN
 
 _COLOR = {
-    "error": "\x1b[1;31m", "warning": "\x1b[1;33m", "note": "\x1b[1;36m", "cell": "\x1b[1;36m",
-    "cells": "\x1b[1;36m", "help": "\x1b[1;32m", "bold": "\x1b[1m", "gutter": "\x1b[34m",
+    "error": "\x1b[1;31m", "warning": "\x1b[1;33m", "note": "\x1b[1;36m", "help": "\x1b[1;32m", "bold": "\x1b[1m",
+    **dict.fromkeys(("cell", "cells", "recipe", "recipes"), "\x1b[1;36m"), "gutter": "\x1b[34m",
     "code": "\x1b[36m", "dim": "\x1b[2m", "added": "\x1b[32m", "removed": "\x1b[31m",
 }  # fmt: skip
 
@@ -39,10 +40,13 @@ _TAB = " " * 4
 _WINDOW = 160  # screen columns of source shown at most
 _BEFORE = 60  # of these, columns before the span
 _NEAR = 2000  # characters on each side of a span that are read: a line may be as long as a file
-_BIDIRECTIONAL = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
-_CONTROL = f"\\x00-\\x08\\x0b-\\x1a\\x1c-\\x1f\\x7f-\\x9f\u2028\u2029{_BIDIRECTIONAL}"
+_CONTROL = f"\\x00-\\x08\\x0b-\\x1a\\x1c-\\x1f\\x7f-\\x9f\u2028\u2029{BIDIRECTIONAL}{UNSEEN}"
 _UNSAFE = re.compile(f"[\\x1b\ud800-\udfff{_CONTROL}]")
 _UNSAFE_WITH_COLORS = re.compile(f"\\x1b(?!\\[[0-9;]*m)|[{_CONTROL}]")
+_COMMAND_AT_START = re.compile(r"^(\s*:):", re.MULTILINE)
+"""The start of a line that GitHub's runner carries out, such as `::add-mask::`."""
+_COMMAND_ANYWHERE = re.compile(r"#(?=#\w*\[)")
+"""The start of a command in the middle of a line: `##[error]` on GitHub, `##vso[…]` on Azure, `##teamcity[…]`."""
 
 
 def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
@@ -71,7 +75,8 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
         return [f"{head}{paint(kind, kind)}: {first}", *(f"{indent}{line}".rstrip() for line in rest)]
 
     kind = diagnostic.severity.value
-    place = "" if diagnostic.span is None else paint("bold", f"{_printable(str(diagnostic.span))}:") + " "
+    where = "" if diagnostic.span is None else _without_commands(_printable(f"{diagnostic.span}:"))
+    place = f"{paint('bold', where)} " if where else ""
     message = paint("bold", " ".join(_printable_lines(diagnostic.message)))
     lines = [f"{place}{paint(kind, f'{kind}[{diagnostic.code}]')}: {message}"]
 
@@ -107,12 +112,31 @@ def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[
 
 
 def printable(text: str, colors: bool = False) -> str:
-    r"""Return a text without characters that control a terminal or reorder text; line breaks and tabs stay.
+    r"""Return a text without characters that control a terminal, hide or reorder text; line breaks and tabs stay.
 
-    With `colors`, color codes stay too, and so do bytes of file names that are not text in this locale.
+    Commands for the machines of GitHub, Azure and TeamCity are broken. With `colors`, color codes stay too, and so do
+    bytes of file names that are not text in this locale.
     """
     unsafe = _UNSAFE_WITH_COLORS if colors else _UNSAFE
-    return unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n"))
+    return _without_commands(unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n")))
+
+
+def _without_commands(text: str) -> str:
+    return _COMMAND_AT_START.sub("\\1\ufffd", _COMMAND_ANYWHERE.sub("\ufffd", text))
+
+
+def one_line(text: str) -> str:
+    r"""Return a text, such as a name or a path, on one line; `printable` replaces its other characters.
+
+    >>> one_line("arm\n::error::")
+    'arm␊::error::'
+    """
+    return re.sub(r"[\t\n\r]", lambda found: _stand_in(found[0]), text)
+
+
+def as_lines(lines: Iterable[str]) -> str:
+    """Return lines as a text. A line break in one of them comes from a name, and does not start another line."""
+    return "\n".join(map(one_line, lines))
 
 
 def summary(diagnostics: Iterable[Diagnostic]) -> str:
@@ -154,7 +178,7 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
     end = max(end, start + 1)  # an empty span, or one past the end of the line, gets one caret
 
     left, right = _window(widths, start)
-    text = "".join(shown for shown, _ in cells[left:right])
+    text = _COMMAND_ANYWHERE.sub("\ufffd", "".join(shown for shown, _ in cells[left:right]))
     offset = sum(widths[left:start])
     width = max(sum(widths[start : min(end, right)]), 1)
     if left + skipped > 0:
@@ -187,7 +211,7 @@ def _cell(character: str) -> tuple[str, int]:
     if character == "\t":
         return _TAB, len(_TAB)
     category = unicodedata.category(character)
-    if category in ("Cc", "Cs", "Zl", "Zp") or character in _BIDIRECTIONAL:
+    if category in ("Cc", "Cs", "Zl", "Zp") or _UNSAFE.match(character):
         return _stand_in(character), 1
     if category in ("Mn", "Me", "Cf"):
         return character, 0
@@ -203,7 +227,20 @@ def _printable(text: str) -> str:
 
 
 def _printable_lines(text: str) -> list[str]:
-    return [_printable(line) for line in _LINE_BREAK.split(text)]
+    return [_without_commands(_printable(line)) for line in _LINE_BREAK.split(text)]
+
+
+def json_text(data: object, *, ensure_ascii: bool = True, **options: Any) -> str:
+    r"""Return data as JSON that a terminal or a log can show: the escapes of JSON replace everything that acts on them.
+
+    Bytes of file names that are not UTF-8 are escapes, too, so the text can be encoded.
+
+    >>> json_text({"name": "##[add-mask]\u202e"}, ensure_ascii=False)
+    '{"name": "\\u0023#[add-mask]\\u202e"}'
+    """
+    text = json.dumps(data, ensure_ascii=ensure_ascii, **options)
+    text = _COMMAND_ANYWHERE.sub(r"\\u0023", text)
+    return text if ensure_ascii else _UNSAFE.sub(lambda found: json.dumps(found[0])[1:-1], text)
 
 
 _KEYS = ("severity", "code", "message", "span", "notes", "help", "fix", "others", "cells", "recipes")
@@ -212,7 +249,7 @@ _KEYS = ("severity", "code", "message", "span", "notes", "help", "fix", "others"
 def render_json_format(diagnostic: Diagnostic) -> str:
     """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic."""
     known = {**plain_data(diagnostic), "fix": _fix(diagnostic)}
-    return json.dumps({key: known[key] for key in _KEYS})
+    return json_text({key: known[key] for key in _KEYS})
 
 
 def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
@@ -262,10 +299,46 @@ def render_markdown(diagnostic: Diagnostic) -> str:
     - `a.yaml:2:1`: **error** `bad-name`: no
       - help: rename it
     """
-    place = f"`{diagnostic.span}`: " if diagnostic.span else ""
-    head = f"- {place}**{diagnostic.severity.value}** `{diagnostic.code}`: {diagnostic.message}"
-    items = [head, *(f"  - {each}" for each in remarks(diagnostic))]
-    return "\n".join(printable(each).replace("\n", "\n    ") for each in items)
+    place = f"{code_span(str(diagnostic.span))}: " if diagnostic.span else ""
+    head = (
+        f"- {place}**{diagnostic.severity.value}** `{diagnostic.code}`: {markdown_text(one_line(diagnostic.message))}"
+    )
+    items = [head, *(f"  - {markdown_text(each)}" for each in remarks(diagnostic))]
+    return "\n".join(each.replace("\n", "\n    ") for each in items)
+
+
+_MARKUP = re.compile(r"[\\*_<>#|\[\]~&]")
+_BLOCK = re.compile(r"^(\s*\d*)([-+=.)])", re.MULTILINE)
+"""A list item or an underlined heading."""
+
+
+def markdown_text(text: str) -> str:
+    r"""Return a text with names between backticks as Markdown that shows just this text.
+
+    A code span shows its content as it is. Elsewhere, nothing is markup, HTML or a mention of a person.
+
+    >>> print(markdown_text("`a*b` has a <b>, says @me"))
+    `a*b` has a \<b\>, says `@`me
+    """
+    *pieces, last = printable(text).split("`")
+    shown = [_plain(piece) if number % 2 == 0 else code_span(piece) for number, piece in enumerate(pieces)]
+    if len(pieces) % 2:  # the last backtick has no partner
+        shown[-1] += "\\`"
+    return "".join([*shown, _plain(last)])
+
+
+def _plain(text: str) -> str:
+    text = _MARKUP.sub(r"\\\g<0>", text)
+    return _BLOCK.sub(r"\1\\\2", text).replace("@", "`@`")
+
+
+def code_span(text: str) -> str:
+    """Return a text as a code span of Markdown, whatever backticks it has."""
+    text = one_line(printable(text))
+    if not text:
+        return "\\`\\`"
+    fence = "`" * (1 + max(map(len, re.findall("`*", text))))
+    return f"{fence}{text}{fence}" if fence == "`" else f"{fence} {text} {fence}"
 
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:

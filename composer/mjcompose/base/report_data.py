@@ -12,7 +12,7 @@ from urllib.parse import quote
 from mjcompose.base import __version__
 from mjcompose.base.codes import CODES, address
 from mjcompose.base.diagnostic import TEMPLATE, CellName, Diagnostic, Note, Severity, Span
-from mjcompose.base.report import printable, remarks
+from mjcompose.base.report import json_text, printable, remarks
 
 
 def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
@@ -32,7 +32,7 @@ def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
         "results": [_result(each, codes.index(each.code)) for each in diagnostics],
     }
     schema = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
-    return json.dumps({"$schema": schema, "version": "2.1.0", "runs": [run]}, indent=2)
+    return json_text({"$schema": schema, "version": "2.1.0", "runs": [run]}, indent=2)
 
 
 def _result(diagnostic: Diagnostic, index: int) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.naming import file_name
-from mjcompose.base.report import MjcomposeError
+from mjcompose.base.report import MjcomposeError, json_text, one_line, printable
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
@@ -65,7 +64,7 @@ def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:
             {"part": each.member.part, "unchanged": None if each.obscure is not None else each.ok}
             for each in stored.parts
         ]
-        click.echo(json.dumps({"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}))
+        click.echo(json_text({"bundle": path, "ok": ok, "sha256": stored.bundle.sha256, "parts": parts}))
     elif form == "text" and ok:
         unchanged = sum(each.ok for each in stored.parts)
         compared = f", {unchanged} of {len(stored.parts)} parts compared with their sources and unchanged"
@@ -99,7 +98,10 @@ def list(options: ListOptions, run: Run) -> int:
                 path = row.file if isinstance(row.file, str) else context.shown(row.file)
                 own = (f"{name}={shown(value)}" for name, value in row.values.items() if name not in COLUMNS)
                 data = {**row.values, "path": path}
-                click.echo(json.dumps(data, ensure_ascii=False) if run.form == "json" else " ".join((path, *own)))
+                if run.form == "json":
+                    click.echo(json_text(data, ensure_ascii=False))
+                else:
+                    click.echo(printable(one_line(" ".join((path, *own)))))
         condition.check()
     except ListingError as error:
         context.sink.add(error.diagnostic)

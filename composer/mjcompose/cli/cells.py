@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -256,7 +255,7 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
         now = time.monotonic()
         if terminal or now - shown >= _EVERY:
             shown = now
-            line = f"{done}/{total} {done / max(now - start, 1e-9):.1f}/s {name(item)}"
+            line = f"{done}/{total} {done / max(now - start, 1e-9):.1f}/s {text.printable(text.one_line(name(item)))}"
             bar = f"[{'#' * (_WIDTH * done // total):{_WIDTH}}]"
             click.echo(f"{bar} {line}" if terminal else line, err=True, nl=not terminal)
     if terminal:
@@ -284,8 +283,10 @@ class Tally(Struct, frozen=False):
         words = f"{len(self.failed)} of {self.total} cells failed: {listed(self.failed)}"
         if form == "json":
             failed = [asdict(each) for each in self.failed]
-            words = json.dumps({"recipe": str(self.recipe), "cells": self.total, "failed": failed})
+            words = text.json_text({"recipe": str(self.recipe), "cells": self.total, "failed": failed})
         elif form == "github":
             words = text.command("error", words, {"title": str(self.recipe)})
+        else:
+            words = text.printable(words)
         if self.failed or form == "json":
             click.echo(words, err=err or form == "text")

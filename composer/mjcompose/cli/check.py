@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from itertools import groupby
@@ -16,7 +15,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.files import STDIN
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import Case, Suite, counted
+from mjcompose.base.report import Case, Suite, as_lines, counted, json_text, one_line, printable
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import Outcome, license_rows, license_table
 from mjcompose.cli.cells import BuildingOptions, ModelOptions, Tally, check_readers, check_several, counting, stopped
@@ -151,12 +150,16 @@ class _Checking:
         failed = [str(result.recipe) for result in self.results if result.code]
         for result in self.results:
             if run.form == "json":
-                click.echo(json.dumps({"recipe": str(result.recipe), "ok": not result.code}), err=err)
+                click.echo(json_text({"recipe": str(result.recipe), "ok": not result.code}), err=err)
             elif not result.code and not err:
                 words, title = f"{result.recipe}: ok{result.counted}", {"title": str(result.recipe)}
-                say(github.command("notice", words, title) if run.form == "github" else words)
+                if run.form == "github":
+                    say(github.command("notice", words, title), is_escaped=True)
+                else:
+                    say(words)
         if failed and run.form == "text":
-            click.echo(f"{len(failed)} of {len(self.results)} recipes failed: {', '.join(failed)}", err=True)
+            words = f"{len(failed)} of {len(self.results)} recipes failed: {', '.join(failed)}"
+            click.echo(printable(one_line(words)), err=True)
         return max(result.code for result in self.results)
 
     def _checked(self, recipe: Path, context: Context) -> _Result:
@@ -270,14 +273,14 @@ def plan(options: PlanOptions, run: Run) -> Answer:
     planned = run.need(plan, recipe)
     if options.licenses:
         rows = license_rows(planned, context)
-        return Answer(lambda: license_table(rows), [asdict(row) for row in rows])
+        return Answer(lambda: as_lines(license_table(rows)), [asdict(row) for row in rows])
     if options.expanded:
         return Answer(lambda: expanded_text(planned))
     from mjcompose.build.compose.preview import preview_plan
 
     foreseen = preview_plan(planned, context)
     return Answer(
-        lambda: "\n".join([describe(planned, foreseen), *_cell_lines(planned, filled, cells)]),
+        lambda: "\n".join([describe(planned, foreseen), *map(one_line, _cell_lines(planned, filled, cells))]),
         lambda: _data(planned, foreseen, filled, cells=cells),
     )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
 import os
 import sys
 from collections import Counter
@@ -18,7 +17,7 @@ from mjcompose.base.access import ALL, Door, door_of_user, door_of_walk
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import CODE, MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import Paint, counted, printable
+from mjcompose.base.report import Paint, as_lines, counted, json_text, printable
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import ChangedError, replace_text
 from mjcompose.cli.options import RECIPE, FetchOptions, RecipeOptions, ReportOptions, TimeOptions
@@ -122,7 +121,7 @@ def note_outside(path: Path, door: Door, context: Context) -> None:
 def _report(file: str, difference: str | None, form: str) -> None:
     if form == "json":
         what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
-        click.echo(json.dumps(what))
+        click.echo(json_text(what))
     elif difference is None:
         say(f"formatted {file}")
     elif form == "github":
@@ -242,9 +241,9 @@ def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
     for path, (before, after) in found.files.items():
         shown = context.shown(path)
         answer = {"file": shown, "written": written, "diff": difference(before, after, shown, done="fixed")}
-        click.echo(json.dumps(answer))
+        click.echo(json_text(answer))
     fixed = [{"code": each.code, "message": each.message} for each in found.fixed]
-    click.echo(json.dumps({"fixed": fixed, "left": len(found.left)}))
+    click.echo(json_text({"fixed": fixed, "left": len(found.left)}))
 
 
 def _amount(found: Fixed) -> str:
@@ -292,7 +291,7 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
         width = max(len(each.code) for each in every)
         lines = [f"{each.code:{width}}  {each.family:8}  {each.summary}" for each in every]
         names = ("code", "family", "summary", "usual")
-        return Answer("\n".join(lines), [{name: getattr(each, name) for name in names} for each in every], code=0)
+        return Answer(as_lines(lines), [{name: getattr(each, name) for name in names} for each in every], code=0)
     if not options.files:
         raise click.UsageError("Missing argument 'FILES...'. `mjcompose lint .` looks for models in this folder.")
     try:
@@ -325,7 +324,7 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
     if options.statistics:
         counts = Counter(each.code for each in found)
         lines = [f"{count:6}  {name}" for name, count in counts.most_common()]
-        return Answer("\n".join(lines) or "no findings", dict(counts.most_common()), code=code)
+        return Answer(as_lines(lines) or "no findings", dict(counts.most_common()), code=code)
     ignored = sum(result.ignored for result, _ in results)
     more = f", {ignored} ignored" if ignored else ""
     fixable = sum(each.fix is not None for each in found)
@@ -367,4 +366,4 @@ def _table(results: Sequence[Linted], selected: Sequence[Rule], code: int) -> An
         lines.append(f"{result.path}: meets {met} of {len(selected)} rules")
         lines += [f"  {counts[rule.code]:4}  {rule.code}: {rule.summary}" for rule in selected if counts[rule.code]]
         data.append({"model": str(result.path), "met": met, "rules": len(selected), "findings": dict(counts)})
-    return Answer("\n".join(lines), data, code=code)
+    return Answer(as_lines(lines), data, code=code)

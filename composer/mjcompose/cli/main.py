@@ -8,7 +8,7 @@ import io
 import keyword
 import os
 import sys
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
@@ -118,6 +118,9 @@ if "_MJCOMPOSE_COMPLETE" in os.environ:
     completion.install()
 
 
+_E = TypeVar("_E", bound=click.ClickException)
+
+
 class _Verbs(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         from mjcompose.base.extensions import names
@@ -162,8 +165,10 @@ class _Verbs(click.Group):
             _say_aside("interrupted: nothing was written")
             ctx.exit(_INTERRUPTED)
         except click.NoSuchOption as error:
-            raise _with_hint(error) from None
-        except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError, MemoryError):
+            raise _on_one_line(_with_hint(error)) from None
+        except click.ClickException as error:
+            raise _on_one_line(error) from None
+        except (click.exceptions.Exit, click.Abort, BrokenPipeError, MemoryError):
             raise  # Click handles most; memory is released before the entry point reports its lack
         except SystemError as error:
             if ran_out():
@@ -246,10 +251,19 @@ def _is_reported(error: Exception) -> bool:
 
 def _say_aside(words: str) -> None:
     """Print to standard error, instead of a progress line."""
+    from mjcompose.base.report import printable
     from mjcompose.cli.reporting import clear_progress
 
     clear_progress()
-    click.echo(words, err=True)
+    click.echo(printable(words), err=True)
+
+
+def _on_one_line(error: _E) -> _E:
+    """Return the error with a message that fits on one line, whatever the name in it; Click prints it."""
+    from mjcompose.base.report import one_line, printable
+
+    error.message = printable(one_line(error.message))
+    return error
 
 
 def _with_hint(error: click.NoSuchOption) -> click.NoSuchOption:

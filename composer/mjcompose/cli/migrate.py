@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +11,7 @@ import click
 
 from mjcompose.base.access import door_of_named
 from mjcompose.base.files import MJCF_FILES, RECIPES
-from mjcompose.base.report import counted
+from mjcompose.base.report import as_lines, counted, json_text
 from mjcompose.build.bundle.staging import staged_folder
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
@@ -76,7 +75,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     if result is not None and is_whole and (out is not None or options.in_place):
         written = _written(result, out, context)
     if result is not None and run.form == "json":
-        click.echo(json.dumps(_data(result, written, context), ensure_ascii=False))
+        click.echo(json_text(_data(result, written, context), ensure_ascii=False))
     elif result is not None and is_whole and out is None and not options.in_place:
         show_differences(result.migrated.changed, context, done="migrated")
     if result is None or context.sink.has_errors:
@@ -84,7 +83,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     code = FINDINGS if (result.migrated.changed and written is None) or result.unexplained else 0
     if run.form == "json":
         return code
-    words = "\n".join(_lines(result, written, options.in_place, context=context))
+    words = as_lines(_lines(result, written, options.in_place, context=context))
     return Answer(words, code=code, is_outcome=True)
 
 
@@ -231,7 +230,7 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
         "moved": [each.data() for each in found.moved], "diverged": list(found.diverged),
     }  # fmt: skip
     code = FINDINGS if found.moved or found.diverged else 0
-    return Answer("\n".join(_motions(options, found)), data, code=code, is_outcome=True)
+    return Answer(as_lines(_motions(options, found)), data, code=code, is_outcome=True)
 
 
 def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:

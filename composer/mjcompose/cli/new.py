@@ -13,7 +13,7 @@ import click
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, read_regular
-from mjcompose.base.report import counted
+from mjcompose.base.report import as_lines, counted
 from mjcompose.build.bundle.bundle import OutputError, unwritable_error
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.cli.fmt import rewrite
@@ -124,7 +124,7 @@ def _examples(folder: Path) -> _Outcome:
 
 def _outcome(words: Iterable[str], folder: Path, written: Iterable[str], kept: Iterable[str]) -> _Outcome:
     wrote, left = (tuple(str(folder / path) for path in paths) for paths in (written, kept))
-    return _Outcome("\n".join(words), wrote, left)
+    return _Outcome(as_lines(words), wrote, left)
 
 
 def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
@@ -219,7 +219,7 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
     _say_several(f"changed in {shown}, and written into the recipe", edits)
     if outcome is None or different is None:
         why = f": MuJoCo rejects {shown}: {found.refused}" if found.refused else ""
-        click.echo(f"the two models could not be compared{why}")
+        say(f"the two models could not be compared{why}")
     elif outcome.same:
         rounded = counted(len(outcome.rounded), "number")
         verb = "is" if len(outcome.rounded) == 1 else "are"
@@ -235,6 +235,9 @@ def _refuse_foreign(files: tuple[Path, ...], run: Run) -> None:
         if (found := foreign_format(file)) is not None:
             shown = run.context.shown(file)
             run.context.sink.error("source-kind", found.message(shown), help=found.help(shown))
+        elif as_text(str(file)) != str(file):
+            message = f"the name of `{file}` is not UTF-8, so a recipe cannot name it"
+            run.context.sink.error("file-unreadable", message, help="rename it")
     run.check(run.code_of_failure(*files))
 
 
@@ -252,7 +255,7 @@ def _urdf(file: Path, target: Path, run: Run) -> Answer:
         for row in found.rows
     ]  # fmt: skip
     words = [f"wrote {target}: it starts from {context.shown(file)}", *table(found.rows)]
-    return Answer("\n".join(words), {"output": str(target), "rows": rows}, code=0, is_outcome=True)
+    return Answer(as_lines(words), {"output": str(target), "rows": rows}, code=0, is_outcome=True)
 
 
 def _is_reference(part: Path) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.naming import file_name
-from mjcompose.base.report import counted
+from mjcompose.base.report import as_lines, counted, json_text
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import (
@@ -145,10 +145,8 @@ _NO_ADDRESS = {
 def report_of(result: BuildResult, spec: OutputSpec) -> str:
     out = hide(spec.target(result.name, result.mujoco))
     if spec.form == "json":
-        import json
-
-        return json.dumps(_data(result, spec, out))
-    return "\n".join(_lines(result, spec, out))
+        return json_text(_data(result, spec, out))
+    return as_lines(_lines(result, spec, out))
 
 
 def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
@@ -190,7 +188,7 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     if spec.licenses and not result.licenses:
         yield "  no licenses: it takes nothing from other models"
     elif spec.licenses:
-        yield license_table(result.licenses)
+        yield from license_table(result.licenses)
 
 
 def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:

@@ -15,7 +15,7 @@ import click
 from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import STDIN, read_regular
-from mjcompose.base.report import Case, Suite, printable, report as junit_text
+from mjcompose.base.report import Case, Suite, one_line, printable, report as junit_text
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
@@ -57,7 +57,7 @@ def say_details(context: Context, files: Iterable[str] = ()) -> None:
     for stage, took in seconds.items():
         click.echo(f"  {stage:8} {took:7.3f} s", err=True)
     for file in sorted(files):
-        click.echo(f"  read {file}", err=True)
+        click.echo(f"  read {printable(one_line(file))}", err=True)
 
 
 def exit_code(folder: Path, named: Iterable[Path]) -> int:
@@ -65,12 +65,15 @@ def exit_code(folder: Path, named: Iterable[Path]) -> int:
     return FINDINGS if all(str(each) == STDIN or os.path.exists(folder / each) for each in named) else USAGE
 
 
-def say(words: str, *, err: bool = False, form: str = "text") -> None:
-    """Print a result. With `--quiet`, text about success is omitted, but not JSON for programs."""
+def say(words: str, *, err: bool = False, form: str = "text", is_escaped: bool = False) -> None:
+    """Print a result. With `--quiet`, text about success is omitted, but not JSON for programs.
+
+    Text is made printable, unless it `is_escaped` already, as a command for GitHub is.
+    """
     if form != "json" and is_quiet():
         return
     clear_progress()
-    click.echo(words if form == "json" else printable(words, colors=True), err=err)
+    click.echo(words if form == "json" or is_escaped else printable(words, colors=True), err=err)
 
 
 def is_quiet() -> bool:
@@ -157,6 +160,7 @@ def progress(message: str) -> None:
     """Show a line on standard error during long work; only on a terminal, where the next output replaces it."""
     if not on_terminal() or is_quiet():
         return
+    message = printable(one_line(message))
     if os.environ.get("TERM") == "dumb":
         click.echo(message, err=True)
         return

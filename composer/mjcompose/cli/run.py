@@ -5,7 +5,6 @@ A command is a class of options and a function of them and a `Run`; docs/contrib
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
@@ -18,7 +17,7 @@ import click
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import Mark, keep_stdin
-from mjcompose.base.report import Suite, printable
+from mjcompose.base.report import Suite, json_text, printable
 from mjcompose.cli import reporting
 from mjcompose.cli.reporting import DOCUMENTS, FINDINGS, FORM, USAGE, clear_progress, exit_code, is_quiet, report, say
 from mjcompose.sources.blobs import let_go
@@ -176,7 +175,7 @@ class Answer(Struct):
     def show(self, form: str) -> None:
         if form == "json" and self.data is not None:
             data = self.data() if callable(self.data) else self.data
-            click.echo(json.dumps(data, indent=None if self.is_outcome else 2, ensure_ascii=self.is_ascii))
+            click.echo(json_text(data, indent=None if self.is_outcome else 2, ensure_ascii=self.is_ascii))
             return
         source = self.markdown if form == "markdown" and self.markdown is not None else self.text
         text = source() if callable(source) else source

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ import click
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.limits import parse_size
-from mjcompose.base.report import counted
+from mjcompose.base.report import as_lines, counted, json_text
 from mjcompose.base.scratch import sweep_temporary
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
@@ -63,7 +62,7 @@ def info(options: InfoOptions, run: Run) -> Answer:
         "folder": str(store.folder), "size": size, "limit": store.limit, "entries": rows,
         "builds": {"size": size_built, "files": len(built)},
     }  # fmt: skip
-    return Answer(lambda: "\n".join(lines()), data, is_outcome=True)
+    return Answer(lambda: as_lines(lines()), data, is_outcome=True)
 
 
 class PruneOptions(Group):
@@ -134,7 +133,7 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
 
 
 def _say_removed(path: Path, form: str) -> None:
-    say(json.dumps({"removed": str(path)}) if form == "json" else f"removed {path}: it was damaged", form=form)
+    say(json_text({"removed": str(path)}) if form == "json" else f"removed {path}: it was damaged", form=form)
 
 
 def _store(run: Run) -> Store:
@@ -187,5 +186,5 @@ def lock(options: LockOptions, run: Run) -> Answer:
     if made is None and any(each.code == "unknown-name" for each in run.context.sink.errors):
         raise Stop(USAGE)
     path, changes = run.need(made, options.recipe)
-    words = "\n".join([*(f"  {line}" for line in changes), f"wrote {path}" if changes else f"{path} is up to date"])
+    words = as_lines([*(f"  {line}" for line in changes), f"wrote {path}" if changes else f"{path} is up to date"])
     return Answer(words, {"lock": path, "changes": changes}, is_outcome=True)

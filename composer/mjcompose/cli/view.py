@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.report import counted
+from mjcompose.base.report import counted, printable
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
@@ -104,7 +104,7 @@ def _live(workshop: Workshop, service: Service, run: Run) -> int:
 
     def announce(shown: Shown) -> None:
         if shown.fault is not None:
-            click.echo(shown.fault, err=True)
+            click.echo(printable(shown.fault), err=True)
         else:
             say(f"{shown.title}: shown, built in {shown.seconds:.2f} s", form=run.form)
 

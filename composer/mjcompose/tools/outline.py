@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import STDIN
-from mjcompose.base.report import Paint, counted
+from mjcompose.base.report import Paint, as_lines, counted
 from mjcompose.base.rotation import Pose
 from mjcompose.build.bundle.bundle import MANIFEST
 from mjcompose.build.bundle.manifest import from_json
@@ -209,7 +209,7 @@ def render(outline: Outline, depth: int | None = None, color: bool = False) -> s
     for part in outline.parts:
         place = f", on {part.body}" if part.body else ""
         lines.append(f"  {paint('help', f'{part.name:{width}}')}  {part.model}{paint('dim', place)}")
-    return "\n".join([*lines, paint("bold", "world"), *_below(outline.world, depth, paint)])
+    return as_lines([*lines, paint("bold", "world"), *_below(outline.world, depth, paint)])
 
 
 def render_places(outline: Outline, depth: int | None = None, color: bool = False) -> str:
@@ -226,7 +226,7 @@ def render_places(outline: Outline, depth: int | None = None, color: bool = Fals
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
     )
     marked = (paint("bold", line[: widths[0]]) + line[widths[0] :] for line in lines)
-    return "\n".join([paint("dim", head), *marked])
+    return as_lines([paint("dim", head), *marked])
 
 
 def _place(body: Body, place: Place) -> tuple[str, str, str, str]:

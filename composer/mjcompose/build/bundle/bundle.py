@@ -386,14 +386,15 @@ def license_rows(plan: Plan, context: Context) -> list[LicenseRow]:
     return rows
 
 
-def license_table(rows: Iterable[LicenseRow]) -> str:
+def license_table(rows: Iterable[LicenseRow]) -> list[str]:
+    """Return the lines of a table of licenses."""
     from mjcompose.sources.license import UNKNOWN
 
     lines = [("part", "source", "license", "file")]
     lines += [(row.part, row.source, row.license or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]
     padded = ([*map(str.ljust, line[:3], widths), line[3]] for line in lines)
-    return "\n".join(map("  ".join, padded))
+    return list(map("  ".join, padded))
 
 
 def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:

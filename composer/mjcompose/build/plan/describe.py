@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
-from mjcompose.base.report import counted
+from mjcompose.base.report import as_lines, counted
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.build.plan.steps import EditElements, Step, steps_adding
@@ -118,7 +118,7 @@ def describe(plan: Plan, preview: PlanPreview | None = None) -> str:
         excluded.append(
             f"  {pairs} of bodies still collide: the search for poses in which they touch ended before them"
         )
-    return "\n".join([*_lines(plan, preview), *_gain_lines(preview.gains), *adopted, *excluded])
+    return as_lines([*_lines(plan, preview), *_gain_lines(preview.gains), *adopted, *excluded])
 
 
 def _gain_lines(gains: Iterable[Gains]) -> Iterator[str]:

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any, TypeAlias
 
 from mjcompose.base.diagnostic import plain_data
-from mjcompose.base.report import counted, printable
+from mjcompose.base.report import as_lines, code_span, counted, markdown_text, printable
 from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.tools.diff.changes import SETTINGS, Breaking, Cause, Change, Count, Diff, End, Group, Move, Value, View
 
@@ -209,7 +209,7 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def render(diff: Diff) -> str:
-    return "\n".join(_lines(diff, markdown=False))
+    return as_lines(_lines(diff, markdown=False))
 
 
 def verdict(diff: Diff) -> str:
@@ -254,7 +254,7 @@ def _lines(diff: Diff, *, markdown: bool) -> Iterator[str]:
     if diff.views and markdown:
         yield from ("", "#### Pictures", "", "| view | before | after |", "|---|---|---|")
         yield from (
-            f"| {_code(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
+            f"| {code_span(each.name)}<br>{view(each)} | ![before](<{each.before}>) | ![after](<{each.after}>) |"
             for each in diff.views
         )
     elif diff.views:
@@ -272,7 +272,7 @@ def _head(diff: Diff, said: str, *, markdown: bool) -> Iterator[str]:
     if not markdown:
         yield from (f"A {diff.a.named}", f"B {diff.b.named}", said, *_remarks(diff))
         return
-    yield from (f"### {_code(diff.a.named)} → {_code(diff.b.named)}", "", f"**{said.capitalize()}.**")
+    yield from (f"### {code_span(diff.a.named)} → {code_span(diff.b.named)}", "", f"**{said.capitalize()}.**")
     for remark in _remarks(diff):
         yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
 
@@ -285,7 +285,7 @@ def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[st
         listed = ["#### Addresses", "", *_list(lines)] if markdown else ["addresses", *(f"  {each}" for each in lines)]
         yield from ("", *listed)
     if arrays:
-        of, names = ("Arrays of `mjModel`", map(_code, arrays)) if markdown else ("arrays of mjModel", arrays)
+        of, names = ("Arrays of `mjModel`", map(code_span, arrays)) if markdown else ("arrays of mjModel", arrays)
         yield from ("", f"{of} that differ: {', '.join(names)}")
 
 
@@ -329,7 +329,7 @@ def _group_markdown(group: Group) -> Iterator[str]:
     if group.cause is None:
         yield "#### Without a line of its own"
     else:
-        yield f"#### {_code(place(group.cause))}" + ("" if lines else f": {_escaped(group.cause.words)}")
+        yield f"#### {code_span(place(group.cause))}" + ("" if lines else f": {markdown_text(group.cause.words)}")
     if lines:
         fence = "`" * max(3, 1 + max(len(each) for each in re.findall("`*", " ".join(lines))))
         yield from (f"{fence}diff", *lines, fence)
@@ -337,21 +337,10 @@ def _group_markdown(group: Group) -> Iterator[str]:
 
 
 def _list(lines: list[str]) -> list[str]:
-    listed = [f"- {_escaped(line)}" for line in lines]
+    listed = [f"- {markdown_text(line)}" for line in lines]
     if len(lines) <= _LONG:
         return listed
     return [f"<details><summary>{len(lines)} changes</summary>", "", *listed, "", "</details>"]
-
-
-def _escaped(line: str) -> str:
-    pieces = line.split("`")
-    pieces[::2] = [re.sub(r"([\\*_<>#|])", r"\\\1", piece) for piece in pieces[::2]]
-    return "`".join(pieces)
-
-
-def _code(text: str) -> str:
-    fence = "`" * (1 + max(len(each) for each in re.findall("`*", text)))
-    return f"{fence}{text}{fence}" if fence == "`" else f"{fence} {text} {fence}"
 
 
 _EFFECTS = {

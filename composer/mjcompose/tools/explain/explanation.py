@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span, plain_data
-from mjcompose.base.report import Paint
+from mjcompose.base.report import Paint, as_lines
 
 
 class Reason(Struct):
@@ -153,7 +153,7 @@ def render(explained: Explained, read_source: ReadSource | None = None, color: b
         lines = _element(explained, read_source, paint)
     else:
         lines = _attribute(explained, read_source, paint)
-    return "\n".join(line.rstrip() for line in lines)
+    return as_lines(line.rstrip() for line in lines)
 
 
 def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:

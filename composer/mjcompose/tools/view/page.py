@@ -17,6 +17,7 @@ from typing import Any
 from mjcompose.base import __version__
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.report import json_text
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
@@ -28,7 +29,7 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
-from mjcompose.sources.context import Context
+from mjcompose.sources.context import Context, as_text
 from mjcompose.text.node import Mapping, Node, Scalar, find
 from mjcompose.tools.diff.changes import Cause, Change, Diff, End
 from mjcompose.tools.diff.sides import Kind, Operand, Side, split
@@ -238,14 +239,14 @@ def described(
     pairs = [(bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)]
     scene["origins"] = origins.data(elements, pairs)
     name = side.cell or (Path(side.operand.label).stem if side.plan is None else side.plan.name)
-    scene["title"] = title = str(name)
+    scene["title"] = title = as_text(str(name))
     if editor is not None:
         scene["editor"] = {"template": editor, "files": origins.absolute}
     scene["made"] = f"mjcompose {__version__}"
     scene |= more
     if extend is not None:
         extend(scene)
-    text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    text = json_text(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return Description(title, text, used, blobs=blobs, keys=tuple(scene["key"]["name"]))
 
 

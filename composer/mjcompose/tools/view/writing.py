@@ -195,7 +195,7 @@ class Writer:
         targets = self._now.targets
         if file == targets.recipe or targets.plan is None:
             return ""
-        uses, name = sum(each.file == file for each in targets.plan.plans()), os.path.basename(file).encode()
+        uses, name = sum(each.file == file for each in targets.plan.plans()), os.fsencode(os.path.basename(file))
         top, own = Path(folder_of_recipe(targets.paths[targets.recipe])), {os.path.realpath(self._own(file))}
         own.add(os.path.realpath(targets.paths[targets.recipe]))
         others = 0
