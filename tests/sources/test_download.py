@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 from mjcompose.base.limits import allow
+from mjcompose.sources.address import is_private
 from mjcompose.sources.download import Version, download
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.reference import SourceError, is_private
+from mjcompose.sources.reference import SourceError
 
 NOTHING = Version()
 CONTENT = bytes(range(256)) * 64
@@ -311,10 +312,11 @@ def test_a_detour_leads_to_no_name_of_this_network(
     web: Any, answer: Callable[..., None], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, found: tuple[str, ...]
 ) -> None:
     """Nor is one asked that had no address when its reference was read."""
-    monkeypatch.setattr("mjcompose.sources.reference._addresses", lambda name: tuple(map(ip_address, found)))
+    monkeypatch.setattr("mjcompose.sources.address._addresses", lambda name: tuple(map(ip_address, found)))
     monkeypatch.setattr(
         "mjcompose.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
     )
+    monkeypatch.setattr("mjcompose.sources.connections.check_peer", lambda connection: None)
     web.pages["/a"] = lambda handler: answer(handler, b"", status=302, Location="https://robots.example.org/b")
     confined = lookup(is_confined=True, MJCOMPOSE_TIMEOUT="1")
     for start, asked in ((f"{web.url}/a", 1), ("https://robots.example.org/b", 1)):

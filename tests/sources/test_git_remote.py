@@ -11,13 +11,17 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mjcompose.sources.fetching import Fetching
+from mjcompose.sources import address, git_repository
+from mjcompose.sources.fetching import Fetching, Lookup
+from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 
@@ -173,3 +177,57 @@ def test_a_part_of_a_second_is_one_for_git(mute: int, own_environment: dict[str,
     with pytest.raises(SourceError) as caught:
         fetch(f"git+http://127.0.0.1:{mute}/arms@v1#arm.xml", {**own_environment, "MJCOMPOSE_TIMEOUT": "0.5"})
     assert "too slow" in " ".join(caught.value.notes), caught.value.notes
+
+
+def confined(url: str, environment: dict[str, str]) -> Any:
+    """Fetch what a fetched recipe names."""
+    reference = replace(parse("git+https://robots.example.org/x@v1#arm/arm.xml"), name=url)
+    lookup = Lookup(Path(), environment, Fetching(), is_confined=True)
+    return git_repository.resolve(reference, lookup)
+
+
+def test_git_connects_to_the_addresses_that_were_judged(
+    web: Any, robots: Any, own_environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The name has no address when git asks for it, or another one."""
+    web.serve(robots, "robots.git")
+    port = web.url.rpartition(":")[2]
+    monkeypatch.setattr(address, "_addresses", lambda name: (ip_address("127.0.0.1"),))
+    monkeypatch.setattr(address, "is_public", lambda found: True)
+    source = confined(f"http://robots.example.org:{port}/robots.git", own_environment)
+    assert source.path.read_text() == (robots.folder / "arm" / "arm.xml").read_text()
+    assert {headers["Host"] for _, headers in web.asked} == {f"robots.example.org:{port}"}
+
+
+@pytest.mark.parametrize(
+    ("addresses", "code"),
+    [(["10.0.0.7"], "source-outside"), (["8.8.8.8", "::1"], "source-outside"), ([], "source-fetch")],
+)
+def test_git_does_not_start_for_a_server_that_is_not_public(
+    own_environment: dict[str, str], addresses: list[str], code: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(address, "_addresses", lambda name: tuple(map(ip_address, addresses)))
+    monkeypatch.setattr(git_repository.Git, "fetch", lambda *_, **__: pytest.fail("git has started"))
+    for url in ("https://robots.example.org/x", "ssh://git@robots.example.org/x"):
+        with pytest.raises(SourceError) as caught:
+            confined(url, own_environment)
+        assert caught.value.code == code
+
+
+@pytest.mark.parametrize("is_confined", [True, False])
+def test_a_repository_of_a_fetched_recipe_does_not_redirect(
+    web: Any, robots: Any, own_environment: dict[str, str], answer: Callable[..., None], is_confined: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    web.serve(robots, "robots.git")
+    suffix = "/info/refs?service=git-upload-pack"
+    place = f"{web.url}/robots.git{suffix}"
+    web.pages[f"/moved{suffix}"] = lambda handler: answer(handler, b"", status=301, Location=place)
+    if not is_confined:
+        assert fetch(f"git+{web.url}/moved@v1#arm/arm.xml", own_environment).path.is_file()
+        return
+    monkeypatch.setattr(git_repository, "is_private", lambda netloc: False)
+    with pytest.raises(SourceError) as caught:
+        confined(f"{web.url}/moved", own_environment)
+    assert "redirects" in str(caught.value.help), caught.value.notes
+    assert all(path.startswith("/moved") for path, _ in web.asked)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import socket
 from pathlib import Path
 from typing import Any
 
 import pytest
 from mjcompose.base import files
-from mjcompose.sources import fetched, reference as references, web_archive
+from mjcompose.sources import fetched, web_archive
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called, parse
-from mjcompose.sources.reference import Origin, SourceError, Trust, check_reach, is_private
+from mjcompose.sources.reference import Origin, SourceError, Trust, check_reach
 from mjcompose.sources.web_archive import unpack as unpacked
 
 FAULTS = [RecursionError, MemoryError, OSError, UnicodeError]
@@ -23,55 +22,6 @@ def fails(kind: type[Exception]) -> Any:
         raise kind
 
     return failing
-
-
-def answers(monkeypatch: pytest.MonkeyPatch, *addresses: str) -> None:
-    references._addresses.cache_clear()
-    there = [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (each, 0)) for each in addresses]
-    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: there)
-
-
-@pytest.mark.parametrize(
-    ("addresses", "expected"),
-    [
-        (["93.184.216.34"], False),
-        (["10.0.0.7"], True),
-        (["93.184.216.34", "192.168.1.1"], True),  # one of several is enough
-        (["fd00::1"], True),
-        (["::ffff:127.0.0.1"], True),
-        (["what is this"], True),
-    ],
-)
-def test_a_name_is_judged_by_its_addresses(
-    monkeypatch: pytest.MonkeyPatch, addresses: list[str], expected: bool
-) -> None:
-    answers(monkeypatch, *addresses)
-    assert is_private("robots.example.org:443") == expected
-    assert not is_private("robots.example.org", offline=True)
-
-
-def test_a_name_without_an_address_is_told_where_it_is_fetched(monkeypatch: pytest.MonkeyPatch) -> None:
-    references._addresses.cache_clear()
-    monkeypatch.setattr(socket, "getaddrinfo", fails(socket.gaierror))
-    assert not is_private("nowhere.example.org")
-
-
-@pytest.mark.parametrize("kind", FAULTS)
-@pytest.mark.parametrize("inner", ["_address", "_addresses", "is_this_machine"])
-def test_a_server_that_cannot_be_judged_is_private(
-    monkeypatch: pytest.MonkeyPatch, kind: type[Exception], inner: str
-) -> None:
-    monkeypatch.setattr(references, inner, fails(kind))
-    assert is_private("robots.example.org") and (inner == "_addresses" or is_private("93.184.216.34"))
-
-
-@pytest.mark.parametrize("kind", FAULTS)
-def test_a_name_that_cannot_be_resolved_for_another_reason_is_private(
-    monkeypatch: pytest.MonkeyPatch, kind: type[Exception]
-) -> None:
-    references._addresses.cache_clear()
-    monkeypatch.setattr(socket, "getaddrinfo", fails(kind))
-    assert is_private("robots.example.org")
 
 
 @pytest.mark.parametrize(

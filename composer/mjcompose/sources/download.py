@@ -5,21 +5,24 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.report import counted
+from mjcompose.sources.address import addresses_of, is_private, is_this_machine, take_apart
 from mjcompose.sources.fetching import Silence, patience, waiting
-from mjcompose.sources.reference import SourceError, is_private, is_this_machine, take_apart
+from mjcompose.sources.reference import SourceError, outside_network
 
 if TYPE_CHECKING:
+    from urllib.parse import SplitResult
+
     from urllib3 import BaseHTTPResponse, PoolManager
 
     from mjcompose.sources.fetching import Lookup
@@ -145,24 +148,71 @@ class _Download(Struct, frozen=False):
         help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` mjcompose uses the store"
         raise self._failed("cannot be fetched", f"after {counted(attempt, 'try', 'tries')}: {last}", help=help)
 
-    def _pool(self, url: str) -> PoolManager:
-        import urllib.request
+    @contextmanager
+    def _response(
+        self, method: str, at: str, headers: Mapping[str, str], body: bytes | None = None
+    ) -> Iterator[BaseHTTPResponse]:
+        """Send one request, without following redirects, and yield the answer: every connection begins here."""
+        from mjcompose.sources.connections import NotPublicError
 
+        server = self._server(at)
+        with self._pool(server) as pool:
+            try:
+                with waiting(self.lookup.fetching.progress, f"for {server.hostname}"):
+                    # Retries happen in this class, which knows the received bytes.
+                    response = pool.request(
+                        method, at, body=body, headers=headers, preload_content=False, decode_content=False,
+                        redirect=False, retries=False,
+                    )  # fmt: skip
+            except NotPublicError:
+                raise self._outside(at) from None
+            try:
+                yield response
+            finally:
+                response.close()
+
+    def _server(self, at: str) -> SplitResult:
+        """Return the parts of an address; a fetched recipe must not name a server of this machine or its network."""
+        from mjcompose.sources.connections import is_read_alike
+
+        server = take_apart(at)
+        if server is None or not is_read_alike(at):
+            raise self._failed("cannot be fetched", f"`{hide(at)}` is not an address that all programs read alike")
+        if self.lookup.is_confined and is_private(server.netloc):
+            raise self._outside(at)
+        return server
+
+    def _outside(self, at: str) -> SourceError:
+        return outside_network(self.shown, "" if at == self.url else f" leads to `{hide(at)}`, which")
+
+    def _pool(self, server: SplitResult) -> PoolManager:
         import urllib3
 
-        parts, environment = urlsplit(url), self.lookup.environment
+        from mjcompose.sources.connections import public_pool
+
         seconds = self.silence.left  # for all tries together
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
-        named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
-        proxy = next((value for name in named if (value := environment.get(name))), None)
+        proxy = self._proxy(server)
+        if proxy is None:
+            return public_pool(timeout) if self.lookup.is_confined else urllib3.PoolManager(timeout=timeout)
+        if self.lookup.is_confined and not addresses_of(server.netloc):
+            note = "the proxy would look it up, and could find a server of your network"
+            raise self._failed("cannot be fetched: the name of its server cannot be resolved on this machine", note)
+        try:
+            return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
+        except (ValueError, urllib3.exceptions.HTTPError) as error:
+            raise SourceError("source-fetch", f"the proxy `{proxy}` cannot be used: {error}") from None
+
+    def _proxy(self, server: SplitResult) -> str | None:
+        """Return the address of the proxy of the user for a server, or None if it is contacted directly."""
+        import urllib.request
+
+        environment = self.lookup.environment
+        names = (f"{server.scheme}_proxy", f"{server.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
+        proxy = next((value for name in names if (value := environment.get(name))), None)
         spared = environment.get("no_proxy") or environment.get("NO_PROXY") or ""
         bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
-        if proxy and not bypass(parts.netloc, {"no": spared}):
-            try:
-                return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
-            except (ValueError, urllib3.exceptions.HTTPError) as error:
-                raise SourceError("source-fetch", f"the proxy `{proxy}` cannot be used: {error}") from None
-        return urllib3.PoolManager(timeout=timeout)
+        return None if bypass(server.netloc, {"no": spared}) else proxy
 
     def _once(self) -> Version | None:
         have, started = self._begun()
@@ -175,22 +225,12 @@ class _Download(Struct, frozen=False):
             headers["If-Modified-Since"] = self.known.modified
         at = self.url
         for _ in range(_HOPS + 1):
-            self._check_reach(at)
-            with self._pool(at) as pool:
-                # Retries happen here, where the received bytes are known.
-                with waiting(self.lookup.fetching.progress, f"for {urlsplit(at).hostname}"):
-                    own = self.headers if urlsplit(at)[:2] == urlsplit(self.url)[:2] else {}
-                    response = pool.request(
-                        "GET", at, headers={**own, **headers}, preload_content=False, decode_content=False,
-                        redirect=False, retries=False,
-                    )  # fmt: skip
+            own = self.headers if _is_same_server(at, self.url) else {}
+            with self._response("GET", at, {**own, **headers}) as response:
                 self.silence.broken()
-                try:
-                    leads_to = response.get_redirect_location()
-                    if not leads_to:
-                        return self._taken(response, headers, have)
-                finally:
-                    response.close()
+                leads_to = response.get_redirect_location()
+                if not leads_to:
+                    return self._taken(response, headers, have)
             at = self._next(at, leads_to)
         raise self._failed(f"leads on more than {_HOPS} times", f"last to `{hide(at)}`")
 
@@ -198,18 +238,10 @@ class _Download(Struct, frozen=False):
         """Send one request without following redirects, and return the answer, which must be short."""
         from urllib3.exceptions import HTTPError
 
-        self._check_reach(self.url)
         headers = {"User-Agent": "mjcompose", "Accept-Encoding": "identity", **self.headers}
         try:
-            progress = self.lookup.fetching.progress
-            with self._pool(self.url) as pool, waiting(progress, f"for {urlsplit(self.url).hostname}"):
-                response = pool.request(
-                    method, self.url, body=body, headers=headers, preload_content=False, redirect=False, retries=False
-                )
-                try:
-                    answer = response.read(_MOST_JSON + 1)
-                finally:
-                    response.close()
+            with self._response(method, self.url, headers, body) as response:
+                answer = response.read(_MOST_JSON + 1)
         except HTTPError as error:
             raise self._failed(f"cannot be fetched: {_in_short(error)}") from None
         if response.status in _BUSY or len(answer) > _MOST_JSON:
@@ -227,13 +259,6 @@ class _Download(Struct, frozen=False):
         if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
             raise self._failed(f"leads to `{hide(leads_to)}`, which is not encrypted")
         return leads_to
-
-    def _check_reach(self, at: str) -> None:
-        """Refuse a server of this machine or its network, even for a name that had no address before."""
-        if self.lookup.is_confined and is_private(urlsplit(at).netloc):
-            leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
-            message = f"`{self.shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
-            raise SourceError("source-outside", message)
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
         status = response.status
@@ -319,6 +344,12 @@ class _Download(Struct, frozen=False):
             return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
         except (OSError, ValueError, KeyError, TypeError):
             return 0, Version()
+
+
+def _is_same_server(url: str, other: str) -> bool:
+    parts = take_apart(url)
+    others = take_apart(other)
+    return parts is not None and others is not None and parts[:2] == others[:2]
 
 
 def forget(partial: Path) -> None:

@@ -20,6 +20,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.sources import license, reference as forms
+from mjcompose.sources.address import is_private, is_this_machine, take_apart
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.reference import Form, Library, Origin, Reference, Source, SourceError, SourceKind, malformed
@@ -45,8 +46,7 @@ def _parse_archive(text: str) -> Reference:
     archive, _, sha256 = archive.partition("@sha256:")
     if not host or not archive:
         raise malformed(text, _ARCHIVE_FORM, "does not say the archive")
-    if forms.take_apart(f"{scheme}://{host}/") is None:
-        raise malformed(text, _ARCHIVE_FORM, "names a host that cannot be one")
+    forms.check_address(text, _ARCHIVE_FORM, f"{scheme}://{host}/{archive}")
     if not path:
         raise malformed(text, _ARCHIVE_FORM, "does not say the file inside the archive")
     _check_pin(text, _ARCHIVE_FORM, location=location, sha256=sha256)
@@ -174,7 +174,7 @@ def _parse_oci(text: str) -> Reference:
     registry, _, repository = address.partition("/")
     forms.check_secrets(text, "")
     is_host = "." in registry or ":" in registry or registry == "localhost"
-    if not is_host or forms.take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
+    if not is_host or take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
         raise malformed(text, _OCI_FORM, "does not say the registry and the repository")
     if (found := _DIGEST.fullmatch(digest)) is None:
         raise malformed(text, _OCI_FORM, "does not give the digest, which is sha256: and 64 digits of 0-9 and a-f")
@@ -211,7 +211,7 @@ class _Artifact(Struct):
     def fetched(self, key: str) -> Entry:
         self.lookup.fetching.progress(f"fetching {self.reference.id}")
         registry, _, repository = self.reference.name.partition("/")
-        scheme = "http" if forms.is_this_machine(registry) else "https"
+        scheme = "http" if is_this_machine(registry) else "https"
         base = f"{scheme}://{registry}/v2/{repository}"
         content, headers = self._manifest(f"{base}/manifests/sha256:{self.reference.revision}")
         layers = self._layers(content)
@@ -242,8 +242,8 @@ class _Artifact(Struct):
         from mjcompose.sources.download import ask
 
         told = dict(_BEARER.findall(challenge)) if challenge.lower().startswith("bearer ") else {}
-        realm = forms.take_apart(told.pop("realm", ""))
-        is_open = realm is not None and url.startswith("http:") and forms.is_this_machine(realm.netloc)
+        realm = take_apart(told.pop("realm", ""))
+        is_open = realm is not None and url.startswith("http:") and is_this_machine(realm.netloc)
         if realm is None or not (realm.scheme == "https" or (realm.scheme == "http" and is_open)):
             message = f"`{self.reference.id}` cannot be fetched: the registry requires a login, which is not supported"
             raise SourceError("source-fetch", message)
@@ -340,8 +340,8 @@ def _parse_git(text: str) -> Reference:
         repository, revision = tail, ""
     if not repository or bool(host) == (scheme == "git+file"):
         raise malformed(text, form, "does not say the repository")
-    if host and forms.take_apart(f"https://{host}/") is None:
-        raise malformed(text, form, "names a host that cannot be one")
+    if host:
+        forms.check_address(text, form, f"{scheme.removeprefix('git+')}://{host}/{repository}")
     if not (revision := revision_in(revision)):
         raise malformed(text, form, "does not say the revision")
     if not path:
@@ -404,11 +404,9 @@ def _resolve_hf(reference: Reference, lookup: Lookup) -> Source:
 
 def _hub(reference: Reference, lookup: Lookup) -> str:
     """Return the address of the hub; a fetched recipe must not use a hub in the local network."""
-    from mjcompose.sources.reference import is_private
-
     hub = (lookup.environment.get("HF_ENDPOINT") or _HUB).rstrip("/")
-    parts = forms.take_apart(hub)
-    is_open = parts is not None and parts.scheme == "http" and forms.is_this_machine(parts.netloc)
+    parts = take_apart(hub)
+    is_open = parts is not None and parts.scheme == "http" and is_this_machine(parts.netloc)
     if parts is None or "@" in parts.netloc or parts.query or not (parts.scheme == "https" or is_open):
         message = f"`HF_ENDPOINT` is `{hide(hub)}`, which is not an https address of a server without a login"
         raise SourceError("source-fetch", message, help=f"write it as `{_HUB}`, or unset it")

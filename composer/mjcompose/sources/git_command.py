@@ -216,7 +216,7 @@ def _git_of(variables: Mapping[str, str]) -> str:
 def serving() -> str:
     """Return the shell command that serves a local repository: git sends it none of the settings of its caller.
 
-    That repository may be anybody's. A partial clone would fetch what it lacks with a command of its own settings.
+    That repository may be anybody's. A partial clone would fetch missing objects with a command of its own settings.
     """
     words = [*(f"{name}={value}" for name, value in NO_TRANSPORT.items()), "git", *_options({**_BOUNDS, **CONFINED})]
     return f"{shlex.join(words)} upload-pack"
@@ -280,7 +280,7 @@ def objects_around(git: Git, near: Path) -> Iterator[tuple[Git, Path]]:
 
 
 def partial_from(git: Git, near: Path) -> str | None:
-    """Return the remote that the repository around a folder lacks objects of, or None if it is no partial clone."""
+    """Return the remote that the repository around a folder lacks objects of, or None if it is not a partial clone."""
     try:
         found = git.around(near, "config", "--local", "--type=bool", "--get-regexp", r"^remote\..*\.promisor$")
     except GitFailure:

@@ -17,16 +17,18 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.scratch import scratch
 from mjcompose.base.suggest import closest, exists_note
+from mjcompose.sources.address import DEFAULT_PORTS, addresses_of, is_private, is_this_machine, take_apart
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.git_command import Git, GitFailure, serving, words_of, write_tree
-from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit, is_this_machine, take_apart
+from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit, outside_network
 from mjcompose.sources.store import Entry, Store
 from mjcompose.sources.web_archive import Unsafe, check
 
 _NO_ROOM = re.compile("No space left|quota exceeded", re.IGNORECASE)
 _TOO_LARGE = re.compile("File too large|signal 25", re.IGNORECASE)
 _NO_MEMORY = re.compile("out of memory|malloc failed|unable to create thread|mmap failed", re.IGNORECASE)
+_REDIRECTED = re.compile(r"returned error: 30[12378]|maximum.* redirects", re.IGNORECASE)
 _WITHOUT = "without "
 """In the notes of an entry, the prefix before the path of a file that was left out."""
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
@@ -77,7 +79,8 @@ class _Repository(Struct):
 
     @property
     def _git(self) -> Git:
-        return Git(self.lookup.environment, self.fetching.progress)
+        settings = _settings_of_stranger(self.reference) if self.lookup.is_confined else ()
+        return Git(self.lookup.environment, self.fetching.progress, settings=settings)
 
     def _asked(self) -> str:
         url, revision = self.reference.name, self.reference.revision
@@ -165,6 +168,9 @@ class _Repository(Struct):
                 message = f"the repository `{self.reference.name}` is refused: it {what} {most}"
                 return SourceError("archive-refused", message, notes=words_of(failure), help=advice(limit))
         help = "check that `git ls-remote` with that address works; with `--offline` mjcompose uses the store"
+        if self.lookup.is_confined and _REDIRECTED.search(failure.said):
+            help = "a fetched recipe may name no address that redirects: its author writes the last one, often with"
+            help += " `.git` at the end"
         if "@" in self.reference.name.rpartition("/")[2]:
             help = "an `@` in the name of a branch or tag is written `%40`"
         message = f"the repository `{self.reference.name}` cannot be fetched"
@@ -189,6 +195,29 @@ class _Repository(Struct):
         notes = ("the branch or tag was moved and the old commit is gone",)
         help = f"look at its contents, then run `mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}`"
         return SourceError("source-revision", message, notes=notes, help=help)
+
+
+def _settings_of_stranger(reference: Reference) -> tuple[tuple[str, str], ...]:
+    """Return the settings with which git contacts only the public server that a fetched recipe names.
+
+    The addresses of its name are looked up once, checked, and given to git (2.37 and newer, over https). Redirects are
+    off, because the server that they lead to was not checked. Raises SourceError for a server that is not public.
+    """
+    parts = take_apart(reference.name)
+    if parts is None or is_private(parts.netloc):
+        raise outside_network(reference.name)
+    addresses = addresses_of(parts.netloc)
+    if not addresses:
+        message = f"the repository `{reference.name}` cannot be fetched: the name of its server cannot be resolved"
+        raise SourceError("source-fetch", message, help="check the network and the address")
+    port = parts.port or DEFAULT_PORTS[parts.scheme]
+    listed = ",".join(f"[{each}]" if each.version == 6 else str(each) for each in addresses)
+    return (
+        ("http.followRedirects", "false"),
+        ("http.curloptResolve", f"{parts.hostname}:{port}:{listed}"),
+        ("transfer.bundleURI", "false"),
+        ("fetch.uriProtocols", ""),
+    )
 
 
 def _escaped(revision: str) -> str:

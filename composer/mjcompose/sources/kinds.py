@@ -12,6 +12,7 @@ from mjcompose.base.extensions import Table, is_registered, refuse
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetched, fetching as nearby, license, packages, reference as forms
+from mjcompose.sources.address import is_this_machine
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import CONTROL, Form, Reference, Source, SourceError, SourceKind, has_format, never
 
@@ -153,7 +154,7 @@ def parse(text: str, fetched: str | None = None) -> Reference:
             kind = EXTENDED[scheme[1]]
         except DiagnosticError as error:
             raise SourceError(error.code, error.message, error.diagnostic.help) from error
-    if kind is None and forms.is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
+    if kind is None and is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
         kind = _ON_THIS_MACHINE.get(scheme[1])
     if kind is None:
         raise _unknown_kind(text, scheme[1], scheme[2])

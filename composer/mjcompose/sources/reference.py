@@ -2,44 +2,22 @@
 
 from __future__ import annotations
 
-import ipaddress
 import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import field
-from functools import cache
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from mjcompose.base.access import NOTHING, Door
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError, hide
+from mjcompose.sources import address
+from mjcompose.sources.address import AddressError, is_private
 from mjcompose.sources.ros import AS_WRITTEN, UrdfChoices
 
 if TYPE_CHECKING:
-    from urllib.parse import SplitResult
-
     from mjcompose.sources.fetching import Lookup
-
-
-def take_apart(url: str, base: str = "") -> SplitResult | None:
-    """Split an address, relative to `base`; return None if it has no valid host. No I/O.
-
-    Python's own parser raises ValueError for unbalanced brackets, for a port that is not a number and for
-    characters that normalize to `/` or `@`.
-
-    >>> take_apart("https://host:8080/a.zip").port
-    8080
-    >>> take_apart("https://[::1/a.zip") is None
-    True
-    """
-    from urllib.parse import urljoin, urlsplit  # most builds fetch nothing
-
-    try:
-        parts = urlsplit(urljoin(base, url))
-        return parts if parts.hostname and parts.port != 0 else None
-    except ValueError:
-        return None
 
 
 class SourceError(DiagnosticError):
@@ -148,12 +126,6 @@ class Reference(Struct):
 
 
 CONTROL = re.compile(r"[\x00-\x1f\x7f]")
-_LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|\[::1\])(:\d+)?")
-
-
-def is_this_machine(host: str) -> bool:
-    """Return whether a host, with or without a port, is the loopback, which needs no encryption. No I/O."""
-    return _LOOPBACK.fullmatch(host) is not None
 
 
 def bare(text: str, form: Form) -> str:
@@ -168,6 +140,14 @@ def bare(text: str, form: Form) -> str:
 
 def malformed(text: str, form: Form, problem: str) -> SourceError:
     return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`")
+
+
+def check_address(text: str, form: Form, url: str) -> None:
+    """Refuse a reference whose address programs read in different ways. Raises SourceError."""
+    try:
+        address.check_address(url)
+    except AddressError as error:
+        raise malformed(text, form, str(error)) from None
 
 
 def check_secrets(text: str, host: str) -> None:
@@ -360,10 +340,6 @@ def _begins(text: str, start: str) -> bool:
     return text.startswith(start) and (not rest or start[-1] in _SEPARATORS or rest[0] in _SEPARATORS)
 
 
-_LOCAL = (".local", ".localhost", ".internal", ".lan", ".home", ".intranet", ".corp", ".home.arpa")
-"""Suffixes of names that only the local network knows."""
-
-
 def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: Trust, offline: bool) -> None:
     """Refuse a reference that a recipe fetched with `origin` may not name. Raises SourceError."""
     host = None
@@ -385,57 +361,7 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
     raise SourceError("source-outside", message, help=help)
 
 
-def is_private(host: str, offline: bool = False) -> bool:
-    """Return whether a server is on this machine or in its network; a name is resolved unless `offline`.
-
-    A server that cannot be checked counts as private. A server without an address does not, because nothing can be
-    fetched from it.
-
-    >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
-    [True, True, True, False, True]
-    """
-    try:
-        host = host.rpartition("@")[2]
-        if is_this_machine(host):
-            return True
-        name = re.sub(r":\d*$", "", host).strip("[]").rstrip(".").lower()
-        if (address := _address(name)) is not None:
-            return not address.is_global
-        if "." not in name or name.endswith(_LOCAL):
-            return True
-        return not offline and any(not each.is_global for each in _addresses(name))
-    except Exception:
-        return True
-
-
-def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Parse an IP address, including the forms that a resolver accepts: `127.1`, `0x7f000001`, `2130706433`."""
-    import socket
-
-    try:
-        found = ipaddress.ip_address(text.partition("%")[0])
-    except ValueError:
-        pass
-    else:
-        return (isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped) or found
-    if not re.fullmatch(r"(0x[0-9a-f]*|\d+)(\.(0x[0-9a-f]*|\d+)){0,3}", text):
-        return None
-    try:
-        return ipaddress.IPv4Address(socket.inet_aton(text))
-    except OSError:
-        return None
-
-
-@cache
-def _addresses(name: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, ...]:
-    """Return the addresses of a name; none if it cannot be resolved, which is reported when it is fetched."""
-    import socket
-
-    try:
-        found = socket.getaddrinfo(name, None, proto=socket.IPPROTO_TCP)
-    except socket.gaierror:
-        return ()
-    addresses = [_address(str(each[4][0])) for each in found]
-    if None in addresses:
-        raise ValueError(name)
-    return tuple(each for each in addresses if each is not None)
+def outside_network(shown: str, leads: str = "") -> SourceError:
+    """Return the error for a server that a fetched recipe names and that is not public, when it is contacted."""
+    message = f"`{shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
+    return SourceError("source-outside", message)

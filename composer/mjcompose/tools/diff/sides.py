@@ -109,7 +109,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
 
 
 def _how_to_complete(git: Git, near: Path, top: Path) -> str | None:
-    """Return the command that fetches what a partial clone lacks; None for other repositories."""
+    """Return the command that fetches the missing objects of a partial clone; None for other repositories."""
     remote = partial_from(git, near)
     if remote is None:
         return None
