@@ -5,7 +5,7 @@ Elements are compared by identity after each pass and step.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
 from types import FunctionType
@@ -118,9 +118,11 @@ class Trace:
         self._texts: dict[Node, bytes] = {}
         self._linkings: dict[Node, Linking] = {}
         self._parts: dict[Node, Part] = {}
+        self._indexed: tuple[Linking, _Carriers] | None = None
 
     def __call__(self, units: Iterable[Unit], done: object) -> None:
         units = list(units)
+        self._indexed = None
         if isinstance(done, Linking):
             self._linkings[done.base.root] = done
             for part in done.parts:
@@ -149,9 +151,12 @@ class Trace:
         for life in lost:
             life.gone = causes.get(life.home)
         self.gone += [life for life in lost if life.gone is not None]
+        lost_by_name: dict[tuple[str, str | None], list[Life]] = {}
+        for life in lost:
+            lost_by_name.setdefault((life.tag, dict(life.items).get("name")), []).append(life)
         for life in born:
             if life.made_by is not None and life.made_by.is_pass and life.tag != "default":
-                self._succeed(life, lost)
+                self._succeed(life, lost_by_name.get((life.tag, life.name), []))
 
     def _looks_other(self, root: Node) -> bool:
         """Return whether a tree has changed. Writing it takes a tenth of the time of comparing its elements."""
@@ -180,11 +185,17 @@ class Trace:
             home=root, made_by=made, born=cause, items=items, last_tag=str(node.tag), last_parent=parent,
         )  # fmt: skip
         self.lives[node] = life
-        part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
+        part = cause.part or (self._carriers(cause.linking).of(life) if cause.linking is not None else None)
         if part is not None and made is not None and made.is_pass:
             life.made_by = Cause(cause.done, part.unit, part, linking=cause.linking)
             life.parts.append(part)
         return life
+
+    def _carriers(self, linking: Linking) -> _Carriers:
+        """Return the index of the parts of a linking, which get their classes and places from pass to pass."""
+        if self._indexed is None or self._indexed[0] is not linking:
+            self._indexed = linking, _Carriers(linking.parts)
+        return self._indexed[1]
 
     def _compare(self, life: Life, cause: Cause, unit: Unit) -> None:
         items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
@@ -198,14 +209,14 @@ class Trace:
             life.changes.append(Move(life.last_parent, parent, cause))
             life.last_parent = parent
 
-    def _succeed(self, life: Life, lost: list[Life]) -> None:
+    def _succeed(self, life: Life, replaced: list[Life]) -> None:
         """Link an element that a pass wrote again to the removed elements with its tag and name, which it replaces."""
         assert life.made_by is not None
         record = life.made_by.unit.origins.keys.get(life.node)
         if record is not None:
             life.sources += [self.lives[key] for key in record.keys if key in self.lives]
         else:
-            life.sources += [old for old in lost if old.tag == life.tag and dict(old.items).get("name") == life.name]
+            life.sources += replaced
         if len(life.sources) == 1:
             life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
@@ -216,15 +227,27 @@ def _differences(before: dict[str, str], after: dict[str, str], cause: Cause, ow
             yield Change(name, before.get(name), after.get(name), cause=cause, owner=owner)
 
 
-def _carried(life: Life, linking: Linking) -> Part | None:
-    """Return the part for which the linker created an element, such as the frame of its attachment."""
-    for part in linking.parts:
-        carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
-        if part.top_class and life.attributes.get(carries) == part.top_class:
-            return part
-        if part.span is not None and life.owner in (part.span, part.sense and part.sense.span):
-            return part
-    return None
+class _Carriers:
+    """The parts of a linking by the class and by the lines of the recipe that their frames and sensors have."""
+
+    def __init__(self, parts: Sequence[Part]) -> None:
+        self.parts = parts
+        self._by_class: dict[str, int] = {}
+        self._by_owner: dict[Owner, int] = {}
+        for number, part in enumerate(parts):
+            if part.top_class:
+                self._by_class.setdefault(part.top_class, number)
+            if part.span is not None:
+                self._by_owner.setdefault(part.span, number)
+                if part.sense is not None and part.sense.span is not None:
+                    self._by_owner.setdefault(part.sense.span, number)
+
+    def of(self, life: Life) -> Part | None:
+        """Return the part for which the linker created an element, such as the frame of its attachment."""
+        class_name = life.attributes.get({"frame": "childclass", "default": "class"}.get(life.tag, ""))
+        numbers = (self._by_class.get(class_name or ""), self._by_owner.get(life.owner))
+        first = min((number for number in numbers if number is not None), default=None)
+        return None if first is None else self.parts[first]
 
 
 Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"]
