@@ -165,3 +165,24 @@ def test_colors_go_around_the_same_text() -> None:
     for paint in (render, render_places):
         colored = paint(ROBOT, None, True)
         assert colored != paint(ROBOT) and re.sub(r"\x1b\[[\d;]*m", "", colored) == paint(ROBOT)
+
+
+@pytest.mark.parametrize(("count", "is_read"), [(496, True), (497, False), (1500, False)])
+def test_the_tree_of_nested_bodies_ends_where_mujoco_does(tmp_path: Path, count: int, is_read: bool) -> None:
+    bodies = "\n".join(f'<body name="b{number}"><geom size="1"/>' for number in range(count)) + "</body>" * count
+    text = f"<mujoco>\n<worldbody>\n{bodies}</worldbody></mujoco>"
+    (tmp_path / "deep.xml").write_text(text)
+    if is_read:
+        mujoco.MjModel.from_xml_string(text)
+    else:
+        with pytest.raises(ValueError, match="nesting is too deep"):
+            mujoco.MjModel.from_xml_string(text)
+    context = Context(folder=tmp_path, environment={})
+    found = outline("deep.xml", context)
+    if is_read:
+        assert found is not None and len(found.bodies) == count
+        assert render(found).count("\n") == count + 1 and as_data(found)
+    else:
+        assert found is None
+        (fault,) = context.sink.errors
+        assert fault.code == "mujoco-rejects" and fault.span is not None and fault.span.line == 499

@@ -25,8 +25,9 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, shown
 from mjcompose.text.node import Mapping as Located, is_template
 from mjcompose.tools.explain.explanation import render
-from mjcompose.tools.outline import world_of
+from mjcompose.tools.outline import Body, world_of
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.names import WORLD
 from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -74,9 +75,14 @@ def _facts(known: Known, traced: Traced | None) -> Iterator[str]:
             yield f"{name}: {known.node.get(name)}"
 
 
+def _world(unit: Unit) -> Body:
+    """Return the world of a model; an empty world for a model that nests too deep, which the diagnostics say."""
+    return world_of(unit, lambda node: None, Sink()) or Body(WORLD, None)
+
+
 def _pose(known: Known, traced: Traced) -> Iterator[str]:
     """Yield the pose of an element in meters: in its body, and in the world at the reference configuration."""
-    for body in world_of(traced.model, lambda node: None).walk():
+    for body in _world(traced.model).walk():
         for place in body.places:
             if (place.kind, place.name) == (known.tag, known.name):
                 if place.kind != "body":
@@ -93,7 +99,7 @@ def _words(pose: Pose) -> str:
 
 def _joint(node: _EtreeElement, traced: Traced) -> Iterator[str]:
     name = node.get("name")
-    for joint in (each for body in world_of(traced.model, lambda node: None).walk() for each in body.joints):
+    for joint in (each for body in _world(traced.model).walk() for each in body.joints):
         if joint.name != name:
             continue
         limits = ", no limits" if joint.type != "free" else ""
@@ -190,7 +196,7 @@ def _settable_lines(settables: Iterable[Settable]) -> Iterator[str]:
 
 
 def _of_model(source: Source, unit: Unit) -> Iterator[str]:
-    world = world_of(unit, lambda node: None)
+    world = _world(unit)
     bodies = list(world.walk())[1:]
     counts = {"body": len(bodies), "joint": sum(len(body.joints) for body in (world, *bodies))}
     for word, section in (("actuator", "actuator"), ("sensor", "sensor"), ("key", "keyframe")):

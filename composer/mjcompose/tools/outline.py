@@ -16,6 +16,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import STDIN
 from mjcompose.base.report import Paint, as_lines, counted
 from mjcompose.base.rotation import Pose
+from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MANIFEST
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.bundle.read import read
@@ -134,10 +135,35 @@ _TRANSPARENT = ("frame", "replicate")
 _JOINTS = ("joint", "freejoint")
 
 
-def world_of(unit: Unit, part_of: PartOf) -> Body:
-    """Return the world with all bodies below it; `part_of` returns the part of an element by its name in the recipe."""
+_DEEPEST = 499
+"""The depth of an element that MuJoCo 3.12 to 4.0 reads, the root included."""
+
+
+def world_of(unit: Unit, part_of: PartOf, sink: Sink) -> Body | None:
+    """Return the world with all bodies below it, or None after reporting that MuJoCo does not read it.
+
+    `part_of` returns the part of an element by its name in the recipe.
+    """
+    too_deep = _first_too_deep(unit.root)
+    if too_deep is not None:
+        name = too_deep.get("name")
+        called = f"the {too_deep.tag} `{name}`" if name else f"a {too_deep.tag}"
+        message = f"MuJoCo rejects {called}: more than {_DEEPEST} elements are nested"
+        sink.error("mujoco-rejects", message, unit.origins.span(too_deep, unit.file))
+        return None
     worlds = list(unit.root.iterchildren("worldbody"))
     return _Outliner(unit, part_of).body(WORLD, None, holders=worlds, pose=Pose())
+
+
+def _first_too_deep(root: Node) -> Node | None:
+    depths = {root: 1}
+    for node in root.iterdescendants("*"):
+        parent = node.getparent()
+        assert parent is not None
+        depths[node] = depths[parent] + 1
+        if depths[node] > _DEEPEST:
+            return node
+    return None
 
 
 class _Outliner:
@@ -312,7 +338,8 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
     for name, node in (given or {}).items():
         context.sink.error("unknown-name", f"`{text}` is not a recipe and has no parameter `{name}`", node.span)
     unit = None if given else Loader(context).unit(source, None, True)
-    return None if unit is None else Outline(unit.model or unit.label, text, world_of(unit, lambda _: None))
+    world = None if unit is None else world_of(unit, lambda _: None, context.sink)
+    return None if unit is None or world is None else Outline(unit.model or unit.label, text, world)
 
 
 def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sample: int) -> Outline | None:
@@ -329,7 +356,8 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
         for each in composed.members
     )  # fmt: skip
     part_of = _part_of(composed.model, composer.parts, plan.separator)
-    return Outline(plan.name, text, world_of(composed.model, part_of), parts=parts)
+    world = world_of(composed.model, part_of, context.sink)
+    return None if world is None else Outline(plan.name, text, world, parts=parts)
 
 
 def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
@@ -369,4 +397,5 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
         fitting = [each for each in members if each.prefix and name.startswith(each.prefix)]
         return max(fitting, key=lambda each: len(each.prefix)).part if fitting else None
 
-    return Outline(unit.model or unit.label, text, world_of(unit, part_of), parts=parts)
+    world = world_of(unit, part_of, context.sink)
+    return None if world is None else Outline(unit.model or unit.label, text, world, parts=parts)
