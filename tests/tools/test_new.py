@@ -141,8 +141,8 @@ def diff(project: Path, shell: dict[str, str], tmp_path: Path) -> Callable[..., 
     """Runs the step that compares: what it writes as a comment, in the summary, and as its output."""
     log, old = Path(shell["TOOLS"], "gh.log"), Path(shell["TOOLS"], "gh.old")
 
-    def diff(written: str = "", **more: str) -> tuple[str, str, str]:
-        script, env = step("Diff")
+    def diff(written: str = "", breaking: str = "false", **more: str) -> tuple[str, str, str]:
+        script, env = step("Diff", breaking=breaking)
         for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY"):
             env[name] = str(tmp_path / name)
             (tmp_path / name).write_text("")
@@ -215,6 +215,28 @@ def test_of_a_fork_no_comment_can_be_written(project: Path, diff: Callable[..., 
     _, said, output = diff(GH_FAILS="1")
     assert "damping" in said and "::warning::no comment could be written" in said
     assert "changed=true\n" in output
+
+
+@pytest.mark.slow
+def test_a_major_change_fails_a_pull_request(
+    project: Path, shell: dict[str, str], diff: Callable[..., tuple[str, str, str]]
+) -> None:
+    part = project / "models" / "pendulum" / "pendulum.xml"
+    before = part.read_text(encoding="utf-8")
+    change(project)
+    _, _, output = diff(breaking="true")
+    assert "major=\n" in output  # a minor change
+    part.write_text(before.replace("-90 90", "-80 90"), encoding="utf-8")
+    comment, _, output = diff(breaking="true")
+    assert "major=recipes/my_arms.yaml\n" in output and "range" in comment
+    (last,) = [each for each in ACTION["runs"]["steps"] if each["name"] == "Breaking"]
+    assert last is ACTION["runs"]["steps"][-1]
+    assert last["if"] == "inputs.breaking == 'true' && steps.diff.outputs.major"
+    script, env = step("Breaking", {"steps.diff.outputs.major": "recipes/my_arms.yaml"}, breaking="true")
+    ran = sh(script, project, {**shell, **env})
+    assert ran.returncode == 1 and ran.stdout.startswith("::error::") and "recipes/my_arms.yaml" in ran.stdout
+    assert "major=recipes/my_arms.yaml\n" in diff(breaking="comment")[2]
+    assert "major=\n" in diff()[2]
 
 
 def test_nothing_is_overwritten(project: Path, shell: dict[str, str]) -> None:

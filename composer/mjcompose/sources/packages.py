@@ -161,15 +161,18 @@ def _resolve_menagerie(reference: Reference, lookup: Lookup) -> Source:
     """Return the model of a robot of Menagerie by its entry; without an entry, the robot's own model, never its scene.
 
     The package downloads a robot on first use and keeps it. If `MENAGERIE_ROOT` is set in the environment, it is a
-    folder with one subfolder for each robot, and nothing is downloaded. `MENAGERIE_CACHE_DIR` and
-    `MENAGERIE_BASE_URL` have the same meaning as in the package. Raises SourceError.
+    folder with one subfolder for each robot, and nothing is downloaded, but the package is still needed.
+    `MENAGERIE_CACHE_DIR` and `MENAGERIE_BASE_URL` have the same meaning as in the package. Raises SourceError.
     """
     environment, fetching = lookup.environment, lookup.fetching
     try:
         library: Any = import_module("mujoco_menagerie")
     except ImportError:
         message = f"`{reference.text}` needs the Python package `{_MENAGERIE_PACKAGE}`, which is not installed"
-        raise SourceError("source-not-found", message, help='run `pip install "mjcompose[menagerie]"`') from None
+        notes = ("`MENAGERIE_ROOT` names the folder of the robots; the package knows their entries",)
+        help = 'run `pip install "mjcompose[menagerie]"`'
+        used = notes if environment.get("MENAGERIE_ROOT") else ()
+        raise SourceError("source-not-found", message, notes=used, help=help) from None
     robot = _robot(library, reference)
     entry = _entry(robot, reference)
     folder = _folder(library, robot, reference, environment=environment, fetching=fetching)
