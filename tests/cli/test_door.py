@@ -45,6 +45,10 @@ def hostile(secret: Path) -> dict[str, str]:
         "git_file.yaml": f"recipe: 1\nbase: 'git+file://{secret}/repository@main#m.xml'\n",
         "loopback.yaml": "recipe: 1\nbase: 'http://localhost:9/a.zip#x.xml'\n",
         "loopback_by_number.yaml": "recipe: 1\nbase: 'https://2130706433/a.zip#x.xml'\n",
+        "loopback_in_octal.yaml": "recipe: 1\nbase: 'https://0177.0.0.1/a.zip#x.xml'\n",
+        "loopback_translated.yaml": "recipe: 1\nbase: 'git+https://[64:ff9b::7f00:1]/a@main#x.xml'\n",
+        "loopback_of_6to4.yaml": "recipe: 1\nbase: 'git+ssh://git@[2002:7f00:1::]/a@main#x.xml'\n",
+        "loopback_as_login.yaml": "recipe: 1\nbase: 'https://127.0.0.1\\@example.org/a.zip#x.xml'\n",
         "private.yaml": "recipe: 1\nbase: 'https://10.0.0.1/a.zip#x.xml'\n",
         "private_git.yaml": "recipe: 1\nbase: 'git+ssh://git@192.168.1.1/a@main#x.xml'\n",
         "package_of_python.yaml": "recipe: 1\nbase: package:numpy/x.xml\n",
@@ -72,6 +76,7 @@ NOT_OUTSIDE = {
     "encoding.xml": "xml-syntax",
     "package.urdf": "asset-missing",
     "link.xml": "asset-missing",
+    "loopback_as_login.yaml": "source-kind",
 }
 """What is an error for another reason: the code of each."""
 

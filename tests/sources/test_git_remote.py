@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mjcompose.sources import address, git_repository
+from mjcompose.sources import address, connections, download, git_repository
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
@@ -119,6 +119,24 @@ def test_a_login_that_git_is_given(
     with pytest.raises(SourceError) as caught:
         fetch(f"git+{https[0]}@v1#arm/arm.xml", environment)
     assert caught.value.code == "source-fetch"
+
+
+@pytest.mark.parametrize("trusts", [True, False])
+def test_a_connection_whose_other_end_is_checked_checks_certificates_too(
+    https: tuple[str, dict[str, str]], tmp_path: Path, trusts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(download, "is_private", lambda netloc: False)
+    monkeypatch.setattr(connections, "check_peer", lambda connection: None)
+    if trusts:
+        monkeypatch.setenv("SSL_CERT_FILE", https[1]["GIT_SSL_CAINFO"])
+    lookup = Lookup(Path(), {"MJCOMPOSE_TIMEOUT": "5"}, Fetching(), is_confined=True)
+    url = https[0].removesuffix("/.git") + "/.git/HEAD"
+    if trusts:
+        download.download(url, tmp_path / "file.part", download.Version(), lookup=lookup)
+        assert (tmp_path / "file.part").read_text().startswith("ref: ")
+        return
+    with pytest.raises(SourceError, match="no certificate that this machine trusts"):
+        download.download(url, tmp_path / "file.part", download.Version(), lookup=lookup)
 
 
 def test_a_certificate_that_nobody_trusts_is_refused(

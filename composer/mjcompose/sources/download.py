@@ -18,7 +18,7 @@ from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.report import counted
 from mjcompose.sources.address import addresses_of, is_private, is_this_machine, take_apart
 from mjcompose.sources.fetching import Silence, patience, waiting
-from mjcompose.sources.reference import SourceError, outside_network
+from mjcompose.sources.reference import TO_TRUST, SourceError, outside_network
 
 if TYPE_CHECKING:
     from urllib.parse import SplitResult
@@ -197,7 +197,8 @@ class _Download(Struct, frozen=False):
             return public_pool(timeout) if self.lookup.is_confined else urllib3.PoolManager(timeout=timeout)
         if self.lookup.is_confined and not addresses_of(server.netloc):
             note = "the proxy would look it up, and could find a server of your network"
-            raise self._failed("cannot be fetched: the name of its server cannot be resolved on this machine", note)
+            why = "cannot be fetched: the name of its server cannot be resolved on this machine"
+            raise self._failed(why, note, help=TO_TRUST)
         try:
             return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
         except (ValueError, urllib3.exceptions.HTTPError) as error:

@@ -274,8 +274,9 @@ def objects_around(git: Git, near: Path) -> Iterator[tuple[Git, Path]]:
     """
     objects = os.path.join(near, git.around(near, "rev-parse", "--git-path", "objects"))
     kind = git.around(near, "rev-parse", "--show-object-format")
+    other_kind = [] if kind == "sha1" else [f"--object-format={kind}"]  # git before 2.29 does not know the option
     with scratch("repository") as folder:
-        git.run("init", "-q", "--bare", "--template=", f"--object-format={kind}", "--", str(folder))
+        git.run("init", "-q", "--bare", "--template=", *other_kind, "--", str(folder))
         yield replace(git, objects=Path(objects)), folder
 
 

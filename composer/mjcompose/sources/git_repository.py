@@ -21,7 +21,7 @@ from mjcompose.sources.address import DEFAULT_PORTS, addresses_of, is_private, i
 from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.git_command import Git, GitFailure, serving, words_of, write_tree
-from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit, outside_network
+from mjcompose.sources.reference import TO_TRUST, Origin, Reference, Source, SourceError, is_commit, outside_network
 from mjcompose.sources.store import Entry, Store
 from mjcompose.sources.web_archive import Unsafe, check
 
@@ -209,7 +209,8 @@ def _settings_of_stranger(reference: Reference) -> tuple[tuple[str, str], ...]:
     addresses = addresses_of(parts.netloc)
     if not addresses:
         message = f"the repository `{reference.name}` cannot be fetched: the name of its server cannot be resolved"
-        raise SourceError("source-fetch", message, help="check the network and the address")
+        note = "a fetched recipe may name no server whose address is unknown on this machine, not even through a proxy"
+        raise SourceError("source-fetch", message, notes=(note,), help=f"check the network and the address; {TO_TRUST}")
     port = parts.port or DEFAULT_PORTS[parts.scheme]
     listed = ",".join(f"[{each}]" if each.version == 6 else str(each) for each in addresses)
     return (

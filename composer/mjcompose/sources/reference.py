@@ -364,4 +364,7 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
 def outside_network(shown: str, leads: str = "") -> SourceError:
     """Return the error for a server that a fetched recipe names and that is not public, when it is contacted."""
     message = f"`{shown}`, which a fetched recipe names,{leads} is on this machine or in its network"
-    return SourceError("source-outside", message)
+    return SourceError("source-outside", message, help=TO_TRUST)
+
+
+TO_TRUST = "if you trust it with that, allow its reference in your own recipe, under `trust: {references: […]}`"
