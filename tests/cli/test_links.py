@@ -174,3 +174,39 @@ def test_a_link_that_takes_the_place_of_a_file_before_it_is_resolved_is_refused(
     with pytest.raises(OutputError, match="is outside"):
         replace_text(theirs / "arm.xml", b"after", within=door_of_walk(theirs))
     assert (theirs.parent / "mine" / "secret.xml").read_text() == UNTIDY
+
+
+SEVERAL = "recipe: 1\nbase: ./own.xml\nmatrix: {axes: {size: [1, 2]}, name: '${name}-${size}'}\nparams: {size: 1}\n"
+
+
+@pytest.mark.parametrize(
+    ("link", "words"),
+    [
+        ("build/robot.zip", ["build", "robot.yaml"]), ("build/robot.png", ["build", "robot.yaml", "--picture"]),
+        ("build/robot.png", ["render", "robot.yaml"]), ("build/several-2.zip", ["build", "several.yaml", "--all"]),
+        ("build/models.csv", ["build", "several.yaml", "--all"]), ("out/robot.xml", ["build", "robot.yaml", "-o", "out/{name}.xml"]),
+        ("out/robot.manifest.json", ["build", "robot.yaml", "-o", "out/robot.mjb"]),
+    ],
+)  # fmt: skip
+def test_an_output_that_the_user_does_not_name_follows_no_link(theirs: Path, link: str, words: list[str]) -> None:
+    (theirs / "own.xml").write_text("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+    (theirs / "robot.yaml").write_text("recipe: 1\nbase: ./own.xml\n")
+    (theirs / "several.yaml").write_text(SEVERAL)
+    (theirs / link).parent.mkdir()
+    (theirs / link).symlink_to("../../mine/secret.xml")
+    mine = snapshot(theirs.parent / "mine")
+    result = run(*words)
+    assert snapshot(theirs.parent / "mine") == mine
+    assert result.exit_code == 1 and f"`{theirs / link}` is a link to" in result.stderr.replace(
+        f"`{link}`", f"`{theirs / link}`"
+    )
+
+
+def test_an_output_that_the_user_names_follows_a_link(theirs: Path) -> None:
+    (theirs / "robot.yaml").write_text(RECIPE)
+    (theirs / "out.zip").symlink_to("../mine/new.zip")
+    assert run("build", "robot.yaml", "-o", "out.zip").exit_code == 0
+    assert (theirs.parent / "mine" / "new.zip").exists() and (theirs / "out.zip").is_symlink()
+    (theirs / "build").symlink_to("../mine")  # a folder elsewhere, such as a larger disk
+    assert run("build", "robot.yaml").exit_code == 0
+    assert (theirs.parent / "mine" / "arm.zip").exists()

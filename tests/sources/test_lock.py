@@ -166,3 +166,22 @@ def test_a_path_in_what_was_fetched_belongs_to_it(robots: Any, own_environment: 
     (tmp_path / "arm.xml").write_text("<mujoco/>")
     for outside in (take("./arm.xml", tmp_path), take(str(inside.path), tmp_path)):
         assert outside.origin is None
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"mjcompose": "1; rm -rf ~"}, "`mjcompose`"), ({"mujoco": "4.0\n::error::"}, "`mujoco`"),
+        ({"extensions": {"a": "1 --index-url=http://example.org"}}, "`extensions` / `a`"),
+        ({"extensions": {"a b": "1"}}, "`extensions` / `a b`"), ({"extensions": {"-r x": "1"}}, "`extensions`"),
+        ({"sources": {"x": {"kind": "path\n", "files": {}}}}, "`sources` / `x` / `kind`"),
+        ({"sources": {"x": {"kind": "path", "version": "1\n", "files": {}}}}, "`sources` / `x` / `version`"),
+        ({"sources": {"x": {"kind": "path", "files": {"a": "b"}}}}, "`sources` / `x` / `files` / `a`"),
+    ],
+)  # fmt: skip
+def test_each_field_that_messages_put_into_commands_has_a_form(change: dict[str, object], place: str) -> None:
+    sink = Sink()
+    text = json.dumps({"lock": 1, "mjcompose": "0.1.0", "mujoco": "4.0.0", "sources": {}, **change})
+    assert from_text(text, "arm.lock", sink) is None
+    [error] = sink.errors
+    assert error.code == "lock-invalid" and place in error.message and error.span is not None

@@ -85,6 +85,13 @@ def odd_character(name: str) -> str | None:
     return "a tab" if character == "\t" else f"the character U+{ord(character):04X}"
 
 
+def checked_name(name: str) -> str:
+    """Return a name from a file that a program wrote, if it is one line. Raises ValueError. No I/O."""
+    if not name or (character := odd_character(name)) is not None:
+        raise ValueError("it is empty" if not name else f"it has {character} in it")
+    return name
+
+
 def without_odd(name: str) -> str:
     r"""Return the name of a file as a name that fits on one line; bytes that are not text stay for `as_text`. No I/O.
 

@@ -180,7 +180,8 @@ def _output_spec(options: Options, run: Run) -> OutputSpec:
             check_parquet()
         _check_target(options, kind)
     spec = OutputSpec("build/{name}.zip" if out is None else out, kind, not options.no_compile, form=run.form)
-    return replace(spec, why=options.why, licenses=options.licenses)
+    derived = out is None or "{" in out
+    return replace(spec, why=options.why, licenses=options.licenses, derived=derived)
 
 
 _NO_SHARING = {

@@ -26,7 +26,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import Bundle, Location, OutputError, OutputForm, is_address, location
 from mjcompose.build.bundle.listing import COLUMNS, SIZES, column, write_rows
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.bundle.staging import check_own_place, staged_file
 from mjcompose.build.bundle.write import write as write_bundle
 from mjcompose.build.cache.builder import BuildResult, Maker
 from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
@@ -171,6 +171,8 @@ class _Results(Struct, frozen=False):
             if path is None or not table.count:
                 continue
             try:
+                if option is None and not is_address(path):
+                    check_own_place(self.context.folder / path)
                 table.write(location(self.context.folder, path), option)
             except OutputError as error:
                 known = {each.code for each in self.context.sink.errors}

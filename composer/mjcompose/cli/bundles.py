@@ -12,6 +12,7 @@ from mjcompose.base.naming import file_name
 from mjcompose.base.report import MjcomposeError, json_text, one_line, printable
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
+from mjcompose.build.bundle.staging import check_own_place
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say
 from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, group, option
@@ -146,5 +147,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
         raise Stop(FINDINGS)
     out = options.out or f"build/{file_name(record.name)}.zip"
     with run.stopping(FINDINGS):
+        if options.out is None:
+            check_own_place(context.folder / out)
         write(bundle, context.folder / out, environment=context.environment)
     return Answer(f"wrote {out}: the bytes of the stamp", {"wrote": out, "sha256": bundle.sha256}, is_outcome=True)

@@ -31,7 +31,13 @@ from mjcompose.build.bundle.bundle import (
     picture_of,
     report_unlicensed,
 )
-from mjcompose.build.bundle.staging import check_is_no_source, manifest_beside, staged_file, with_version
+from mjcompose.build.bundle.staging import (
+    check_is_no_source,
+    check_own_place,
+    manifest_beside,
+    staged_file,
+    with_version,
+)
 from mjcompose.cli.reporting import clear_progress, note_files, note_output, progress, say, say_details
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import shown
@@ -59,6 +65,10 @@ class Picturing(Struct, frozen=False):
     def put(self, target: str, name: str, *, is_known: bool, context: Context) -> None:
         """Draw the picture of the output `target`; if the output `is_known`, an existing picture stays."""
         out = picture_beside(target, name)
+        with context.sink:
+            check_own_place(context.folder / out)
+        if context.sink.has_errors:
+            return
         if is_known and os.path.exists(context.folder / out):
             return
         from mjcompose.mujoco.engine import Session
@@ -77,7 +87,10 @@ class Picturing(Struct, frozen=False):
 
 
 class OutputSpec(Struct):
-    """The form and place of an output, and its report; `picturing` draws a picture next to it."""
+    """The form and place of an output, and its report; `picturing` draws a picture next to it.
+
+    The name of a `derived` output comes from the model, not from the user.
+    """
 
     out: str
     kind: OutputForm
@@ -86,6 +99,7 @@ class OutputSpec(Struct):
     why: bool = False
     licenses: bool = False
     picturing: Picturing | None = None
+    derived: bool = False
 
     def target(self, name: str, mujoco: str | None) -> str:
         """Return the output of a model, by its name and the version of MuJoCo that compiled it."""
@@ -332,6 +346,8 @@ class _Writer(Struct):
                 self._deliver(result, out)
                 return ()
             check_is_no_source(context.folder / out, "-o", input_files(result))
+            if spec.derived:
+                check_own_place(context.folder / out)
         if spec.kind == "text":
             text = result.text
             assert text is not None

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.naming import file_name
 from mjcompose.base.report import counted, printable
+from mjcompose.build.bundle.staging import check_own_place
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
@@ -229,7 +231,11 @@ def render(options: RenderOptions, run: Run) -> Answer:
         operand = read_operand(options.target, run.context, opened)
         if operand is None:
             raise Stop(USAGE)
-        out = Path(options.out or f"build/{Path(options.target).stem or 'model'}.{'gif' if moves else 'png'}")
+        name = file_name(Path(options.target).stem)
+        out = Path(options.out or f"build/{name}.{'gif' if moves else 'png'}")
+        if options.out is None:
+            with run.stopping(FINDINGS):
+                check_own_place(run.context.folder / out)
         session = opened.enter_context(Session(rendering=True))
         rendering = _Rendering(operand, out, wish, given=given, session=session)
         words = rendering.sheet(options) if several else rendering.one()

@@ -22,6 +22,8 @@ from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.naming import file_name
 from mjcompose.base.processes import PIPE, STDOUT, Overrun, Process, WorkFolder, own_command
 from mjcompose.base.report import printable
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import check_own_place
 from mjcompose.lsp import analysis
 from mjcompose.text.node import Change
 
@@ -283,7 +285,12 @@ class Errands:
         """Run `view`, `build` or `check` for a recipe or a cell of its matrix; return its output and its success."""
         words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
         if verb == "build":
-            words += ["-o", str(self.folder / "build" / f"{file_name(cell or Path(recipe).stem)}.zip")]
+            out = self.folder / "build" / f"{file_name(cell or Path(recipe).stem)}.zip"
+            try:
+                check_own_place(out)
+            except OutputError as error:
+                return f"{error.message}; {error.help}", False
+            words += ["-o", str(out)]
         return await asyncio.get_running_loop().run_in_executor(None, self._run, words)
 
     def _run(self, words: list[str]) -> tuple[str, bool]:

@@ -9,12 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.files import CODE, Refused, read_regular
 from mjcompose.base.limits import in_force
+from mjcompose.base.naming import checked_name
 from mjcompose.base.sink import Sink
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.kinds import EXTENDED, kind_called, parse
@@ -25,6 +26,10 @@ from mjcompose.text.node import Mapping, Scalar, locate, to_python
 FORMAT = 1
 _Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 _GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+_Name = Annotated[str, AfterValidator(checked_name)]
+_Package = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+"""The name of a Python package, which messages put into commands to paste."""
+_Version = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9.+!_-]*$")]
 
 
 class _Part(BaseModel):
@@ -34,12 +39,12 @@ class _Part(BaseModel):
 class Locked(_Part):
     """One source: a repository, an archive, a robot, a package, a file next to the recipe."""
 
-    kind: str
+    kind: _Name
     commit: _GitHash | None = None
     tree: _GitHash | None = None
     sha256: _Sha256 | None = None
-    package: str | None = None
-    version: str | None = None
+    package: _Name | None = None
+    version: _Name | None = None
     files: dict[str, _Sha256]
     licenses: list[str] = Field(default_factory=list)
     used_by: list[str] = Field(default_factory=list)
@@ -73,10 +78,10 @@ class Lock(_Part):
     """
 
     lock: Literal[1] = 1
-    mjcompose: str
-    mujoco: str | None
+    mjcompose: _Version
+    mujoco: _Version | None
     sources: dict[str, Locked]
-    extensions: dict[str, str] = Field(default_factory=dict)
+    extensions: dict[_Package, _Version] = Field(default_factory=dict)
     shapes: dict[_Sha256, _Sha256] = Field(default_factory=dict)
     interface: dict[str, list[LockedName]] = Field(default_factory=dict)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
@@ -171,7 +172,7 @@ def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> Non
     for id, pins in disputes.items():
         message = f"the two sides of the merge in `{shown}` pin `{id}` differently"
         notes = [Note(f"{side}: {pin}") for side, pin in zip(("ours", "theirs"), pins, strict=True)]
-        help = f"run `mjcompose lock {how.recipe} --upgrade-source {id}`, or choose one side of the merge"
+        help = f"run `mjcompose lock {how.recipe} --upgrade-source {shlex.quote(id)}`, or choose one side of the merge"
         context.sink.error("lock-invalid", message, notes=notes, help=help)
 
 
@@ -183,6 +184,8 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
             continue
         there = {name: digest for name, digest in now.files.items() if name in was.files}
         if changes := differences({name: digest for name, digest in was.files.items() if name in there}, there):
-            help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {now.used_by[0]}`"
+            help = (
+                f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {shlex.quote(now.used_by[0])}`"
+            )
             message = f"`{id}` has other files than the lock pins"
             context.sink.error("source-changed", message, notes=[Note(change) for change in changes[:8]], help=help)

@@ -26,7 +26,7 @@ from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.files import read_regular
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, files_in, to_text
 from mjcompose.build.bundle.manifest import from_json
-from mjcompose.build.bundle.staging import staged_file, write_folder
+from mjcompose.build.bundle.staging import check_own_place, staged_file, write_folder
 from mjcompose.tree.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
 from mjcompose.tree.xml_text import write
 
@@ -188,7 +188,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
 
     Return the paths of the assets. Raises OutputError, and then leaves `out` as it was.
     """
-    if out.name == ASSETS:
+    if out.name.casefold() == ASSETS:  # many file systems ignore case
         raise OutputError("output-kind", f"the folder `{out}` is for assets", "give the model another name")
     own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
@@ -197,6 +197,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
         with suppress(OSError):
             is_there = os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
         if not is_there:
+            check_own_place(path)
             with staged_file(path) as stage:
                 stage.write_bytes(content)
     write_folder(own, out)

@@ -164,6 +164,17 @@ def check_kind(target: Path, out: Path, option: str | None = None) -> None:
         raise OutputError("output-unwritable", f"cannot write {written}: {why}", help)
 
 
+def check_own_place(out: str | Path) -> None:
+    """Refuse an output that the user does not name, if it is a link out of its folder. Raises OutputError.
+
+    Its name comes from data, such as the name of a model, so somebody else may have put the link there.
+    """
+    place = Path(os.path.abspath(out))
+    if place.is_symlink() and not Door.of([place.parent]).sees(place):
+        message = f"`{out}` is a link to `{os.path.realpath(place)}`"
+        raise OutputError("output-unwritable", message, "remove the link, or name another output")
+
+
 @contextlib.contextmanager
 def stage_beside(target: Path) -> Iterator[Path]:
     """Yield a path in a locked folder, to be renamed to `target`. Leftovers of killed processes are removed."""
@@ -305,6 +316,7 @@ def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = Non
         if not compiled.ok:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
         if MANIFEST in bundle.files:
+            check_own_place(manifest_beside(out))
             with staged_file(manifest_beside(out)) as beside:
                 content, manifest = stage.read_bytes(), json.loads(bundle.files[MANIFEST])
                 listed = {"path": out.name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}

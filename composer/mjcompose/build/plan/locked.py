@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
@@ -115,7 +116,7 @@ def check_lock(plan: Plan, context: Context) -> None:
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
             continue
-        upgrade = f"run `mjcompose lock {plan.file} --upgrade-source {next(iter(use.used_by))}`"
+        upgrade = f"run `mjcompose lock {plan.file} --upgrade-source {shlex.quote(next(iter(use.used_by)))}`"
         if before is None:
             report = context.sink.error if fetching.locked else context.sink.warning
             help = f"run `mjcompose lock {plan.file}` and commit the lock"
