@@ -191,13 +191,11 @@ class Notes(Struct, frozen=False, eq=False):
 class WrittenKey(Struct, frozen=False, eq=False):
     """A key that a recipe writes: the keys that it starts from, its entries by vector, and its holding controls.
 
-    With `forces`, the controls that hold also balance the forces on the model there. `void` has the elements whose
-    values earlier edits have made meaningless.
+    `void` has the elements whose values earlier edits have made meaningless.
     """
 
     taken: tuple[Node, ...]
     void: frozenset[Node]
-    forces: bool
     entries: dict[str, dict[Node, tuple[list[float], Span]]] = field(default_factory=dict)
     held: dict[Node, Span] = field(default_factory=dict)
 

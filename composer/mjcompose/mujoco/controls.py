@@ -165,7 +165,8 @@ _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a vo
 def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     """Return controls and activations that hold the pose of the key `key`; runs under `mjcompose.mujoco.engine.call`.
 
-    With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None if
+    `forces` are the addresses of the controls that balance the forces on the model there, next to the forces of all
+    other actuators, and `positions` of those that give no force there. The answer has `ctrl` and `act`, each None if
     nothing holds. `unlike` has the kind of the actuators without such a control, by the address of their control.
     `unknown` has the controls of actuators whose law only a plugin or a program knows, and `left` has the force or
     torque in N or N m that they cannot balance.
@@ -176,14 +177,15 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     mujoco.mj_fwdPosition(model, data)
     laws = [_Law(mujoco, model, data, index=index) for index in range(len(model.actuator_gaintype))]
     forces, left = np.zeros(len(laws)), 0.0
-    if question["forces"]:
-        mujoco.mj_inverse(model, data)
-        forces, left = _balance(mujoco, model, data, laws=[law for law in laws if law.gain], count=len(laws))
+    balancing = [law for law in laws if law.gain and law.control in question["forces"]]
+    if balancing:
+        _rest(model, data, [law for law in laws if law.control in question["positions"]])
+        forces, left = _balance(mujoco, model, data, balancing=balancing, count=len(laws))
     ctrl: list[float | None] = [None] * model.nu
     act: list[float | None] = [None] * model.na
     for law, force in zip(laws, forces, strict=True):
         law.write(float(force), ctrl, act)
-    unlike = {str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)}
+    unlike = {str(law.control): law.kind for law in laws if law.kind and law not in balancing}
     unknown = [law.control for law in laws if law.is_unknown and law.controls]
     return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
@@ -238,25 +240,56 @@ class _Law:
             act[self.states[-1]] = value
 
 
+def _rest(model: Any, data: Any, laws: list[_Law]) -> None:
+    """Write the controls and activations into `data` at which the actuators give no force."""
+    ctrl: list[float | None] = [None] * model.nu
+    act: list[float | None] = [None] * model.na
+    for law in laws:
+        law.write(0.0, ctrl, act)
+    for now, values in ((data.ctrl, ctrl), (data.act, act)):
+        for at, value in enumerate(values):
+            if value is not None:
+                now[at] = value
+
+
 def moment_arms(mujoco: Any, model: Model, data: Any) -> np.ndarray:
     """Return the moment arms of the first output of each actuator (m, or 1), shape (actuators, nv)."""
-    found = np.zeros((len(data.moment_rownnz), model.nv))
-    moments, columns = data.actuator_moment.ravel(), data.moment_colind.ravel()
-    mujoco.mju_sparse2dense(found, moments, data.moment_rownnz, data.moment_rowadr, columns)
+    found = _moments(mujoco, model, data)
     first = getattr(model, "actuator_outadr", None)
     return found if first is None else found[first]
 
 
-def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -> tuple[np.ndarray, float]:
-    """Return the actuator forces that balance `qfrc_inverse` on the dofs that they move, and the remaining force."""
-    rows = moment_arms(mujoco, model, data)[[law.index for law in laws]]
+def _moments(mujoco: Any, model: Model, data: Any) -> np.ndarray:
+    """Return the moment arms of all outputs, shape (outputs, nv)."""
+    found = np.zeros((len(data.moment_rownnz), model.nv))
+    moments, columns = data.actuator_moment.ravel(), data.moment_colind.ravel()
+    mujoco.mju_sparse2dense(found, moments, data.moment_rownnz, data.moment_rowadr, columns)
+    return found
+
+
+def _forces_of_others(mujoco: Any, model: Any, data: Any, balancing: list[_Law]) -> np.ndarray:
+    """Return the forces on all dofs of the actuators that do not balance, at the controls of `data`."""
+    mujoco.mj_fwdVelocity(model, data)
+    mujoco.mj_fwdActuation(model, data)
+    forces = np.array(data.actuator_force)
+    for law in balancing:
+        rows = RUNS["actuator"]["nout"].rows(model, law.index)
+        forces[rows.start : rows.stop] = 0
+    return np.asarray(_moments(mujoco, model, data).T @ forces)
+
+
+def _balance(mujoco: Any, model: Any, data: Any, balancing: list[_Law], count: int) -> tuple[np.ndarray, float]:
+    """Return the actuator forces that balance the dofs that they move, and the remaining force."""
+    others = _forces_of_others(mujoco, model, data, balancing)
+    mujoco.mj_inverse(model, data)
+    rows = moment_arms(mujoco, model, data)[[law.index for law in balancing]]
     moved = np.flatnonzero(np.abs(rows).max(axis=0, initial=0) > 0)
     found = np.zeros(count)
     if not len(moved):
         return found, 0.0
-    wanted = data.qfrc_inverse[moved]
+    wanted = (data.qfrc_inverse - others)[moved]
     solved = np.linalg.lstsq(rows[:, moved].T, wanted, rcond=None)[0]
-    for law, force in zip(laws, solved, strict=True):
+    for law, force in zip(balancing, solved, strict=True):
         # Solved values differ in their last digits between machines, and models must not.
         found[law.index] = 0.0 if abs(force) < _NOISE else float(f"{force:.{_DIGITS}g}")
     rest = float(np.abs(rows[:, moved].T @ solved - wanted).max(initial=0))

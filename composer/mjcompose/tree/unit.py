@@ -81,7 +81,9 @@ class KeySource(Struct):
 
     `taken` are the `from` entries of recipes that passed the number on. `moved` are the parts whose place changed it,
     each with the place of its attachment. Both are in order. `lost` is the first number of a key that an edit has made
-    meaningless here. `joint` is the joint from whose number a control follows.
+    meaningless here. `joint` is the joint from whose number a control follows. `hold` is the way in which a control or
+    activation holds the pose of its key, `positions` or `forces`; the forces follow from the whole model, so each
+    composition computes them anew.
     """
 
     kind: Kind
@@ -92,6 +94,7 @@ class KeySource(Struct):
     moved: tuple[tuple[str, Span | None], ...] = ()
     lost: Number | None = None
     joint: str | None = None
+    hold: str = ""
 
 
 class Number(NamedTuple):
@@ -161,7 +164,9 @@ class Origins(Struct, frozen=False):
     by name in messages, also those without text, such as meshes. `settings` has the attributes that a program or
     the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
     edit. `keys` has the layout of keys that differ from their file. `unread` has faults that MuJoCo ignores in the
-    files themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
+    files themselves, by file, line and attribute (None: the element). `delays` has the actuators whose `nsample`
+    follows from their `delay` and the time step, with the text of `nsample` at that time. `size` is the bytes of all
+    files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
@@ -170,6 +175,7 @@ class Origins(Struct, frozen=False):
     renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
     keys: dict[Node, KeyRecord] = field(default_factory=dict)
     unread: set[tuple[str, int | None, str | None]] = field(default_factory=set)
+    delays: dict[Node, str] = field(default_factory=dict)
     size: int = 0
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
@@ -224,13 +230,14 @@ class Origins(Struct, frozen=False):
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""
-        for name in ("owners", "texts", "settings", "renamed", "keys", "unread"):
+        for name in ("owners", "texts", "settings", "renamed", "keys", "unread", "delays"):
             getattr(self, name).update(getattr(other, name))
 
     def carried(self, old: Node, new: Node) -> Origins:
         """Return the same data for `new`, a deep copy of `old`."""
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
-        tables = [(getattr(self, name), getattr(found, name)) for name in ("owners", "settings", "renamed", "keys")]
+        names = ("owners", "settings", "renamed", "keys", "delays")
+        tables = [(getattr(self, name), getattr(found, name)) for name in names]
         for node, twin in zip(old.iter(), new.iter(), strict=True) if any(known for known, _ in tables) else ():
             for known, kept in tables:
                 if (each := known.get(node)) is not None:

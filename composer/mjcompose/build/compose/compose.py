@@ -60,6 +60,7 @@ from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
+from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
@@ -142,6 +143,7 @@ class Composer:
         self.parts: dict[Node, str] = {}
         self.keys = KeyNotes()
         self.inner: list[Composed] = []
+        self.nested = 0
 
     def compose(self, plan: Plan) -> Composed | None:
         """Return the model of a plan, or None if there were errors, including those of earlier stages."""
@@ -307,7 +309,9 @@ class Composer:
             return None
         finish(linking)
         spare_added(linking)
-        hold_poses(plan, linking, making, context=self.context, session=self.loader.session)
+        delays(linking)
+        linking.watch(linking.units, delays)
+        hold_poses(plan, linking, making, context=self.context, session=self.loader.session, is_whole=not self.nested)
         linking.watch(linking.units, hold_poses)
         samples = self.options.makes_shapes
         self.exclusions += set_collisions(
@@ -403,7 +407,11 @@ class Composer:
             return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
         unit: Unit | None
         if isinstance(wanted.model, Plan):
-            composed = self._compose(wanted.model, wanted.is_fixed_in_world)
+            self.nested += 1
+            try:
+                composed = self._compose(wanted.model, wanted.is_fixed_in_world)
+            finally:
+                self.nested -= 1
             unit = composed.model if composed else None
         else:
             span = locate(plan.document, (*wanted.at, "model"))

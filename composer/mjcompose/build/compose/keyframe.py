@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import field, replace
 from typing import Any
@@ -18,7 +18,7 @@ from mjcompose.build.compose.elements import ElementBuilder, pose_number, turned
 from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
-from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, Entry
+from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, WAYS, Entry
 from mjcompose.language.value import Single, shown
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, element_of
@@ -125,7 +125,7 @@ class _KeyWriter(Struct, frozen=False):
         key = Key(recipe_key.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
         elements, void = tuple(source.element for source in sources), frozenset(linking.keys.void_keys)
-        self.noted = linking.keys.noted[element] = WrittenKey(elements, void, recipe_key.controls.hold == "forces")
+        self.noted = linking.keys.noted[element] = WrittenKey(elements, void)
         for source in sources:
             for vector, columns in source.values.items():
                 self.values.setdefault(vector, {}).update(columns)
@@ -159,7 +159,7 @@ class _KeyWriter(Struct, frozen=False):
                 held.append((holder, path))
         for (actuator, slot), path in held:
             span, width = self._at("ctrl", *path), 1 if slot is None else slot.widths[0]
-            source = KeySource("entry", "ctrl", span=span)
+            source = KeySource("entry", "ctrl", span=span, hold="positions" if controls.hold is None else controls.hold)
             self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
             self.noted.held[element_of(actuator)] = span
 
@@ -386,86 +386,132 @@ _TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite
 
 
 def hold_poses(
-    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None
-) -> None:
-    """Write the controls, and the activations of filters and integrators, of every key that holds its pose."""
-    steps = [step for step in plan.keyframes if step.key.controls.hold or step.key.controls.held]
+    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None, *,
+    is_whole: bool = True,
+) -> None:  # fmt: skip
+    """Write the controls, and the activations of filters and integrators, of every key that holds its pose.
+
+    Keys of nested recipes that balance forces are balanced anew, because the forces follow from the whole model. Only
+    if the model `is_whole`, it matters whether forces are left.
+    """
     layout = linking.keys.final_layout
-    if not steps or layout is None:
+    if layout is None:
+        return
+    steps = {step.key.name: step for step in plan.keyframes}
+    holders = [
+        _PoseHolder(index, key, steps.get(str(key.get("name"))), layout, linking, making=making, is_whole=is_whole)
+        for index, key in enumerate(keys_of(linking.base))
+    ]
+    holders = [each for each in holders if each.columns()]
+    if not holders:
         return
     with nullcontext(session) if session else engine.Session() as own:
         if keep_finished(linking.flat(), context, own):
-            for step in steps:
-                _PoseHolder(step, layout, linking, making=making).hold(own)
+            for each in holders:
+                each.hold(own)
 
 
 class _PoseHolder(Struct):
-    step: WriteKeyframe
+    """The key with this `index`, which the `step` of this recipe writes, or None for a key of a part."""
+
+    index: int
+    key: Node
+    step: WriteKeyframe | None
     layout: Layout
     linking: Linking
     making: ElementBuilder
+    is_whole: bool
 
     def span(self, *path: str) -> Span:
+        assert self.step is not None
         return locate(self.making.document, (*self.step.key.at, CTRL, *path))
+
+    def columns(self) -> dict[int, KeySource]:
+        """Return the sources of the controls to compute, by address: of this recipe, and of nested ones by forces."""
+        own = self._own_spans()
+        row = dict(enumerate(number.source for number in self._numbers("ctrl")))
+        return {at: source for at, source in row.items() if source.hold == "forces" or source.span in own}
+
+    def _own_spans(self) -> dict[Span, tuple[str, ...]]:
+        """Return the places of `hold` in this recipe, each with its path below `ctrl`."""
+        if self.step is None:
+            return {}
+        controls = self.step.key.controls
+        found = {self.span(*path): path for path in controls.held}
+        return found if controls.hold is None else {self.span("hold"): ("hold",), **found}
+
+    def _numbers(self, vector: str) -> list[Number]:
+        return numbers_of(self.linking.base.origins.keys.get(self.key), self.key, vector)
+
+    @property
+    def name(self) -> str:
+        return str(self.key.get("name") or "")
 
     def hold(self, session: engine.Session) -> None:
         from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
 
-        name, sink = self.step.key.name, self.making.sink
-        keys = list(keys_of(self.linking.base))
-        index = next(at for at, key in enumerate(keys) if key.get("name") == name)
-        question = {"key": index, "forces": self.step.key.controls.hold == "forces"}
+        columns, sink = self.columns(), self.making.sink
+        question = {
+            "key": self.index, **{way: [at for at, source in columns.items() if source.hold == way] for way in WAYS},
+        }  # fmt: skip
         answer = engine.call(session, hold, [FINISHED], argument=question)
+        at = next(iter(columns.values())).span if self.step is None else self.span()
         if not answer.ok:
-            sink.error("mujoco-crash", f"MuJoCo fails on the key `{name}`: {answer.error}", self.span())
+            sink.error("mujoco-crash", f"MuJoCo fails on the key `{self.name}`: {answer.error}", at)
             return
-        if left := answer.value["left"]:
-            message = f"the actuators cannot hold the key `{name}`: they lack {left:.4g} N or N m"
-            sink.warning("not-held", message, self.span())
+        if (left := answer.value["left"]) and self.is_whole:
+            message = f"the actuators cannot hold the key `{self.name}`: they lack {left:.4g} N or N m"
+            sink.warning("not-held", message, at)
         for vector in ("ctrl", "act"):
-            self._write(vector, answer.value, keys[index])
+            self._write(vector, answer.value, columns)
 
-    def _write(self, vector: str, answer: Mapping[str, Any], key: Node) -> None:
-        """Write the values of the holding actuators into the row of a key."""
+    def _write(self, vector: str, answer: Mapping[str, Any], columns: Mapping[int, KeySource]) -> None:
+        """Write the values of the holding actuators into the row of the key."""
         values: list[float | None] = answer[vector]
-        own = self.step.key
-        record = self.linking.base.origins.keys.get(key)
         zero = KeySource("zero", vector)
-        row = numbers_of(record, key, vector) or [Number("0", zero, index) for index in range(len(values))]
-        singles = {self.span(*path): path for path in own.controls.held}
-        hold = self.span("hold")
-        given = set(own.values.get(vector, {}))
-        controls = dict(enumerate(numbers_of(record, key, "ctrl")))
-        changed, unknown = False, []
+        row = self._numbers(vector) or [Number("0", zero, index) for index in range(len(values))]
+        given = set() if self.step is None else set(self.step.key.values.get(vector, {}))
+        changed = False
+        unknown: list[str] = []
         end = next_control = 0
         for actuator, slot in self.layout.actuators.items():
             start, control = end, next_control
             end, next_control = end + slot.widths[vector == "act"], next_control + slot.widths[0]
-            source = controls[control].source if control in controls else None
-            span = None if source is None else source.span
-            if span is None or source is None or source.kind != "entry" or span not in (hold, *singles):
+            if (source := columns.get(control)) is None:
                 continue
-            kind = answer["unlike"].get(str(control)) if vector == "ctrl" else None
-            if kind and span != hold:
-                end_of_path = singles[span][-1]
-                message = f"no control of `{end_of_path}` holds the pose of the key `{own.name}`: it is {kind}"
-                help = "write its control, or `ctrl: {hold: forces}`, which balances the forces in that pose"
-                self.making.sink.error("not-held", message, span, help=help, subjects=(end_of_path,))
             name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
-            if kind and span == hold and control in answer["unknown"]:
-                unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
+            if vector == "ctrl" and (kind := answer["unlike"].get(str(control))):
+                unknown += self._unlike(name, kind, source, is_unknown=control in answer["unknown"])
             if vector == "act" and name in given:  # the recipe's own activation counts
                 continue
             for index, value in enumerate(values[start:end]):
                 if value is not None:
-                    source = KeySource("entry", vector, span=span)
-                    row[start + index] = Number(numbers.text([value + 0.0]), source, index)
+                    held = KeySource("entry", vector, span=source.span, hold=source.hold)
+                    row[start + index] = Number(numbers.text([value + 0.0]), held, index)
                     changed = True
         if changed:
-            key.set(vector, " ".join(texts(row)))
-            if record is not None:
-                record.numbers[vector] = row
+            self._set(vector, row)
         if unknown:
-            message = f"the control of {', '.join(unknown)} that holds the key `{own.name}` is unknown: it is 0"
+            message = f"the control of {', '.join(unknown)} that holds the key `{self.name}` is unknown: it is 0"
             help = "write the control next to `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`"
             self.making.sink.warning("not-held", message, self.span(), help=help)
+
+    def _set(self, vector: str, row: list[Number]) -> None:
+        self.key.set(vector, " ".join(texts(row)))
+        record = self.linking.base.origins.keys.get(self.key)
+        if record is not None:
+            record.numbers[vector] = row
+
+    def _unlike(self, name: str, kind: str, source: KeySource, is_unknown: bool) -> Iterator[str]:
+        """Report an actuator without a control that holds, if it is named. Yield one whose law only a plugin knows."""
+        assert source.span is not None
+        path = self._own_spans().get(source.span)
+        if path is None:
+            return
+        if path == ("hold",):
+            if is_unknown:
+                yield f"`{name}` ({kind})" if name else f"{kind} without a name"
+            return
+        message = f"no control of `{path[-1]}` holds the pose of the key `{self.name}`: it is {kind}"
+        help = "write its control, or `ctrl: {hold: forces}`, which balances the forces in that pose"
+        self.making.sink.error("not-held", message, source.span, help=help, subjects=(path[-1],))

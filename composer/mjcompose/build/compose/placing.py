@@ -13,8 +13,9 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from lxml import etree
+from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note, Path
+from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.compose.load import FINISHED, keep_finished
@@ -27,7 +28,7 @@ from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 from mjcompose.tree.grammar import number_text
-from mjcompose.tree.unit import Unit
+from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.compose import Composed
@@ -78,8 +79,30 @@ def mirror_keys(
         for key, rows in zip(keys_of(other), answer.value["keys"], strict=True):
             kept = {name: str(key.get(name)) for name in ("name", "time") if key.get(name)}
             kept |= {vector: text(rows[vector]) for vector in VECTORS if key.get(vector)}
-            unit.origins.own(etree.SubElement(section, "key", kept), span)
+            twin = etree.SubElement(section, "key", kept)
+            unit.origins.own(twin, span)
+            _carry_holds(other, key, unit, twin, span)
         notes.note_source(unit)
+
+
+def _carry_holds(other: Unit, key: Node, unit: Unit, twin: Node, span: Span) -> None:
+    """Note which numbers of a mirrored key hold its pose, so they are computed on the whole model."""
+    if [each.get("name") for each in other.root.iterfind("actuator/*")] != [
+        each.get("name") for each in unit.root.iterfind("actuator/*")
+    ]:
+        return
+    rows: dict[str, list[Number]] = {}
+    for vector in ("ctrl", "act"):
+        before = numbers_of(other.origins.keys.get(key), key, vector)
+        if any(number.source.hold for number in before):
+            now = zip(str(twin.get(vector)).split(), before, strict=True)
+            as_read = KeySource("key", vector, twin)
+            rows[vector] = [
+                Number(text, replace(old.source, span=span) if old.source.hold else as_read, at)
+                for at, (text, old) in enumerate(now)
+            ]
+    if rows:
+        unit.origins.keys[twin] = KeyRecord(numbers=rows)
 
 
 def _report_mirror(

@@ -360,7 +360,7 @@ def _written_for(
 ) -> tuple[dict[str, str], list[str]]:
     """Return the attributes that give the new kind the same model, and its losses in words."""
     if to == "general":
-        return _general(editing, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
+        return _general(editing, node, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
     lost = _lost_with(to, model)
     if to == "motor":
         return {}, [*lost, *_lost_by_motor(model)]
@@ -418,7 +418,8 @@ def _position(
             _needs(editing, node, to, gain=_GAINS[to], at=at)
     if "kv" not in given and "dampratio" not in given:
         # Written also if it is 0: a class may give another one.
-        made["kv"] = numbers.text([max(model.kv, 0.0)])
+        ratio = _dampratio(editing, node)
+        made |= {"dampratio": ratio} if ratio else {"kv": numbers.text([max(model.kv, 0.0)])}
     if to == "position":
         if "timeconst" not in given:
             made["timeconst"] = numbers.text(model.dynprm[:1]) if model.dynamics == "filterexact" else "0"
@@ -441,13 +442,29 @@ def _in_classes(editing: Editing) -> bool:
     return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
 
 
-def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
+def _dampratio(editing: Editing, node: Node) -> str | None:
+    """Return the damping ratio of a servo. Its `kv` follows from the inertia in the whole model, also after `convert`.
+
+    In MuJoCo 4.0, `biasprm="0 -30 0.7"` of a `general` is the damping ratio 0.7, since 0.7 is positive.
+    """
+    text = (
+        editing.effective(node, "dampratio")
+        if "dampratio" in GRAMMAR.element(f"actuator/{node.tag}").attributes
+        else None
+    )
+    return text if text and numbers.read(text)[0] > 0 else None
+
+
+def _general(editing: Editing, node: Node, model: ActuatorModel) -> dict[str, str]:
     """Return all attributes of the model, without trailing zeros unless classes may set some numbers."""
     whole = _in_classes(editing)
     laws = ("fixed", "none") if model.gain == PLUGIN else (model.gain, model.bias)
     made = {"gaintype": laws[0], "biastype": laws[1], "dyntype": model.dynamics}
+    ratio = _dampratio(editing, node)
     for name in _PARAMETERS:
         values = list(getattr(model, name))
+        if name == "biasprm" and ratio:
+            values[2] = numbers.read(ratio)[0]
         while not whole and len(values) > 1 and values[-1] == 0:
             values.pop()
         made[name] = numbers.text(values)

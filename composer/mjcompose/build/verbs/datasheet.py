@@ -20,6 +20,7 @@ from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.model import Exclusive
 from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
 from mjcompose.link import numbers
+from mjcompose.link.delays import samples_in, time_step
 from mjcompose.link.key_layout import joint_type
 from mjcompose.tree.edit import assign
 
@@ -74,6 +75,9 @@ class Datasheet(Verb):
             change.carry_out(joint, index, of_joint, at=at)
             drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=self, at=at)
             change.carry_out(node, index, drive.values(), at=at)
+            if sheet.delay:
+                # The time step of the whole model is not known yet.
+                editing.linking.base.origins.delays[node] = str(node.get("nsample"))
 
     def words(self) -> str:
         written = {name: getattr(self, name) for name in self.key_names() if name in self.model_fields_set}
@@ -133,9 +137,7 @@ class _Drive(Struct):
                 values["kp"] = kp / self.gear**2
                 _without_dampratio(self.editing, self.node, self.at)
         if delay := self.sheet.delay:
-            option = self.editing.root.find("option")
-            step = numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
-            values |= {"delay": delay, "nsample": math.ceil(round(delay / step, 9))}
+            values |= {"delay": delay, "nsample": samples_in(delay, time_step(self.editing.root))}
         return values
 
     def _gains(self) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.verify.compile import WHOLE
-from mjcompose.language.keyframe import CTRL, HOLD, JOINT, Keyframe
+from mjcompose.language.keyframe import CTRL, HOLD, JOINT, WAYS, Keyframe
 from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.mujoco import engine
@@ -31,7 +31,7 @@ from mjcompose.text.expression import Angle
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.select import kind_of
-from mjcompose.tree.unit import Unit
+from mjcompose.tree.unit import Unit, numbers_of
 
 _CLOSE = 1e-9
 _KINDS = {"qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator", "mpos": "body", "mquat": "body"}
@@ -62,7 +62,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     sources = [each for found in notes.sources.values() for each in found]
     texts = list(dict.fromkeys(each.text for each in sources))
     held = [(at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None]
-    forces = [{"key": at, "forces": written.forces} for at, written in held]
+    forces = [{"key": at, **_held_addresses(keys[at], model)} for at, _ in held]
     question = {"texts": [*texts, final.text], "mark": MARK, "held": forces}
     answer = engine.call(session, key_rows, [WHOLE], argument=question)
     if not answer.ok or "unlike" in answer.value:
@@ -83,6 +83,18 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
                 computed = {node: span for node, span in recipe.held.items() if node not in said}
             wrong = comparison.differences(meant, row, computed, controls=controls.get(at))
             _report(key, list(wrong), model, sink=sink)
+
+
+def _held_addresses(key: Node, model: Unit) -> dict[str, list[int]]:
+    """Return the addresses of the controls that hold the pose of a key, by the way in which they hold it."""
+    row = numbers_of(model.origins.keys.get(key), key, "ctrl")
+    return {way: [at for at, number in enumerate(row) if number.source.hold == way] for way in WAYS}
+
+
+def _held_places(key: Node, vector: str, model: Unit) -> set[int]:
+    """Return the numbers of a mirrored key that hold its pose: MuJoCo computes them again on the whole model."""
+    row = numbers_of(model.origins.keys.get(key), key, vector)
+    return {at for at, number in enumerate(row) if number.source.hold}
 
 
 def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
@@ -138,12 +150,14 @@ class _KeyMeanings(Struct, frozen=False):
         for vector, count in source.rows[key].items():
             row = described["keys"][at][vector]
             span = self.model.origins.span(key, source.file, vector)
+            held = _held_places(key, vector, self.model)
             for name, body, number, start, stop in described["holders"][vector]:
                 holder = source.holder(_KINDS[vector], name, body) if start < min(stop, count) else None
                 if holder is None:
                     continue
                 node, within = self.notes.origin(holder[0], holder[1])
-                value = Value(_moved(row[start:stop], vector, source.moves), within, span)
+                numbers = () if held & {*range(start, stop)} else _moved(row[start:stop], vector, source.moves)
+                value = Value(numbers, within, span)
                 found.setdefault(vector, {}).setdefault((node, holder[2], number if holder[2] else 0), []).append(value)
         return found
 

@@ -26,6 +26,7 @@ from mjcompose.link.agreement import agreement
 from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
 from mjcompose.link.defaults import defaults
+from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file, files
 from mjcompose.link.inertia import (
     MEASURED,
@@ -415,6 +416,7 @@ CHANGES: dict[Function | None, Words] = {
     collect: _named_or("a file with the same bytes is in the bundle already"),
     defaults: Causes._defaults,
     compiler: Causes._compiler,
+    delays: _as("counted in time steps of the whole model"),
     keyframes: _as("laid out anew for the whole model"),
     settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
     hold_poses: _at_its_place("computed to hold the pose of the key"),
