@@ -9,7 +9,7 @@ import mjcompose
 import mujoco
 import pytest
 from mjcompose.build.bundle.manifest import Sensor
-from mjcompose.tools.worlds.simulators import Simulator
+from mjcompose.tools.worlds.simulators import Simulator, check_fixed_poses
 from mjcompose.tools.worlds.worlds import Worlds
 from tools.worlds.studies import TENDON, arm, made, refused
 
@@ -71,3 +71,41 @@ def test_what_is_not_known_has_the_words_of_the_simulator() -> None:
 def test_a_model_that_it_takes() -> None:
     study = arm()
     assert Simulator("warp", lambda model: model.nq).take(study, study.nominal) == study.nominal.nq
+
+
+SCENE = """
+<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 .1"/>
+    <body name="table" pos="0 0 .2">
+      <geom name="top" type="box" size=".5 .5 .02"/>
+      <body name="lamp" pos="0 .4 .1"><geom name="shade" size=".05"/><site name="light"/></body>
+      <body name="mark" pos=".4 0 0"><site name="here"/></body>
+      <body name="door" pos="1 0 0"><joint axis="0 0 1"/><geom name="leaf" size=".1"/></body>
+    </body>
+    <body name="goal" mocap="true"><geom name="ring" size=".1" contype="0" conaffinity="0"/></body>
+    <body name="ball" pos="0 0 1"><freejoint/><geom name="ball" size=".05"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("element", "attribute", "is_refused"),
+    [
+        ("body/table", "pos", True), ("body/lamp", "quat", True), ("geom/top", "pos", True), ("geom/shade", "quat", True),
+        ("geom/floor", "pos", True), ("body/mark", "pos", False), ("body/door", "pos", False), ("geom/leaf", "pos", False),
+        ("body/goal", "pos", False), ("geom/ring", "pos", False), ("body/ball", "pos", False), ("geom/ball", "pos", False),
+    ],
+)  # fmt: skip
+def test_worlds_that_move_what_is_fixed(element: str, attribute: str, is_refused: bool) -> None:
+    model = mujoco.MjModel.from_xml_string(SCENE)
+    kind, name = element.split("/")
+    number, width = getattr(model, kind)(name).id, 3 if attribute == "pos" else 4
+    study = made(model, **{f"{kind}_{attribute}": (number * width + 1, [0.1, 0.2])})
+    if not is_refused:
+        check_fixed_poses(study)
+        return
+    with pytest.raises(mjcompose.LoadError, match=f"and worlds move {kind} `{name}`") as caught:
+        check_fixed_poses(study)
+    assert caught.value.diagnostics[0].code == "not-per-world"

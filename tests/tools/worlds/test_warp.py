@@ -67,3 +67,11 @@ def test_what_it_does_not_take(mujoco_warp: Any, given: dict[str, str], told: st
     """MuJoCo Warp refuses what builds for it refuse, and the error names the element as theirs does."""
     found = refused(worlds.warp, given)
     assert told.rpartition(": ")[2] in found.message and "mujoco-warp" in str(found.notes)
+
+
+def test_the_height_of_a_fixed_table_is_refused(mujoco_warp: Any) -> None:
+    text = """<mujoco><worldbody><body name="table" pos="0 0 .2"><geom type="box" size=".5 .5 .02"/></body>
+      <body pos="0 0 1"><freejoint/><geom size=".05"/></body></worldbody></mujoco>"""
+    study = made(mujoco.MjModel.from_xml_string(text), body_pos=(5, [0.1, 0.4]))
+    with pytest.raises(mjcompose.LoadError, match="worlds move body `table`"):
+        worlds.warp(study)

@@ -81,6 +81,7 @@ def warp(worlds: Worlds) -> Any:
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
+    check_fixed_poses(worlds)
     for name in names:
         put_worlds(model, name, worlds)
     return model
@@ -95,6 +96,52 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
         elif hasattr(*_owner(model, name)) and is_stepped(name) and name not in unread(worlds):
             raise failure("not-per-world", f"MuJoCo Warp shares `{name}` among all worlds", _INSTEAD)
     return names
+
+
+_SHOWN = 5
+
+
+def check_fixed_poses(worlds: Worlds) -> None:
+    """Raise LoadError if fixed geoms have another pose in some world.
+
+    MuJoCo Warp 4.0 computes the poses of geoms that are fixed in the world when it makes its data, from the nominal
+    model (`_geom_local_to_global` in `smooth.py`), and no step reads the rows of other worlds.
+    """
+    model = worlds.nominal
+    names = NameTable(model)
+    moved = [
+        _called(names, kind, element)
+        for kind, holders in (("body", range(model.nbody)), ("geom", model.geom_bodyid.tolist()))
+        for element in _posed(worlds, kind)
+        if _is_fixed(model, holders[element]) and (kind == "geom" or _has_fixed_geoms(model, element))
+    ]
+    if moved:
+        listed = ", ".join(moved[:_SHOWN]) + f" and {len(moved) - _SHOWN} more" * (len(moved) > _SHOWN)
+        message = f"MuJoCo Warp computes where fixed geoms are once for all worlds, and worlds move {listed}"
+        raise failure("not-per-world", message, _INSTEAD)
+
+
+def _posed(worlds: Worlds, kind: str) -> list[int]:
+    """Return the elements whose own pose differs between worlds."""
+    found: set[int] = set()
+    for array, width in ((f"{kind}_pos", 3), (f"{kind}_quat", 4)):
+        if array in worlds.arrays:
+            found.update((worlds.arrays[array].index // width).tolist())
+    return sorted(found)
+
+
+def _is_fixed(model: Model, body: int) -> bool:
+    return int(model.body_weldid[body]) == 0 and int(model.body_mocapid[model.body_rootid[body]]) < 0
+
+
+def _has_fixed_geoms(model: Model, body: int) -> bool:
+    """Return whether a fixed body or a fixed body below it has geoms."""
+    for holder in set(model.geom_bodyid.tolist()):
+        while holder > body and _is_fixed(model, holder):
+            holder = int(model.body_parentid[holder])
+        if holder == body:
+            return True
+    return False
 
 
 def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
@@ -210,6 +257,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     if dotted := [name for name in names if "." in name]:
         raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", _INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
+    check_fixed_poses(worlds)
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
         _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
@@ -314,8 +362,12 @@ class Simulator(Struct):
 def _shown(table: NameTable, refusal: Refusal) -> str:
     if refusal.kind == OPTION:
         return OPTION
-    name = table.names[refusal.kind][refusal.number]
-    return f"{refusal.kind} " + (f"`{name}`" if name else table.describe(refusal.kind, refusal.number))
+    return _called(table, refusal.kind, refusal.number)
+
+
+def _called(table: NameTable, kind: str, number: int) -> str:
+    name = table.names[kind][number]
+    return f"{kind} " + (f"`{name}`" if name else table.describe(kind, number))
 
 
 def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
