@@ -30,7 +30,7 @@ CALLS_LEFT = Counter(
     _angles=1, _apart=1, _composed=1, _count=1, _error=4, _in_recipe=2, _insert=4, _line=1,
     _rename_parameter=1, _rename_part=1, _span=1, _up_to_the_next=1, _where=1, add=2, added_key=2, carried=1,
     check=1, drop=4, element=11, failed=11, fetch=2, finish=1, in_brackets=2, items=1, listed=1, names_of=1,
-    open=1, pack=5, read_selector=2, rename=1, row=1, run=2, step=1, syscall=3, unknown=1, unknown_attribute=1,
+    open=1, pack=5, read_selector=2, rename=1, row=1, step=1, syscall=3, unknown=1, unknown_attribute=1,
     unread_in=1, with_item=1, with_key=1, word=3, write_whole=1,
 )
 # fmt: on

@@ -85,7 +85,7 @@ def test_a_name_that_cannot_be_resolved_for_another_reason_is_private(
         "https://example.org:/", "https://example.org:99999/", "https://example.org:٣/", "https://[fe80::1%25eth0]/",
         "https://[v1.x]/", "https://[127.0.0.1]/", "https://example..org/", "https://.org/", "https://-x.org/",
         "https://example.org./", "ext::sh -c x", "file:///etc/passwd", "ssh://a:b@example.org/x", "ssh://-o@example.org/x",
-        "gopher://example.org/", "//example.org/", "https://" + "a" * 64 + ".org/", "https://example.org:80:80/",
+        "gopher://example.org/", "//example.org/", "https://" + "a" * 64 + ".org/", "https://" + ".".join(["a" * 62] * 4) + "aaa/", "https://host:65536/", "https://x-.org/", "https://example.org:80:80/",
     ],
 )  # fmt: skip
 def test_what_is_no_address(url: str) -> None:
@@ -100,6 +100,7 @@ def test_what_is_no_address(url: str) -> None:
 @pytest.mark.parametrize(
     "url",
     [
+        "https://" + "a" * 63 + ".org/", "https://" + ".".join(["a" * 62] * 4) + "a/", "https://host:65535/", "https://host:1/",
         "https://example.org/a.zip", "https://EXAMPLE.org:8443/a/b%20c?x=1&y=@v#z", "http://127.0.0.1:80/", "https://[::1]:9/",
         "ssh://git@example.org/x", "ssh://org-12.a@example.org:22/x", "https://xn--bcher-kva.example/é", "https://my_host/a",
     ],
@@ -175,6 +176,10 @@ def test_what_is_looked_up_is_what_is_judged(url: str, monkeypatch: pytest.Monke
         "[64:ff9b::a00:1]", "[64:ff9b:1::a00:1]", "[64:ff9b:1:fffe::7f00:1]", "[2002:7f00:1::]", "[2002:808:808::1]",
         "[2001:0:4136:e378:8000:63bf:3fff:fdd2]", "[2001:10::1]", "[2001:db8::1]", "[fec0::1]", "[feff::1]", "[fc00::1]",
         "[fdff::1]", "[fe80::1]", "[febf::1]", "[ff02::1]", "[100::1]", "[2606:4700::5efe:10.0.0.1]", "[5f00::1]",
+        "192.0.2.1", "198.51.100.1", "203.0.113.1", "172.16.0.0", "172.31.255.255", "100.127.255.255", "198.18.0.1",
+        "169.254.255.255", "192.168.255.255", "10.255.255.255", "0.255.255.255", "224.255.0.1", "[3fff::1]", "[3fff:fff::1]",
+        "[2001:1ff::1]", "[2002:ffff:ffff::1]", "[2001:db8:ffff::1]", "[4000::1]", "[1fff::1]", "[::ffff:8.8.8.8]",
+        *(f"robots{suffix}" for suffix in address._LOCAL), "robots.corp", "robots.home.arpa", "robots.localdomain",
         "localhost", "a.localhost", "nas", "nas.local", "db.internal", "LOCALHOST", "x.LAN", "",
     ],
 )  # fmt: skip

@@ -8,15 +8,18 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mjcompose.sources import git_command
-from mjcompose.sources.fetching import Fetching, quiet
+from mjcompose.sources import git_command, git_repository
+from mjcompose.sources.fetching import Fetching, Lookup, quiet
 from mjcompose.sources.git_command import Git, GitFailure
+from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
+from mjcompose.sources.store import Store
 from mjcompose.tools.diff.sides import RevisionError, check_out
 
 MODEL = '<mujoco model="arm"><worldbody><body name="arm"><geom size="0.1"/></body></worldbody></mujoco>\n'
@@ -340,3 +343,44 @@ def test_the_settings_of_a_received_repository_are_not_read_for_its_files(
     with pytest.raises(RevisionError):
         check_out("HEAD", robots.folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
     assert not trace.exists()
+
+
+@posix
+@pytest.mark.parametrize("is_confined", [True, False])
+def test_settings_that_the_user_cannot_loosen(
+    own_environment: dict[str, str], tmp_path: Path, is_confined: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What git itself says that is in force, for a reference of the user and of a fetched recipe."""
+    always = {
+        "core.hooksPath": os.devnull, "core.fsmonitor": "false", "core.attributesFile": os.devnull,
+        "submodule.recurse": "false", "fetch.recurseSubmodules": "false", "gc.auto": "0",
+    }  # fmt: skip
+    confined = {"http.followRedirects": "false", "transfer.bundleURI": "false", "fetch.uriProtocols": ""}
+    settings = tmp_path / "settings"
+    for name in (*always, *confined):
+        subprocess.run(["git", "config", "--file", settings, name, "loose"], check=True)
+    monkeypatch.setattr(git_repository, "is_private", lambda netloc: False)
+    monkeypatch.setattr(
+        git_repository, "addresses_of", lambda netloc: (ip_address("8.8.8.8"), ip_address("2606:4700::1"))
+    )
+    lookup = Lookup(
+        tmp_path, {**own_environment, "GIT_CONFIG_GLOBAL": str(settings)}, Fetching(), is_confined=is_confined
+    )
+    reference = parse("git+https://Robots.example.org/x@v1#arm.xml")
+    git = git_repository._Repository(reference, reference.id, Store.of(lookup.environment), lookup=lookup)._git
+    for name, value in {
+        **always,
+        **{name: value if is_confined else "loose" for name, value in confined.items()},
+    }.items():
+        assert git.run("config", "--get", name).decode().strip() == value, name
+    pinned = [value for name, value in git.settings if name == "http.curloptResolve"]
+    assert pinned == (["robots.example.org:443:8.8.8.8,[2606:4700::1]"] if is_confined else [])
+
+
+@posix
+def test_objects_that_are_borrowed_from_another_repository(robots: Any, tmp_path: Path) -> None:
+    clone = tmp_path / "clone"
+    subprocess.run(["git", "clone", "-q", "--shared", robots.folder, clone], check=True)
+    (tmp_path / "into").mkdir()
+    _, path = check_out("HEAD", clone / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert path.read_text() == MODEL

@@ -241,7 +241,7 @@ class _Download(Struct, frozen=False):
 
         headers = {"User-Agent": "mjcompose", "Accept-Encoding": "identity", **self.headers}
         try:
-            with self._response(method, self.url, headers, body) as response:
+            with self._response(method, self.url, headers, body=body) as response:
                 answer = response.read(_MOST_JSON + 1)
         except HTTPError as error:
             raise self._failed(f"cannot be fetched: {_in_short(error)}") from None

@@ -70,6 +70,12 @@ class Git(Struct):
         with self.open(*arguments, folder=folder) as process:
             return _output_of(process)
 
+    def create(self, folder: Path, kind: str = "sha1") -> None:
+        """Make an empty repository with hashes of this kind. Raises as `run` does."""
+        other_kind = [] if kind == "sha1" else [f"--object-format={kind}"]  # git before 2.29 does not know the option
+        words = ["init", "-q", "--bare", "--template=", *other_kind, "--", str(folder)]
+        self.run(*words)
+
     def around(self, near: Path, *arguments: str) -> str:
         """Return the answer of a command about the repository around a folder. Raises as `run` does.
 
@@ -155,7 +161,7 @@ class Git(Struct):
         # With `fetch.unpackLimit`, all objects arrive in one file, whose size can be limited.
         return _options({
             **_BOUNDS, **CONFINED, "http.lowSpeedLimit": "1", "http.lowSpeedTime": self._silence, "gc.auto": "0",
-            "maintenance.auto": "false", "fetch.fsckObjects": "false", "fetch.unpackLimit": "1", **dict(self.settings),
+            "fetch.fsckObjects": "false", "fetch.unpackLimit": "1", **dict(self.settings),
         })  # fmt: skip
 
     def _variables(self, place: Mapping[str, str]) -> dict[str, str]:
@@ -272,18 +278,19 @@ def objects_around(git: Git, near: Path) -> Iterator[tuple[Git, Path]]:
     git sees no settings of that repository, which may come from anyone. An object that a partial clone lacks is
     missing, because no setting says where to fetch it. Raises as `Git.run` does.
     """
-    objects = os.path.join(near, git.around(near, "rev-parse", "--git-path", "objects"))
-    kind = git.around(near, "rev-parse", "--show-object-format")
-    other_kind = [] if kind == "sha1" else [f"--object-format={kind}"]  # git before 2.29 does not know the option
+    question = ("rev-parse", "--git-path", "objects", "--show-object-format")
+    place, _, kind = git.around(near, *question).rpartition("\n")
+    objects = os.path.join(near, place)
     with scratch("repository") as folder:
-        git.run("init", "-q", "--bare", "--template=", *other_kind, "--", str(folder))
+        git.create(folder, kind)
         yield replace(git, objects=Path(objects)), folder
 
 
 def partial_from(git: Git, near: Path) -> str | None:
     """Return the remote that the repository around a folder lacks objects of, or None if it is not a partial clone."""
+    question = ("config", "--local", "--type=bool", "--get-regexp", r"^remote\..*\.promisor$")
     try:
-        found = git.around(near, "config", "--local", "--type=bool", "--get-regexp", r"^remote\..*\.promisor$")
+        found = git.around(near, *question)
     except GitFailure:
         return None
     names = (line.removeprefix("remote.").removesuffix(".promisor true") for line in found.splitlines())

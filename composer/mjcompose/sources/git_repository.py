@@ -134,9 +134,9 @@ class _Repository(Struct):
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
         git, url = self._git, self.reference.name
         self.fetching.progress(f"fetching {url} at {commit[:12]}")
-        kind = ("--object-format=sha256",) if len(commit) == 64 else ()
+        kind = "sha256" if len(commit) == 64 else "sha1"
         try:
-            git.run("init", "-q", "--bare", "--template=", *kind, "--", str(repository))
+            git.create(repository, kind)
             try:
                 options = ("--depth=1", "--no-tags", *_other_side(url))
                 git.fetch("fetch", "-q", *options, "--", url, commit, folder=repository)
@@ -152,7 +152,7 @@ class _Repository(Struct):
 
     def _history(self, repository: Path) -> None:
         git, url = self._git, self.reference.name
-        git.run("init", "-q", "--bare", "--template=", "--", str(repository))
+        git.create(repository)
         options = ("--no-tags", *_other_side(url))
         git.fetch("fetch", "-q", *options, "--", url, "+refs/*:refs/fetched/*", folder=repository)
 
