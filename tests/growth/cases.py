@@ -122,6 +122,22 @@ def edits(n: int) -> Words:
     return [*_BUILD, "--no-compile"]
 
 
+@case("build: edits inside one body each", 40)
+def edits_inside(n: int) -> Words:
+    _model(_bodies(n))
+    rows = (f"  - {{select: {{geom: '*', in: {{body: b{number}}}}}, set: {{group: 3}}}}" for number in range(n))
+    _recipe(["edit:", *rows])
+    return [*_BUILD, "--no-compile"]
+
+
+@case("build: edits below one body each", 40)
+def edits_below(n: int) -> Words:
+    _model(_bodies(n))
+    rows = (f"  - {{select: {{geom: '*', parent: {{body: b{number}}}}}, set: {{group: 3}}}}" for number in range(n))
+    _recipe(["edit:", *rows])
+    return [*_BUILD, "--no-compile"]
+
+
 @case("build: elements added into the last one", 30)
 def added(n: int) -> Words:
     _model('<body name="a"/>')

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cache
 from keyword import iskeyword
@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.tree.classes import MAIN, Classes, chain
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.tree.names import WORLD, own_name
+from mjcompose.tree.names import MAY_REPEAT, WORLD, own_name
 from mjcompose.tree.pattern import EVERYTHING, Selector, fitter, is_pattern, matcher, paths_of
 from mjcompose.tree.values import NOT_XML
 
@@ -144,6 +144,8 @@ def tags_of() -> list[str]:
 _TRANSPARENT = ("frame", "replicate")
 _WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
 BASE = "base"
+Find = Callable[[str, str], Node | None]
+"""A function that returns the element with a name in a namespace, from an index."""
 
 
 @cache
@@ -152,6 +154,14 @@ def _is_written_as_name(paths: frozenset[str]) -> bool:
     kinds = [GRAMMAR.element(path) for path in paths]
     namings = [(naming_attribute(kind), kind.tag in NAMED_AFTER_FILE) for kind in kinds]
     return all(each is not None and each.name == "name" and not by_file for each, by_file in namings)
+
+
+@cache
+def _unique_in(paths: frozenset[str]) -> frozenset[str]:
+    """Return the namespaces in which the names of these elements are unique; none if names may repeat."""
+    namings = [naming_attribute(GRAMMAR.element(path)) for path in paths]
+    namespaces = frozenset(naming.declares for naming in namings if naming is not None and naming.declares)
+    return frozenset() if namespaces & MAY_REPEAT else namespaces
 
 
 def name_of(node: Node) -> str | None:
@@ -194,7 +204,8 @@ class Selection:
     """Finds elements in one model.
 
     `parts` has the part of each element, with `/` for nested parts; other elements belong to the base. `holds`
-    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`.
+    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`. `find` looks a name
+    up in an index of the whole model; without it, the model is searched.
     """
 
     root: Node
@@ -203,17 +214,35 @@ class Selection:
     parts: Mapping[Node, str] = field(default_factory=dict)
     base_class: str | None = None
     holds: Callable[[Node, Selector], bool] = lambda node, selector: True
+    find: Find | None = None
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
     _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
     _numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
         """Return every matching element, in the order of the tree. Raises `BadPattern`."""
-        self._known.clear()  # the model may have changed
-        self._numbers.clear()
-        if (found := self._called(selector)) is None:
-            found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
-        return [node for node in found if self._narrowed(node, selector)]
+        self._numbers.clear()  # the model may have changed
+        try:
+            return [node for node in self._candidates(selector) if self._narrowed(node, selector)]
+        finally:
+            self._known.clear()
+
+    def _candidates(self, selector: Selector) -> Iterable[Node]:
+        """Return the elements of that tag and name, in the order of the tree, perhaps without those elsewhere.
+
+        Elements inside an element with a single name are found there, without a look at the rest of the model.
+        """
+        called = self._called(selector)
+        if called is not None:
+            return called
+        outer_selectors = [outer for outer in (selector.parent, selector.inside) if outer is not None]
+        around = next((found for outer in outer_selectors if (found := self._called(outer)) is not None), None)
+        if around is None:
+            return (node for node in self.of_kind(selector) if self._named(node, selector.pattern))
+        paths = paths_of(selector.tag)
+        tags = {path.rpartition("/")[2] for path in paths}
+        inside = dict.fromkeys(node for outer in around for node in outer.iterdescendants(*tags))
+        return (node for node in inside if kind_of(node).path in paths and self._named(node, selector.pattern))
 
     def of_kind(self, selector: Selector) -> Iterator[Node]:
         """Yield all elements of that tag, regardless of their names."""
@@ -236,6 +265,10 @@ class Selection:
             return None
         if NOT_XML.search(name):
             return []  # libxml2 refuses such text, and no element has such a name
+        namespaces = _unique_in(paths)
+        if self.find is not None and namespaces:
+            named = (self.find(namespace, name) for namespace in namespaces)
+            return [node for node in named if node is not None and kind_of(node).path in paths]
         sections = (section for section in self.root.iterchildren("*") if section.tag != "default")
         return [node for each in sections for node in _WITH_NAME(each, name=name) if kind_of(node).path in paths]
 

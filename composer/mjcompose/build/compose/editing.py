@@ -37,7 +37,7 @@ from mjcompose.tree.files import written_path
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is_regular, matcher, paths_of
-from mjcompose.tree.select import Selection, kind_of, name_of, section_of
+from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
 from mjcompose.tree.values import is_in_degrees
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
@@ -87,6 +87,7 @@ def cost_of_draws(samples: int, tabled: bool) -> float:
 
 
 _LAID_OUT = (*JOINTS, "default")
+_FIRST_SELECTIONS = 8
 
 
 @dataclass(eq=False)
@@ -100,6 +101,7 @@ class Editing:
     own: bool = False
     cost: EditCost = field(default_factory=EditCost)
     datasheets: Mapping[str, Sheet] = field(default_factory=dict)
+    selections: int = 0
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True
@@ -129,6 +131,12 @@ class Editing:
 
     def find_node(self, namespace: str, name: str) -> Node | None:
         return self.names.find(namespace, name)
+
+    @property
+    def finder(self) -> Find | None:
+        """Return the look-up in the index, or None for the first selections: one search is quicker than an index."""
+        self.selections += 1
+        return self.find_node if self.selections > _FIRST_SELECTIONS or "names" in vars(self) else None
 
     def known_names(self, namespace: str) -> list[str]:
         return list(self.names.declared.get(namespace, ()))
@@ -293,7 +301,13 @@ def _selection(editing: Editing) -> Selection:
 
     separator, base_class = editing.linking.request.separator, editing.linking.base_class
     selection = Selection(
-        editing.root, editing.classes, separator, parts=editing.parts, base_class=base_class, holds=holds
+        editing.root,
+        editing.classes,
+        separator,
+        parts=editing.parts,
+        base_class=base_class,
+        holds=holds,
+        find=editing.finder,
     )
     return selection
 
