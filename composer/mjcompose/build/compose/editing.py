@@ -20,6 +20,7 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.build.compose.actuators import ActuatorModel
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
 from mjcompose.language.datasheets import Sheet
@@ -102,6 +103,8 @@ class Editing:
     cost: EditCost = field(default_factory=EditCost)
     datasheets: Mapping[str, Sheet] = field(default_factory=dict)
     selections: int = 0
+    actuator_models: dict[Node, ActuatorModel] = field(default_factory=dict)
+    """The measured behavior of actuators that no edit has changed since."""
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True

@@ -80,6 +80,8 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
         return EditOutcome({}) if (entry.expect == 0 or entry.optional) and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
     work = Entry(editing, found, Masses(editing, found), workshop=workshop)
+    if entry.verbs.keys() != {_CONVERTING}:
+        editing.actuator_models.clear()
     try:
         for name, verb in entry.verbs.items():
             verb.carry_out(work, (*entry.at, name))
@@ -161,6 +163,7 @@ def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> d
 
 # Errors of a name, an attribute or a selector that is wrong in any model.
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_CONVERTING = "convert"
 _UNNAMING = {"remove", "rename"}  # an element loses its name
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 

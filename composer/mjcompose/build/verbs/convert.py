@@ -134,8 +134,7 @@ class Convert(Verb):
     def carry_out(self, entry: Entry, at: Path) -> None:
         editing, found = entry.editing, entry.found
         to, written = self.to, self.written
-        if (models := actuator_models(editing.linking, editing.sink, found)) is None:
-            raise UnusableValue
+        models = _models(editing, found)
         lost: dict[str, list[str]] = {}
         for index, node in enumerate(found):
             if (model := models.get(node)) is None:
@@ -147,6 +146,22 @@ class Convert(Verb):
                 lost.setdefault(loss, []).append(was)
         if lost:
             _report(editing, to, lost, at=at)
+
+
+def _models(editing: Editing, found: list[Node]) -> dict[Node, ActuatorModel]:
+    """Return the behavior of the actuators, which MuJoCo compiles once for consecutive conversions.
+
+    A conversion changes the behavior of no other actuator. Raises `UnusableValue`.
+    """
+    known = editing.actuator_models
+    if any(node not in known for node in found):
+        everything: list[Node] = editing.root.findall("actuator/*")
+        models = actuator_models(editing.linking, editing.sink, everything)
+        if models is None:
+            raise UnusableValue
+        known.clear()
+        known.update(models)
+    return {node: model for node in found if (model := known.pop(node, None)) is not None}
 
 
 def _given(
