@@ -177,7 +177,7 @@ def door_of_named(file: str | os.PathLike[str]) -> Door:
 
 
 def door_of_walk(folder: str | os.PathLike[str]) -> Door:
-    """Return the door of a command that changes what it finds below a folder, which may itself be a link."""
+    """Return the door of a command that changes all models below a folder, which may itself be a link."""
     return Door.of([folder], f"`{os.fspath(folder)}`")
 
 

@@ -1,7 +1,7 @@
 """Names from data: as file names that are valid on every system, and the characters that no new name may have.
 
-A name is never a path. Everything that makes a file name from data (a model, a cell, a mesh, a part) calls `file_name`
-or `portable_path`, which are the only functions that decide what is safe.
+A name is never a path. Code that makes a file name from data (a model, a cell, a mesh, a part) calls `file_name` or
+`portable_path`: no other function decides which names are safe.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ _HEAD, _MOST_NEAR = 1 << 20, 200
 
 
 class Target(Struct):
-    """A file to lint. If it `may_be_part` of another file, its errors do not count; `door` says what may be changed."""
+    """A file to lint. If it `may_be_part` of another file, its errors do not count. `door` has the files to change."""
 
     path: Path
     may_be_part: bool = False

@@ -86,7 +86,7 @@ def replace_text(
 ) -> None:  # fmt: skip
     """Replace a source in one step, or write the text to the path of `option`; keep the file's permissions.
 
-    Raises OutputError, also for a file that is not `within` a door, and ChangedError if the file no longer has the text
+    Raises OutputError, even for a file that is not `within` a door, and ChangedError if the file no longer has the text
     `before`. Once the new text is ready, `allowed` is called, and an error that it raises leaves the file as it is.
     """
     with staged_file(file, option, rewrites=option is None, within=within) as stage:
