@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from lxml import etree
 from mjcompose.base.diagnostic import Span
 from mjcompose.tree.unit import FileText, Origins, Unit
+from mjcompose.urdf.read import UrdfReader
 from mjcompose.urdf.robot import _no_size, locate_in_urdf, mesh_of, name_fused_links
+from urdf.parts import ARM, INERTIAL, link, robot
 
 URDF = b"""<robot name="arm">
   <mujoco><option timestep="0.1"/></mujoco>
@@ -106,3 +109,14 @@ def test_a_geometry_outside_of_a_shape_has_no_size_to_report() -> None:
     robot = etree.fromstring(f'<robot><link name="base">{flag}{shape}</link></robot>')
     found = _no_size(robot, robot, lambda element, attribute=None: Span("arm.urdf", 1, 1))
     assert found is not None and found.message == "`length` of `<cylinder>` must be positive"
+
+
+@pytest.mark.parametrize("written", ["file:///ws/arm/base.stl", "/ws/arm/base.stl"])
+def test_an_absolute_path_of_another_machine_gets_advice(reader: Callable[..., UrdfReader], written: str) -> None:
+    """The message is the same whether the file exists or not."""
+    shape = f'<collision><geometry><mesh filename="{written}"/></geometry></collision>'
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape), *ARM[2:]))
+    assert read.unit() is None
+    (error,) = read.sink.errors
+    assert error.code == "source-outside"
+    assert error.help is None or error.help.startswith("write a path relative to the URDF, or `package://NAME/…`; ")

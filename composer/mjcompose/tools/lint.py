@@ -14,6 +14,7 @@ from xml.sax.saxutils import escape
 from lxml.etree import _Element as Node
 
 from mjcompose.base.access import ALL, Door, door_of_named, door_of_walk
+from mjcompose.base.codes import BY_TOPIC
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
@@ -30,6 +31,7 @@ from mjcompose.tree.xml_text import Stretch, write
 
 SUFFIXES = (*MODEL_FILES, ".zip", ".mjz")
 _KEPT = "lint"
+_ABOUT_URDF = {*BY_TOPIC["URDF and xacro"], *BY_TOPIC["Meshes"], "mujoco-warning", "name-clash", "unknown-name"}
 _HIDDEN = re.compile(r"\..+|__pycache__|node_modules")
 _IGNORED = re.compile(r"mjcompose:\s*(ignore|ignore-file)\[([\w\s,-]+)\]")
 _MODEL = re.compile(rb"<mujoco[\s>].*<(worldbody|include|attach)[\s/>]", re.DOTALL)
@@ -161,6 +163,8 @@ def lint(path: Path, context: Context, session: Session, selected: Sequence[Rule
         places = {element: at for at, element in enumerate(unit.root.iter("*"))}
         findings.sort(key=lambda each: -1 if each[1].element is None else places[each[1].element])
         every = [_diagnostic(each, finding, unit, is_written=read.is_written) for each, finding in findings]
+        if path.suffix.lower() in URDF_FILES:
+            every += _of_reading(context.sink)
         comments = _Comments(unit)
         kept = tuple(each for each in every if not comments.ignore(each))
         return Linted(path, kept, len(every) - len(kept))
@@ -200,6 +204,13 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
     if not compiled.ok:
         _refused(compiled, read, text, context=context)
     return _Model(read, text, is_part=True, is_compiled=compiled.ok, is_written=True)
+
+
+def _of_reading(sink: Sink) -> Iterator[Diagnostic]:
+    """Yield the warnings about the elements and meshes of a URDF. No other command shows those of a file alone."""
+    for each in sink.sorted():
+        if each.severity is Severity.WARNING and each.code in _ABOUT_URDF:
+            yield each
 
 
 def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:

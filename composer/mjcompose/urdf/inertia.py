@@ -69,8 +69,15 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
     yield from (Bad(link, None, "it moves and has no mass") for link in weightless if link.find("inertial") is None)
 
 
-def report(robot: Robot, sink: Sink, notes: tuple[Note, ...]) -> None:
+def report(robot: Robot, sink: Sink, notes: tuple[Note, ...], *, is_refused: bool) -> None:
+    """Report impossible inertias: all, if MuJoCo has refused one, otherwise those of links that joints move.
+
+    MuJoCo does not look at the inertia of what it fuses with the world.
+    """
+    moving = {end_of(joint, "child") for joint in robot.root.iterchildren("joint") if joint.get("type") != "fixed"}
     for bad in bad_inertias(robot):
+        if not is_refused and bad.link.get("name") not in moving:
+            continue
         sink.error(
             CODE, f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}", _span(robot, bad),
             notes=notes, help="correct it, or add `urdf: {inertia: repair}` next to `model`",

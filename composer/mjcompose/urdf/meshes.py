@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import os
 import re
-from collections.abc import Iterator
 from dataclasses import field
 from itertools import count
 from math import dist
@@ -49,7 +48,7 @@ class Meshes(Struct, frozen=False):
     def prepare(self) -> None:
         """Convert meshes that MuJoCo does not read, and check all meshes."""
         wanted: dict[str, list[Node]] = {}
-        for mesh in self._used():
+        for mesh in self.robot.used_meshes():
             written = str(mesh.get("filename") or "")
             if re.match(r"https?://|ftp://", written):
                 message = f"`{written}` is an address, but mjcompose does not fetch the meshes of a URDF"
@@ -61,7 +60,7 @@ class Meshes(Struct, frozen=False):
                 try:
                     wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
                 except Refused as refused:
-                    refused.report(self.sink, self._span(mesh), shown=self.shown)
+                    self.robot.advised(refused, written).report(self.sink, self._span(mesh), shown=self.shown)
         convertible: dict[str, list[Node]] = {}
         plain: dict[str, list[Node]] = {}
         for path, meshes in wanted.items():
@@ -86,7 +85,7 @@ class Meshes(Struct, frozen=False):
     def separate(self) -> None:
         """Give each file a name of its own if MuJoCo takes `visual/link.stl` and `collision/link.stl` for one mesh."""
         files: dict[str, dict[str, list[Node]]] = {}
-        for mesh in self._used():
+        for mesh in self.robot.used_meshes():
             written = str(mesh.get("filename") or "")
             path = written if written in self.robot.made else str(self.robot.file_of(written) or written)
             files.setdefault(stem(written), {}).setdefault(path, []).append(mesh)
@@ -131,12 +130,6 @@ class Meshes(Struct, frozen=False):
         message = f"the meshes of `{unit.file}` cannot be read: {answer.error or answer.crash}"
         self.sink.error(code, message, unit.origins.span(self.robot.root, unit.file))
         return []
-
-    def _used(self) -> Iterator[Node]:
-        tags = ("collision", "visual") if self.robot.keeps_visuals else ("collision",)
-        for link in self.robot.root.iterchildren("link"):
-            for shape in link.iterchildren(*tags):
-                yield from shape.iterfind("geometry/mesh")
 
     def _is_to_convert(self, path: str, meshes: list[Node]) -> bool:
         suffix = _suffix(path)

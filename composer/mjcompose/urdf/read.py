@@ -31,7 +31,7 @@ from mjcompose.urdf.actuators import Extras, add_actuators, note_unread, read_ro
 from mjcompose.urdf.limits import complete_limits, report_unlimited
 from mjcompose.urdf.meshes import Meshes, add_looks
 from mjcompose.urdf.mimics import free_lost_mimics
-from mjcompose.urdf.robot import Robot, explain, locate_in_urdf, mesh_of, name_fused_links, named_in
+from mjcompose.urdf.robot import Robot, explain, faulty_joints, locate_in_urdf, mesh_of, name_fused_links, named_in
 from mjcompose.urdf.xacro import Template, is_template, owned, parsed
 
 _READ = ("compiler", "option", "size")
@@ -162,8 +162,9 @@ class UrdfReader(Struct, frozen=False):
                 made=self._written(robot, stack), massless=massless, shells=shells, session=self.session,
             )  # fmt: skip
         except Refused as refused:
-            span = self._span(mesh_of(robot.root, refused.path), "filename")
-            refused.report(self.sink, span, self._asked(), shown=self.shown)
+            mesh = mesh_of(robot.root, refused.path)
+            advised = robot.advised(refused, str(mesh.get("filename") or ""))
+            advised.report(self.sink, self._span(mesh, "filename"), self._asked(), shown=self.shown)
             return None
 
     def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
@@ -262,13 +263,19 @@ class UrdfReader(Struct, frozen=False):
                     self.sink.add(replace(found, severity=Severity.WARNING))
 
     def _refused(self, robot: Robot, converted: Converted) -> None:
-        """Report each missing mesh; if none is missing, report MuJoCo's error."""
+        """Report all faults that can be found here: meshes, joints, inertias; if there are none, MuJoCo's error.
+
+        MuJoCo stops at its first error, and may not have come to the meshes.
+        """
         if converted.crash is not None:
             code = CRASHES.get(converted.crash, "mujoco-crash")
             message = f"`{robot.unit.file}` by itself: {converted.error or converted.crash}"
             self.sink.error(code, message, self.asked)
             return
         before = self.sink.error_count
+        if not converted.meshes:
+            written = (str(mesh.get("filename") or "") for mesh in robot.used_meshes())
+            converted = replace(converted, meshes=tuple(filter(None, written)), folder=robot.setting("meshdir") or "")
         unknown: dict[str, str] = {}
         for file in converted.meshes:
             if file.startswith(PACKAGE):
@@ -277,8 +284,12 @@ class UrdfReader(Struct, frozen=False):
             self._unknown_package(name, self._span(mesh_of(robot.root, file), "filename"))
         if self.missing is not None:
             self.missing(robot, converted)
-        if self.sink.error_count == before and _is_of_inertia(converted):
-            inertia.report(robot, self.sink, self._asked())
+        for found in faulty_joints(robot.root, self._span):
+            self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
+        is_repaired = self.source.urdf.inertia == "repair" or _accepts_any_inertia(robot)
+        is_of_inertia = _is_of_inertia(converted)
+        if is_of_inertia or not is_repaired:
+            inertia.report(robot, self.sink, self._asked(), is_refused=is_of_inertia)
         if self.sink.error_count == before:
             found = explain(parse(converted.error or ""), robot.root, self._span)
             self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
@@ -294,6 +305,11 @@ class UrdfReader(Struct, frozen=False):
             f"add its folder next to `model`: `packages: {{{name}: {folder}}}`",
         )
         self.sink.error("asset-missing", message, at, notes=(*notes, *self._asked()), help=help)
+
+
+def _accepts_any_inertia(robot: Robot) -> bool:
+    """Return whether MuJoCo corrects or ignores impossible inertias."""
+    return "true" in (robot.setting("balanceinertia"), robot.setting("inertiafromgeom"))
 
 
 def _is_of_inertia(converted: Converted) -> bool:

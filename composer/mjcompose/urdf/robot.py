@@ -14,9 +14,10 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
+from mjcompose.base.files import Refused
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
-from mjcompose.tree.files import join, stem
+from mjcompose.tree.files import is_absolute, join, stem
 from mjcompose.tree.unit import Origins, Unit, line_of
 
 _VALUES = {
@@ -203,6 +204,13 @@ class Robot(Struct, frozen=False):
     def keeps_visuals(self) -> bool:
         return self.setting("discardvisual") == "false"
 
+    def used_meshes(self) -> Iterator[Node]:
+        """Yield the meshes that MuJoCo reads."""
+        tags = ("collision", "visual") if self.keeps_visuals else ("collision",)
+        for link in self.root.iterchildren("link"):
+            for shape in link.iterchildren(*tags):
+                yield from shape.iterfind("geometry/mesh")
+
     def file_of(self, written: str) -> Path | None:
         """Return the file that a `filename` names, or None if its package is unknown."""
         if written.startswith(SCHEMES):
@@ -213,6 +221,18 @@ class Robot(Struct, frozen=False):
         elif self.setting("strippath") == "true":
             written = written.replace("\\", "/").rpartition("/")[2]
         return Path(join(join(str(self.path.parent.absolute()), self.setting("meshdir") or ""), written))
+
+    @staticmethod
+    def advised(refused: Refused, written: str) -> Refused:
+        """Return the refusal of a file with the advice for its name in the URDF.
+
+        An absolute path is often that of another machine. A message does not say whether this machine has the file.
+        """
+        name = written.removeprefix(_FILE)
+        if refused.help is None or not (written.startswith(_FILE) or is_absolute(name)):
+            return refused
+        help = f"write a path relative to the URDF, or `package://NAME/…`; {refused.help}"
+        return Refused(refused.path, refused.why, help, refused.real)
 
     def simplified(self) -> None:
         """Rewrite file names as MuJoCo reads them: it knows only `package://`."""
@@ -384,7 +404,16 @@ def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     return None
 
 
-def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+def faulty_joints(robot: Node, place: Place) -> Iterator[Diagnostic]:
+    """Yield an error for each joint with a link that does not exist, or of a type that URDF does not have."""
+    for joint in robot.iterchildren("joint"):
+        if (found := _no_link(joint, robot, place)) is not None:
+            yield found
+        if joint.get("type") is not None and joint.get("type") not in JOINT_TYPES:
+            yield _joint_type(joint, robot, place)
+
+
+def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic:
     word = str(element.get("type"))
     help = did_you_mean(word, JOINT_TYPES) or "write one of these types"
     note = exists_note("type", JOINT_TYPES, word)

@@ -144,7 +144,8 @@ class Kind(StrEnum):
 class Operand(Struct):
     """A or B. `context` collects its own diagnostics and has the folder that displayed paths start from.
 
-    For a git revision, `files` is the folder with its files.
+    For a git revision, `files` is the folder with its files. `given` is the model for which `path` is a recipe that
+    mjcompose wrote, which nobody wants to see.
     """
 
     label: str
@@ -153,6 +154,7 @@ class Operand(Struct):
     context: Context
     revision: str | None = None
     files: Path | None = None
+    given: Path | None = None
 
     def located(self, span: Span) -> Span:
         """Return a place that anyone can look up: in a fetched source, or in a named revision."""
@@ -169,8 +171,16 @@ class Operand(Struct):
     def report(self, sink: Sink) -> None:
         """Pass its own diagnostics on to another context."""
         for each in self.context.sink.sorted():
-            notes = tuple(replace(note, span=self._in_revision(note.span)) for note in each.notes)
-            sink.add(replace(each, span=self._in_revision(each.span), notes=notes))
+            seen = (note for note in each.notes if not self._is_written(note.span))
+            notes = tuple(replace(note, span=self._in_revision(note.span)) for note in seen)
+            span = each.span
+            if self.given is not None and self._is_written(span):
+                span = Span(self.context.shown(self.given), 1, 1)
+            sink.add(replace(each, span=self._in_revision(span), notes=notes))
+
+    def _is_written(self, span: Span | None) -> bool:
+        """Return whether a place is in the recipe that mjcompose wrote for a model."""
+        return self.given is not None and span is not None and self.context.folder / span.file == self.path
 
     def _in_revision(self, span: Span | None) -> Span | None:
         path = self.context.folder / (span.file if span is not None else "")
@@ -206,16 +216,17 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
             message, help = foreign.message(text), foreign.help(text)
         context.sink.error("source-kind", message, help=help)
         return None
-    if path.suffix.lower() in URDF_FILES:
+    given = path if path.suffix.lower() in URDF_FILES else None
+    if given is not None:
         path = _recipe_of(path, opened)
-    return Operand(text, kind, path, context=own, revision=revision, files=files)
+    return Operand(text, kind, path, context=own, revision=revision, files=files, given=given)
 
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
     """Return an MJCF file as a recipe with it as base, which has a bundle; return other operands unchanged."""
     if operand.kind is not Kind.MJCF:
         return operand
-    return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
+    return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened), given=operand.path)
 
 
 def _recipe_of(path: Path, opened: ExitStack) -> Path:
