@@ -249,3 +249,23 @@ def test_a_repository_of_a_fetched_recipe_does_not_redirect(
         confined(f"{web.url}/moved", own_environment)
     assert "redirects" in str(caught.value.help), caught.value.notes
     assert all(path.startswith("/moved") for path, _ in web.asked)
+
+
+def test_a_server_of_a_fetched_recipe_names_no_other_for_its_objects(
+    web: Any, robots: Any, own_environment: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Plain files of a repository may name further addresses with objects, which git follows with the redirects."""
+    web.serve(robots, "robots.git")
+    web.serve(robots, "other.git")
+    for page in [page for page in web.pages if page.startswith("/robots.git/objects/")]:
+        del web.pages[page]
+    web.pages["/robots.git/objects/info/http-alternates"] = f"{web.url}/other.git/objects\n".encode()
+    (tmp_path / "settings").write_text("[http]\n\tfollowRedirects = true\n")
+    environment = {**own_environment, "GIT_CONFIG_GLOBAL": str(tmp_path / "settings")}
+    assert fetch(f"git+{web.url}/robots.git@v1#arm/arm.xml", environment).path.is_file()
+    assert any(path.startswith("/other.git") for path, _ in web.asked)
+    web.asked.clear()
+    monkeypatch.setattr(git_repository, "is_private", lambda netloc: False)
+    with pytest.raises(SourceError):
+        confined(f"{web.url}/robots.git", {**environment, "MJCOMPOSE_CACHE": str(tmp_path / "another store")})
+    assert web.asked and not any(path.startswith("/other.git") for path, _ in web.asked)

@@ -407,7 +407,7 @@ def _hub(reference: Reference, lookup: Lookup) -> str:
     hub = (lookup.environment.get("HF_ENDPOINT") or _HUB).rstrip("/")
     parts = take_apart(hub)
     is_open = parts is not None and parts.scheme == "http" and is_this_machine(parts.netloc)
-    if parts is None or "@" in parts.netloc or parts.query or not (parts.scheme == "https" or is_open):
+    if parts is None or parts.query or not (parts.scheme == "https" or is_open):
         message = f"`HF_ENDPOINT` is `{hide(hub)}`, which is not an https address of a server without a login"
         raise SourceError("source-fetch", message, help=f"write it as `{_HUB}`, or unset it")
     if lookup.is_confined and is_private(parts.netloc, lookup.fetching.offline):
