@@ -262,7 +262,7 @@ def _on_one_line(error: _E) -> _E:
     """Return the error with a message that fits on one line, whatever the name in it; Click prints it."""
     from mjcompose.base.report import one_line, printable
 
-    error.message = printable(one_line(error.message))
+    error.message = printable(one_line(error.message))  # type: ignore[misc]  # Click only says that it is final
     return error
 
 
