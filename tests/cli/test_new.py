@@ -95,3 +95,13 @@ def test_examples_that_were_changed_are_kept(folder: Path) -> None:
 def test_examples_and_a_project_exclude_each_other(folder: Path) -> None:
     result = run("new", "--examples", "--project")
     assert result.exit_code == 2 and "exclude each other" in result.stderr
+
+
+def test_a_recipe_whose_file_name_has_a_line_break_has_a_name_on_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run("new", "arm\n::error::x.yaml")
+    assert result.exit_code == 0 and len(result.stdout.splitlines()) == 1
+    assert '"arm_::error::x"' in (tmp_path / "arm\n::error::x.yaml").read_text()
+    assert run("check", "arm\n::error::x.yaml").exit_code == 0

@@ -102,3 +102,12 @@ def test_a_robot_of_menagerie(editor: Editor) -> None:
     text = shown(editor, mark((RECIPES / name).read_text(), "menagerie:robotiq_2f85/2f85"), name)
     assert "license: " in text
     assert "`pinch`" in text
+
+
+def test_a_name_fetches_no_picture(editor: Editor) -> None:
+    """Editors show the pictures of Markdown, and a name that a model has can end a code span."""
+    name = "`![x](https://example.org/x.png)"
+    (editor.folder / "picture.xml").write_text(f'<mujoco><worldbody><body name="{name}"/></worldbody></mujoco>')
+    text = f'recipe: 1\nbase: ./picture.xml\nadd: [{{to: "{MARK}{name}", site: {{name: a}}}}]\n'
+    seen = shown(editor, text, "picture.yaml")
+    assert "[x](https://example.org/x.png)" in seen and "![" not in seen

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, read_regular
-from mjcompose.base.report import as_lines, counted
+from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, own_name, read_regular
+from mjcompose.base.report import as_lines, counted, one_line
 from mjcompose.build.bundle.bundle import OutputError, unwritable_error
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.cli.fmt import rewrite
@@ -78,8 +78,8 @@ def _recipe(path: Path, context: Context) -> _Outcome:
         context.sink.error("output-unwritable", message, help="choose another name, or remove the file")
         return _Outcome("", (), ())
     with staged_file(path) as stage:
-        stage.write_text(starter(as_text(path.stem)), encoding="utf-8")
-    words = f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}"
+        stage.write_text(starter(as_text(own_name(path))), encoding="utf-8")
+    words = one_line(f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}")
     return _Outcome(words, (str(path),), ())
 
 

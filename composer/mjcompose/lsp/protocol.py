@@ -220,14 +220,14 @@ class Converter:
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
         return lsp.CompletionItem(
             item.label, kind=_KINDS.get(item.kind, _K.Text), detail=item.detail or None,
-            documentation=lsp.MarkupContent(lsp.MarkupKind.Markdown, item.doc) if item.doc else None,
+            documentation=_markup(item.doc) if item.doc else None,
             sort_text=f"{at:05}", text_edit=edit, filter_text=item.label,
             insert_text_mode=lsp.InsertTextMode.AsIs, command=again, insert_text_format=form,
         )  # fmt: skip
 
     def hover(self, found: analysis.Hover) -> lsp.Hover:
         place = None if found.span is None else self.range(found.span)
-        return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text), place)
+        return lsp.Hover(_markup(found.text), place)
 
     def edit(self, changes: Iterable[Change]) -> lsp.WorkspaceEdit:
         files: dict[str, list[lsp.TextEdit]] = {}
@@ -258,6 +258,11 @@ class Converter:
         return lsp.CodeLens(
             self.range(found.span), lsp.Command(found.title, found.command, arguments=[*found.arguments])
         )
+
+
+def _markup(text: str) -> lsp.MarkupContent:
+    """Return Markdown for an editor, which would fetch the pictures that a name in a model asks for."""
+    return lsp.MarkupContent(lsp.MarkupKind.Markdown, printable(text).replace("![", "!\\["))
 
 
 def _words(found: Diagnostic) -> str:
