@@ -188,7 +188,8 @@ class Branches:
 
     def _of_joints(self, values: np.ndarray) -> np.ndarray:
         """Return the sum of the values of each body's joints."""
-        return np.bincount(self.model.jnt_bodyid, weights=values.astype(float), minlength=self.model.nbody)
+        weights = values.astype(float)
+        return np.asarray(np.bincount(self.model.jnt_bodyid, weights=weights, minlength=self.model.nbody))
 
     def _steps(self, mujoco: Any) -> np.ndarray:
         """Return how far (m) each body can be from its parent, wherever its joints are."""
@@ -389,7 +390,7 @@ class _Search:
     def _distance(self, geoms: Collection[Pair]) -> float:
         self.poses_left -= 1
         self.mujoco.mj_kinematics(self.model, self.data)
-        return min(self.mujoco.mj_geomDistance(self.model, self.data, *pair, _FAR, None) for pair in geoms)
+        return float(min(self.mujoco.mj_geomDistance(self.model, self.data, *pair, _FAR, None) for pair in geoms))
 
     def _colliding(self, pair: Pair) -> list[Pair]:
         types = self.model.geom_contype
