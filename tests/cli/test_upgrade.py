@@ -51,7 +51,7 @@ def test_differences_with_their_causes(folder: Path, monkeypatch: MonkeyPatch) -
         "  joint b: 0.5 rad apart in `hold home`, from 0.1 s on",
         "    perhaps: m.xml:4:5: margins: they add",
         "  joint c: 0.1 rad apart in `hold home`, from 0.1 s on",
-        "    cause: no line of the model; MuJoCo solves or collides differently",
+        "    cause: no line of the model; MuJoCo compiles, solves or collides differently",
         "  the simulation diverges in `drop`",
     ]
     data = json.loads(run("upgrade", "m.xml", "--from", "3.8", "--output-format", "json").stdout)

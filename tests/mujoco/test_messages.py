@@ -2,12 +2,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import pytest
 from lxml import etree
 from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.messages import (
     Fault,
     Topic,
+    instead_of_old,
     kind_of,
     of_other_version,
     parse,
@@ -164,3 +166,26 @@ def test_what_another_mujoco_reads() -> None:
     new = etree.fromstring("<mujoco><worldbody><replicate/><body><joint springyield='1'/></body></worldbody></mujoco>")
     assert version_of([(new[0][0], None), (new[0][1][0], "springyield")]) == "4.0.0"
     assert version_of([(option, "color")]) is None
+
+
+DYNAMIC = ("ball", "floor")
+BY_PAIR = ("box", "floor")
+
+
+@pytest.mark.parametrize(
+    ("value", "colliding"), [("all", {DYNAMIC, BY_PAIR}), ("dynamic", {DYNAMIC}), ("predefined", {BY_PAIR})]
+)
+def test_the_advice_for_an_old_model_keeps_what_collides(value: str, colliding: set[tuple[str, str]]) -> None:
+    help = instead_of_old("option", "collision", value)
+    assert help is not None
+    pair = "" if "every `<pair>`" in help else '<contact><pair geom1="floor" geom2="box"/></contact>'
+    bits = "" if "every `contype`" in help else 'contype="2" conaffinity="4"'
+    added = help.partition("\n")[2]
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco>{added}<worldbody><geom name="floor" type="plane" size="1 1 1"/>
+        <body pos="0 0 0.05"><freejoint/><geom name="ball" size="0.1"/></body>
+        <body pos="0.1 0 0.05"><freejoint/><geom name="box" size="0.1" {bits}/></body></worldbody>{pair}</mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert {tuple(sorted(model.geom(int(each)).name for each in contact.geom)) for contact in data.contact} == colliding

@@ -275,6 +275,15 @@ def _distance(a: str, b: str, limit: int) -> int | None:
     return row[-1] if row[-1] <= limit else None
 
 
+def with_article(noun: str) -> str:
+    """Return a noun with its indefinite article.
+
+    >>> with_article("inertial"), with_article("body")
+    ('an inertial', 'a body')
+    """
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
 _BY_NAME: dict[str, str] = {
     # attributes of MJCF
     "rgba": "color color rgb diffuse_color tint alpha opacity transparency",

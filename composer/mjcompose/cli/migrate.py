@@ -247,6 +247,6 @@ def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:
         for meaning in each.suspects:
             yield f"    perhaps: {meaning.span or options.model}: {meaning.change}: {meaning.message}"
         if not each.steps and not each.suspects:
-            yield "    cause: no line of the model; MuJoCo solves or collides differently"
+            yield "    cause: no line of the model; MuJoCo compiles, solves or collides differently"
     for trial in found.diverged:
         yield f"  the simulation diverges in `{trial}`"

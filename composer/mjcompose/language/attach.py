@@ -99,7 +99,7 @@ class Axis(Model):
     count: AtLeastOne = Field(1, examples=["3"])
     """how many"""
     offset: Annotated[Vector, Attribute("replicate", "offset")] = (0, 0, 0)
-    """from each to the next, in the frame of the first"""
+    """from each to the next, in the frame of the copy before it"""
     euler: Annotated[Vector, Attribute("replicate", "euler")] = (0, 0, 0)
     """the rotation from one copy to the next"""
     scatter: Scatter | None = None

@@ -153,9 +153,16 @@ def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any
     return dict(value)
 
 
+OF_INERTIAL = {"ipos": "pos", "iquat": "quat", "inertia": "diaginertia"}
+"""Arrays of mjModel about a body, and the attributes of its `inertial` that give their values."""
+
+
 def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
     known = sorted({each for kind in kinds for each in kind.attributes})
     help, fix = advised(name, known)
+    if tag == "body" and (meant := OF_INERTIAL.get(name.removeprefix("body_"))) is not None:
+        selector = '{inertial: "**", parent: {body: NAME}}'
+        help, fix = f"`{name}` of mjModel is `{meant}` of an `inertial`: select `{selector}`, and write `{meant}`", None
     if tag == "general" and name in ("kp", "kv"):
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` turns it into an actuator with `kp` and `kv`"
         fix = None

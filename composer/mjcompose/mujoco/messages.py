@@ -44,6 +44,7 @@ class Topic(Enum):
     NEGATIVE = r"are negative in geom"
     FREE_JOINT = r"^free joint can only be used on top level"
     MOCAP = r"^mocap body .* is not a fixed child of world"
+    SLEEP = r"^sleep policy only allowed for movable root bodies"
     WRAP = r"is not sphere or cylinder"
     VERTICES = r"vertices required"
     MESH_FILE = r"^invalid header in|^stl_decoder: |^obj_decoder: "
@@ -234,6 +235,8 @@ _ADVICE = {
     Topic.NEGATIVE: "write a number above 0, or 0 for a geom without mass",
     Topic.FREE_JOINT: "put a body with a free joint into the world: `to: world`",
     Topic.MOCAP: "put a mocap body into the world, without joints: `to: world`",
+    Topic.SLEEP: "only a moving body in the world can have `sleep`: remove it, or in a part write"
+    " `edit: [{select: {body: NAME}, set: {sleep: null}}]`",
     Topic.WRAP: "a tendon wraps around spheres and cylinders only",
     Topic.VERTICES: "a mesh file needs at least four points that do not lie in one plane",
     Topic.MESH_FILE: "export the file again, as binary STL or OBJ",
@@ -283,8 +286,28 @@ def unknown_attribute(element: Node, name: str, file: str | None = None, version
     """Return the translation for an unknown attribute in a `file` that a MuJoCo of `version` reads, if known."""
     if (found := of_other_version(element, name, file, version=version)) is None:
         known = list(kind.attributes) if (kind := kind_of(element)) is not None else []
-        found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
+        help = instead_of_old(str(element.tag), name, str(element.get(name)))
+        found = no_attribute(name, f"`<{element.tag}>`", known, help=help, otherwise=f"remove `{name}`")
     return Translation(found, name, key=True)
+
+
+_COLLIDING = {
+    "all": "remove `collision`: since 3.0, MuJoCo always does what `all` meant",
+    "dynamic": "remove `collision` and every `<pair>`: `dynamic` ignored pairs",
+    "predefined": "remove `collision`, and every `contype` and `conaffinity`, so only pairs collide, and write\n"
+    '<default><geom contype="0" conaffinity="0"/></default>',
+}
+_OLD = {("option", "collision"): _COLLIDING}
+"""Attributes that MuJoCo read before 3.0, and for each value the change that keeps its effect."""
+
+
+def instead_of_old(tag: str, attribute: str, value: str) -> str | None:
+    """Return what to write instead of an attribute that MuJoCo removed before 3.0, or None for any other.
+
+    >>> instead_of_old("option", "collision", "dynamic")
+    'remove `collision` and every `<pair>`: `dynamic` ignored pairs'
+    """
+    return _OLD.get((tag, attribute), {}).get(value.strip())
 
 
 def unknown_element(element: Node, file: str | None = None, version: str | None = None) -> Translation:

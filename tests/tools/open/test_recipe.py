@@ -159,3 +159,15 @@ def test_what_is_remembered_has_a_limit(cell: Path) -> None:
     for number in range(opening._MOST + 5):
         opening.text_of(cell, values={"size": 0.1 + number / 1000})
     assert len(opening._opened) == opening._MOST
+
+
+def test_a_model_that_mujoco_refuses_has_the_line_of_the_recipe(tmp_path: Path) -> None:
+    """Without `verified`, MuJoCo in this process is the first to see the model."""
+    for name, text, function in (
+        ("massless", "add: [{to: world, body: {name: ghost, freejoint: {}}}]", mjcompose.model),
+        ("sizeless", "add: [{to: world, geom: {type: box, size: [1, 1]}}]", mjcompose.model),
+    ):
+        recipe = tmp_path / f"{name}.yaml"
+        recipe.write_text(f"recipe: 1\n{text}\n", encoding="utf-8")
+        with pytest.raises(mjcompose.BuildError, match=rf"{name}\.yaml:2:\d+: error\[mujoco-rejects\]"):
+            function(recipe)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from mjcompose.base.diagnostic import Cause
+from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.sink import Sink
@@ -113,11 +113,17 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
             message += f", and neither does the folder `{shown(source.parent)}`"
     # Missing files of one folder are one finding, unless they need different corrections.
     folder: Path | None = None
+    span = model.origins.span(use.element, model.file, use.attribute)
+    included = _folder_of_include(model, span, source)
+    notes: tuple[Note, ...] = ()
+    if included is not None:
+        rule = "MuJoCo looks from the folder of the model that includes it, and then next to it"
+        notes = (Note(f"`{span.file}` is an included file: {rule}"),)
     if near := closest(source.name, beside):
         # The tree of a URDF has the written path; the tree of a model already has the path in the bundle.
         written = str(use.element.get("filename") or "") if use.attribute == "filename" else ""
         help = f"did you mean `{''.join(written.rpartition('/')[:2])}{near[0]}`?"
-    elif sink.error_count < _LOOKED_FOR and (elsewhere := _found_elsewhere(source)):
+    elif sink.error_count < _LOOKED_FOR and (elsewhere := _found_elsewhere(source, included)):
         help = f"there is one at `{shown(elsewhere)}`"
         folder = elsewhere.parent
     else:
@@ -128,16 +134,22 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         folder = None
     if (archive := in_archive(source)) is not None:
         message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
-    span = model.origins.span(use.element, model.file, use.attribute)
     cause = None
     if folder is not None:
         cause = Cause(f"{span.file}: {source.parent} {folder}", f"`{shown(source)}`")
-    sink.error("asset-missing", message, span, help=help, cause=cause)
+    sink.error("asset-missing", message, span, notes=notes, help=help, cause=cause)
 
 
-def _found_elsewhere(source: Path) -> Path | None:
-    """Return a file of the same name in a folder next to or below the folder of the missing file."""
-    for folder in (source.parent, source.parent.parent):
+def _folder_of_include(model: Unit, span: Span, source: Path) -> Path | None:
+    """Return the folder of the file that names a missing file, if MuJoCo looks for the missing file elsewhere."""
+    text = model.origins.texts.get(span.file)
+    folder = None if text is None or text.path is None else text.path.parent
+    return None if folder is None or folder in source.parents else folder
+
+
+def _found_elsewhere(source: Path, included: Path | None = None) -> Path | None:
+    """Return a file of the same name in a folder next to or below the folder of the missing file, or `included`."""
+    for folder in (source.parent, source.parent.parent, *([] if included is None else [included])):
         with suppress(OSError):  # a name that is too long, or an unreadable folder
             for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):
                 if os.path.isfile(path):

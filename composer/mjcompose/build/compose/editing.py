@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field, replace
@@ -19,7 +20,7 @@ from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.base.suggest import closest, exists_note, renaming, with_article
 from mjcompose.build.compose.actuators import ActuatorModel
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
@@ -201,7 +202,7 @@ class Editing:
             return f"`{WORLD}`"
         name = name_of(node)
         tag = "default class" if node.tag == "default" else str(node.tag)
-        return f"{tag} `{name}`" if name else f"a {tag} without a name"
+        return f"{tag} `{name}`" if name else f"{with_article(tag)} without a name"
 
     def subjects(self, node: Node) -> tuple[str, ...]:
         name = name_of(node)
@@ -406,6 +407,8 @@ def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
             help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
             fix = Fix(deeper, selector.pattern, written)
     message = f"`{selector}` selects nothing"
+    if selector.tag == "inertial":
+        help = help or "a body whose mass comes from its geoms has no `inertial`: write `optional: true` to skip it"
     help = help or "write `optional: true` if that is not a fault"
     editing.sink.error("selector", message, editing.span(path), notes=_existing(editing, selector), help=help, fix=fix)
 
@@ -438,6 +441,7 @@ def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
 
 
 def _names(editing: Editing, found: list[Node]) -> str:
-    words = [editing.called(node) for node in found[:_SHOWN]]
-    rest = len(found) - len(words)
+    counts = Counter(map(editing.called, found[:_SHOWN]))
+    words = [called if count == 1 else f"{called} ({count} times)" for called, count in counts.items()]
+    rest = len(found) - min(len(found), _SHOWN)
     return ", ".join(words) + (f" and {rest} more" if rest else "")

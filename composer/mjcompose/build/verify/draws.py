@@ -70,6 +70,10 @@ class DrawTable:
         for each, found in zip(numeric, answers, strict=True):
             if "error" in found:
                 message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
+                if found.get("nameless"):
+                    advice = f"give each `{each.tag}` a name, or select only elements with names"
+                    self._fault(each.field, message, advice=advice)
+                    continue
                 instead = "or draw the `mass` of its body" if each.first.attribute == "density" else ""
                 self._fault(each.field, message, instead)
             else:
@@ -102,8 +106,9 @@ class DrawTable:
             of = {"type": each.family, "name": each.name or "", "id": found["id"]}
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
-    def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
+    def _fault(self, field: DrawField, message: str, instead: str = "", *, advice: str | None = None) -> None:
         help = "build without `--as worlds`" + (f", {instead}" if instead else ", so each sample is a model")
+        help = help if advice is None else advice
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
     def ask(self, question: Callable[..., Any], models: Sequence[str], argument: Any) -> Any:
@@ -163,7 +168,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
         return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
     number = _id(mujoco, model, asked)
     if isinstance(number, str):
-        return {"error": number}
+        return {"error": number, "nameless": not asked["name"]}
     if family == "body" and attribute == MASS:
         inertia = [{"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)]
         return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
@@ -189,11 +194,11 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
         number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
         return number if number >= 0 else f"the compiled model has no {family} `{name}`"
     if place is None:
-        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
     body, position, count = place
     number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
     if number < 0 or family not in ON_BODIES:
-        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
     there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
     if len(there) != count:
         return f"the {family}s without a name in body `{body}` cannot be distinguished"

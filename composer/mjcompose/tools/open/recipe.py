@@ -10,12 +10,12 @@ import json
 import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import chain
 from os import PathLike
 from pathlib import Path
 from threading import RLock
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from mjcompose.base.diagnostic import Severity, warn
 from mjcompose.base.files import Mark, mark_of, read_regular
@@ -38,6 +38,7 @@ from mjcompose.text.load import load
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.xml_text import write
 
+T = TypeVar("T")
 Spec: TypeAlias = Any
 """A `mujoco.MjSpec`, which has no type stubs."""
 Model: TypeAlias = Any
@@ -70,7 +71,7 @@ def spec(
     """
     import mujoco
 
-    return mujoco.MjSpec.from_string(text_of(recipe, cell=cell, sample=sample, verified=verified, values=values))
+    return _opened_by(mujoco.MjSpec.from_string, recipe, cell, sample=sample, verified=verified, values=values)
 
 
 @short_traceback
@@ -86,8 +87,21 @@ def model(
     """
     import mujoco
 
+    return _opened_by(mujoco.MjModel.from_xml_string, recipe, cell, sample=sample, verified=verified, values=values)
+
+
+def _opened_by(
+    load: Callable[[str], T], recipe: str | PathLike[str], cell: str | None, *, sample: int, verified: bool,
+    values: Mapping[str, Any],
+) -> T:  # fmt: skip
+    """Return the result of MuJoCo's function. If MuJoCo refuses the text, raise BuildError with the place in a file."""
     text = text_of(recipe, cell=cell, sample=sample, verified=verified, values=values)
-    return mujoco.MjModel.from_xml_string(text)
+    try:
+        return load(text)
+    except ValueError as error:
+        refused = error
+    text_of(recipe, cell=cell, sample=sample, verified=True, values=values)  # its error has the line of the source
+    raise refused
 
 
 class _Opened(NamedTuple):
