@@ -50,6 +50,7 @@ CALLS = {
     "mujoco/environments.py:_run": "a folder of ours, for MuJoCo's log",
     "mujoco/programs.py:_install_with": None,
     "sources/git_command.py:Git._process": None,
+    "sources/packages.py:_load": None,
     "targets/read_back.py:interpreter": None,
     "targets/read_back.py:read_back": "a folder of ours, for what the program writes",
     "tools/open/decoder.py:_compile": None,
@@ -295,6 +296,7 @@ def test_our_own_command_has_the_modules_of_this_process(tmp_path: Path, monkeyp
     for name in ("json", "runpy", "yaml", "mjcompose", "sitecustomize"):
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
     monkeypatch.setattr(sys, "path", ["", ".", *sys.path])
+    monkeypatch.chdir(tmp_path)
     folder = WorkFolder(tmp_path, "this test")
     with Process(
         own_command("--version"), stdout=PIPE, env={**os.environ, "PYTHONPATH": "."}, folder=folder
@@ -303,3 +305,20 @@ def test_our_own_command_has_the_modules_of_this_process(tmp_path: Path, monkeyp
     assert out.startswith(b"mjcompose, version ") and process.returncode == 0
     assert not (tmp_path / "ran").exists()
     assert isolated("python", ["x"]) == ["python", "-I", "x"]
+
+
+@posix
+def test_the_browser_is_found_in_absolute_folders_and_starts_in_an_empty_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in ("theirs", "ours"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "browser").write_text(f"#!/bin/sh\npwd > {tmp_path}/{folder}.ran\n")
+        (tmp_path / folder / "browser").chmod(0o755)
+    (tmp_path / "theirs" / "webbrowser.py").write_text(f"open({str(tmp_path / 'module.ran')!r}, 'w')")
+    monkeypatch.chdir(tmp_path / "theirs")
+    monkeypatch.setenv("BROWSER", "browser")
+    monkeypatch.setenv("PATH", f".:{tmp_path / 'ours'}:{os.environ['PATH']}")
+    processes.open_in_browser("file:///nothing.html")
+    assert (tmp_path / "ours.ran").read_text().strip() == str(processes.empty_folder())
+    assert sorted(path.name for path in tmp_path.glob("*.ran")) == ["ours.ran"]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -120,6 +121,29 @@ def test_nothing_is_cloned_offline(library: Path, tmp_path: Path, monkeypatch: p
     assert caught.value.code == "source-offline"
     assert find("descriptions:cloned_mj_description").is_file()
     assert find("descriptions:arm_mj_description", offline=True).is_file()
+
+
+def test_git_does_not_obey_the_repository_around_the_current_folder(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The package clones with git, and the folder of a recipe may be a repository of anybody."""
+    theirs = tmp_path / "theirs"
+    subprocess.run(["git", "init", "-q", str(theirs)], check=True)
+    (theirs / "git").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
+    (theirs / "git").chmod(0o755)
+    (theirs / "subprocess.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    with (theirs / ".git" / "config").open("a") as config:
+        config.write(f'[url "{theirs}/.git"]\n    insteadOf = {tmp_path}\n[alias]\n    x = "!touch {tmp_path}/ran"\n')
+    package = tmp_path / "site" / "robot_descriptions"
+    asks = (
+        "import subprocess\nif subprocess.run(['git', 'x'], stderr=subprocess.DEVNULL).returncode == 0: raise OSError\n"
+    )
+    text = (package / "arm_mj_description.py").read_text()
+    (package / "arm_mj_description.py").write_text(asks + text)
+    monkeypatch.chdir(theirs)
+    monkeypatch.setenv("PATH", f".:{os.environ['PATH']}")
+    assert find("descriptions:arm_mj_description").is_file()
+    assert not (tmp_path / "ran").exists()
 
 
 def find(text: str, offline: bool = False) -> Path:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext, redirect_stdout, suppress
+from contextlib import suppress
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
@@ -14,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.files import read_regular
+from mjcompose.base.processes import PIPE, Overrun, Process, isolated, module_path
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetching as nearby, license, reference as forms
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand
@@ -271,7 +273,10 @@ MENAGERIE = SourceKind(
 
 _DESCRIPTIONS_PACKAGE = "robot_descriptions"
 _DESCRIPTIONS_FORM = Form("descriptions:NAME", "a model that the `robot_descriptions` package names")
+_DESCRIPTIONS_CACHE = "ROBOT_DESCRIPTIONS_CACHE"
 _TRANSPORTS = "GIT_ALLOW_PROTOCOL"
+_CLONING = 1800.0
+_MOST_PATHS = 1 << 20
 
 
 def _parse_descriptions(text: str) -> Reference:
@@ -298,7 +303,7 @@ def _resolve_descriptions(reference: Reference, lookup: Lookup) -> Source:
     description = _load(reference, lookup.fetching)
     path = _model_file(description, reference)
     owner = distribution(_DESCRIPTIONS_PACKAGE)
-    written = getattr(description, "REPOSITORY_PATH", None)
+    written = description.get("REPOSITORY_PATH")
     repository = Path(written) if written else None
     commit = None if repository is None else _commit(repository)
     return Source(
@@ -317,34 +322,31 @@ def _commit(repository: Path) -> str | None:
     return head if forms.is_commit(head) else None
 
 
-def _load(reference: Reference, fetching: Fetching) -> Any:
+def _load(reference: Reference, fetching: Fetching) -> Mapping[str, str | None]:
+    """Return the paths of a description by their names in its module. Raises SourceError."""
+    own = dict(os.environ)
+    if fetching.offline:
+        own[_TRANSPORTS] = "none"
+    if cache := own.get(_DESCRIPTIONS_CACHE):
+        own[_DESCRIPTIONS_CACHE] = os.path.abspath(os.path.expanduser(cache))
+    script = str(Path(__file__).with_name("description.py"))
+    command = isolated(sys.executable, [script, json.dumps(module_path()), f"{_DESCRIPTIONS_PACKAGE}.{reference.name}"])
     try:
-        # The package prints its progress to standard output, which may carry a model.
-        with redirect_stdout(sys.stderr), _no_transport() if fetching.offline else nullcontext():
-            return import_module(f"{_DESCRIPTIONS_PACKAGE}.{reference.name}")
-    except Exception as fault:
-        if fetching.offline:
-            raise not_at_hand(reference, f"the cache of `{_DESCRIPTIONS_PACKAGE}`") from fault
-        # Any error of git, of the network or of a missing extra of the package.
-        message = f"`{reference.text}` could not be fetched"
-        raise SourceError("source-not-found", message, notes=(str(fault) or repr(fault),)) from fault
+        with Process(command, env=own, stdout=PIPE) as process:
+            out, _ = process.finish(seconds=_CLONING, most=_MOST_PATHS)
+        answer: dict[str, str | None] = json.loads(out)
+    except (OSError, Overrun, ValueError) as fault:
+        answer = {"error": str(fault)}
+    if (why := answer.get("error")) is None:
+        return answer
+    if fetching.offline:
+        raise not_at_hand(reference, f"the cache of `{_DESCRIPTIONS_PACKAGE}`")
+    raise SourceError("source-not-found", f"`{reference.text}` could not be fetched", notes=(why,))
 
 
-@contextmanager
-def _no_transport() -> Iterator[None]:
-    before = os.environ.get(_TRANSPORTS)
-    os.environ[_TRANSPORTS] = "none"
-    try:
-        yield
-    finally:
-        os.environ.pop(_TRANSPORTS)
-        if before is not None:
-            os.environ[_TRANSPORTS] = before
-
-
-def _model_file(description: Any, reference: Reference) -> Path:
+def _model_file(description: Mapping[str, str | None], reference: Reference) -> Path:
     for attribute in ("MJCF_PATH", "URDF_PATH"):
-        written = getattr(description, attribute, None)
+        written = description.get(attribute)
         if written is None:
             continue
         path = Path(written)
