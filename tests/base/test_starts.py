@@ -208,10 +208,11 @@ def test_a_folder_that_is_not_empty_any_more_is_replaced() -> None:
 ENDS = """
 from mjcompose.base import processes
 print(processes.empty_folder(), flush=True)
+own = processes.empty_folder()
 if os.fork() == 0:
-    sys.exit()
-os.wait()
-assert os.path.isdir(processes.empty_folder())
+    sys.exit(processes.empty_folder() == own)
+assert os.wait()[1] == 0
+assert processes.empty_folder() == own and os.path.isdir(own)
 """
 
 
@@ -283,8 +284,9 @@ def test_time_has_a_limit_even_if_a_program_holds_the_pipe() -> None:
 
 @posix
 def test_a_program_reads_no_terminal_and_gets_its_input_whole() -> None:
-    with Process(["cat"], stdout=PIPE) as process:
-        assert process.finish(seconds=20, most=100) == (b"", b"")
+    reads = "from mjcompose.base.processes import Process\nwith Process(['cat']) as it: it.wait()"
+    done = subprocess.run([sys.executable, "-c", reads], input=b"typed", capture_output=True, check=True)
+    assert done.stdout == b""
     content = bytes(range(256)) * 4000
     with Process(["cat"], stdin=PIPE, stdout=PIPE) as process:
         assert process.finish(seconds=20, most=len(content), content=content)[0] == content

@@ -328,7 +328,7 @@ def test_the_marks_are_left_by_what_runs(theirs: Folder) -> None:
     subprocess.run(
         [sys.executable, "-m", "json.tool"], cwd=theirs.path, env=environment, check=False, capture_output=True
     )
-    subprocess.run(["git", "status"], cwd=theirs.path, check=False, capture_output=True)
+    subprocess.run(["git", "hash-object", "arm.xml"], cwd=theirs.path, check=False, capture_output=True)
     subprocess.run(
         ["/bin/sh", "-c", "uv --version"], cwd=theirs.path, env=environment, check=False, capture_output=True
     )
@@ -339,8 +339,9 @@ def test_the_marks_are_left_by_what_runs(theirs: Folder) -> None:
 
 def test_what_runs_in_spite_of_it_is_what_the_user_says(theirs: Folder) -> None:
     """Consumers in a folder of the folder, by a relative path, are nobody's wish."""
-    theirs.type("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": "consumers"})
+    done = theirs.type("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": "consumers"})
     assert theirs.left() == []
+    assert b"`MJCOMPOSE_CONSUMERS` is `consumers`, which is not an absolute path" in done.stderr
     theirs.type("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": str(theirs.path / "consumers")})
     assert theirs.left() == ["consumer-drake", "consumer-pybullet"]
 

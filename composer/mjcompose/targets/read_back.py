@@ -79,8 +79,9 @@ check_rows("the targets that they read", [name for name in TARGETS if name in RE
 
 def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
     """Return the Python that can import a program: its environment's, or the current one; None without either."""
-    folder = environment.get(CONSUMERS)
-    named = Path(folder, reader.program, _INTERPRETER) if folder else None
+    folder = environment.get(CONSUMERS, "")
+    # A relative folder would be in whatever folder you type the command.
+    named = Path(folder, reader.program, _INTERPRETER) if os.path.isabs(folder) else None
     for python in (named, Path(sys.executable)):
         if python is not None and os.path.isfile(python):
             question = isolated(str(python), ["-c", _ASK, reader.module])
@@ -164,7 +165,7 @@ def _about(
     reader = READERS[name] if asked["read"] else None
     python = None if reader is None else interpreter(reader, work.environment)
     if reader is not None and python is None:
-        return [_missing(name, reader)], None
+        return [_missing(name, reader, work.environment)], None
     written = exported(work.bundle, name, folder, session=work.session)
     if not isinstance(written, str) and written["differences"]:
         written = f"MuJoCo reads the plain text of the model back as a different model: {written['differences'][0]}"
@@ -203,7 +204,7 @@ def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], 
     """Return the joint positions after a motion without forces, in MuJoCo and in another program; or a finding."""
     python = interpreter(READERS[name], work.environment)
     if python is None:
-        return _missing(name, READERS[name])
+        return _missing(name, READERS[name], work.environment)
     answer = engine.call(work.session, asked_of, [work.whole], argument=0)
     with scratch("motion") as folder:
         written = exported(work.bundle, name, folder, session=work.session)
@@ -231,14 +232,17 @@ def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
     return Fault(_FAILED, message, notes=tuple(map(Note, notes)), help=help)
 
 
-def _missing(name: str, reader: Reader) -> Fault:
+def _missing(name: str, reader: Reader, environment: Mapping[str, str]) -> Fault:
     message = f"`{name}` is not installed: no Python here has its module `{reader.module}`"
     packages = " ".join(reader.packages)
     help = (
         f"run `pip install {packages}`; or install it into an environment `FOLDER/{reader.program}`,"
         f" and set `{CONSUMERS}` to FOLDER"
     )
-    return Fault(_MISSING, message, help=help)
+    folder = environment.get(CONSUMERS, "")
+    is_ignored = folder and not os.path.isabs(folder)
+    notes = (Note(f"`{CONSUMERS}` is `{folder}`, which is not an absolute path"),) if is_ignored else ()
+    return Fault(_MISSING, message, notes=notes, help=help)
 
 
 def _sentences(name: str, losses: Sequence[Loss]) -> list[str]:
