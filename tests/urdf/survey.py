@@ -28,10 +28,15 @@ from mjcompose.sources.reference import Source  # noqa: E402
 from mjcompose.sources.ros import UrdfChoices  # noqa: E402
 from mjcompose.targets.read_back import READERS, read_back  # noqa: E402
 from mjcompose.tree.xml_text import write  # noqa: E402
+from mjcompose.urdf.inertia import reads_turned  # noqa: E402
 from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 POSES = 50
+TOLERANCE = 1e-6
+"""Of meters, kilograms, and the largest moment of a body. Pinocchio adds up what is fixed together in another order."""
+READS_TURNED = reads_turned(mujoco, None)
+"""Not MuJoCo 3.12 and 3.13, whose own reader cannot judge inertias."""
 PAGE = ROOT / "docs" / "contributing" / "fidelity.md"
 BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
 SHOWN = tuple(
@@ -109,7 +114,8 @@ def looked_at(path: Path, root: Path, session: Session) -> Found:
         found.worst = difference(alone, same)
         found.alone = f"{found.worst:.0e}" if found.worst else "same"
     if is_ready("pinocchio"):
-        found.pinocchio, worst = beside_pinocchio(path, found.model)
+        is_repaired = any(each.code == "urdf-inertia" for each in reader.sink.sorted())
+        found.pinocchio, worst = beside_pinocchio(path, found.model, is_repaired)
         found.worst = max(found.worst, worst)
     return found
 
@@ -118,7 +124,8 @@ def difference(one: mujoco.MjModel, other: mujoco.MjModel) -> float:
     """The largest difference of masses, inertias and, at random poses, places and orientations of bodies."""
     if (one.nbody, one.nq) != (other.nbody, other.nq):
         return float("inf")
-    worst = max(float(abs(getattr(one, each) - getattr(other, each)).max()) for each in ("body_mass", "body_inertia"))
+    compared = ("body_mass", "body_inertia") if READS_TURNED else ("body_mass",)
+    worst = max(float(abs(getattr(one, each) - getattr(other, each)).max()) for each in compared)
     datas = mujoco.MjData(one), mujoco.MjData(other)
     for qpos in poses(one):
         for model, data in zip((one, other), datas, strict=True):
@@ -136,42 +143,45 @@ def poses(model: mujoco.MjModel) -> Iterator[np.ndarray]:
         yield qpos
 
 
-def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
-    """What differs from Pinocchio, whose places are those of the same names; masses where the URDF has them."""
+def beside_pinocchio(path: Path, model: mujoco.MjModel, is_repaired: bool) -> tuple[str, float]:
+    """What differs from Pinocchio: places, masses, centers and inertias of the bodies that move, by their names.
+
+    Pinocchio takes impossible inertias, which are not compared if some are repaired.
+    """
     kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))  # no number is `in` enumerations
     simple = [j for j in range(model.njnt) if model.jnt_type[j] in kinds]
     drawn = list(poses(model))
     given = [
         {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}} for q in drawn
     ]
+    questions = {"poses": given, "home": given[0], "seconds": 0, "gravity": [0, 0, 0]}
     with TemporaryDirectory() as folder:
         alone = Path(folder, "robot", path.name)  # files are written beside its folder
         alone.parent.mkdir()
         alone.write_bytes(path.read_bytes())
-        facts = read_back(READERS["pinocchio"], str(python_of("pinocchio")), alone, given)
+        facts = read_back(READERS["pinocchio"], str(python_of("pinocchio")), alone, questions)
     if isinstance(facts, str):
-        return "refuses it", 0.0
+        return f"refuses it: {facts}", 0.0
     moved = {model.body(model.jnt_bodyid[j]).name for j in simple}
-    mass = max(
-        [
-            0.0,
-            *(
-                abs(model.body(name).mass[0] - facts["bodies"][name]["mass"])
-                for name in moved
-                if name in facts["bodies"]
-            ),
-        ]
-    )
-    data, place = mujoco.MjData(model), 0.0
+    worst = {"masses": 0.0, "centers": 0.0, "inertias": 0.0, "places": 0.0}
+    for name in moved & facts["bodies"].keys():
+        body, read = model.body(name), facts["bodies"][name]
+        axes = np.zeros(9)
+        mujoco.mju_quat2Mat(axes, body.iquat)
+        moments = axes.reshape(3, 3) @ np.diag(body.inertia) @ axes.reshape(3, 3).T
+        worst["masses"] = max(worst["masses"], abs(float(body.mass[0]) - read["mass"]))
+        if read["mass"] and not is_repaired:
+            worst["centers"] = max(worst["centers"], float(np.abs(body.ipos - read["com"]).max()))
+            scale = max(float(np.abs(moments).max()), 1e-9)
+            worst["inertias"] = max(worst["inertias"], float(np.abs(moments - read["inertia"]).max()) / scale)
+    data = mujoco.MjData(model)
     for qpos, row in zip(drawn, facts["poses"], strict=True):
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
         for name in moved & row.keys():
-            place = max(place, float(abs(data.body(name).xpos - np.array(row[name][0])).max()))
-    said = f"{place:.0e} m" if place > 1e-9 else "same"
-    if mass > 1e-9:
-        said += f", masses {mass:.2g} kg"
-    return said, place
+            worst["places"] = max(worst["places"], float(abs(data.body(name).xpos - np.array(row[name][0])).max()))
+    said = [f"{words} {value:.0e}" for words, value in worst.items() if value > TOLERANCE]
+    return ", ".join(said) or "same", max(worst.values())
 
 
 def row(found: Found) -> str:
