@@ -31,6 +31,19 @@ def test_python_knows_the_same_reserved_names(name: str) -> None:
     assert not ntpath.isreserved(portable_step(step)) if step else True
 
 
+DEVICES = [
+    "con", "prn", "aux", "nul", "conin$", "conout$",
+    *(f"{port}{number}" for port in ("com", "lpt") for number in "0123456789¹²³"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_no_file_is_a_device_of_windows(name: str) -> None:
+    for written in (name, name.upper(), f"{name}.obj", f"{name}.tar.gz", f"{name} .obj"):
+        assert not is_portable(written) and not is_portable(f"assets/{written}/a.obj")
+        assert portable_step(written).partition(".")[0].rstrip() not in (name, name.upper())
+
+
 @pytest.mark.parametrize(
     "name", ["arm", "cell-1kg", "left arm", "bras_é", "1.5", "a.b", "console", "com10", "nullable.obj", "a-b", "x~1"]
 )

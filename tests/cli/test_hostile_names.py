@@ -101,3 +101,15 @@ def test_data_for_programs_has_the_name_itself(folder: Path) -> None:
         if each["name"] != "world"
     ][:1]
     assert part["name"].startswith("part/x\n::error file=a.py::planted")
+
+
+@pytest.mark.parametrize(
+    "words", ["tree arm.xml", "tree robot.yaml", "tree arm.xml --places", "plan edited.yaml", "build robot.yaml"]
+)
+def test_a_name_starts_no_line(folder: Path, words: str) -> None:
+    """The output has as many lines as for a model whose names are plain."""
+    (folder / "edited.yaml").write_text("recipe: 1\nbase: ./arm.xml\nedit: [{select: {geom: '*'}, set: {mass: 2}}]\n")
+    hostile = run(*words.split()).stdout
+    (folder / "arm.xml").write_text(MODEL.replace(NAME, "plain"))
+    assert len(hostile.splitlines()) == len(run(*words.split()).stdout.splitlines())
+    assert "␊::error" in hostile or words.startswith(("plan", "build"))

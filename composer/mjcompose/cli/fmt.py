@@ -346,9 +346,6 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Se
         return [Judged(None, (*own.sink.sorted(), *found))]
 
     door = target.door
-    if not door.sees(target.path):
-        note_outside(target.path, door, context)
-        return 0
     done = Fixing(look, context, MJCF_FILES, door=door).fixed()
     for path in done.outside:
         note_outside(path, door, context)

@@ -205,8 +205,7 @@ def backup_path(stage: Path) -> Path:
 def _put_back(folder: Path) -> None:
     """Restore the older output if its process was killed before the new one replaced it."""
     found = _STAGE.fullmatch(folder.name)
-    if found is None or found.group(1) in (os.curdir, os.pardir):
-        return  # no output has this name
+    assert found is not None
     target = folder.with_name(found.group(1))
     if os.path.lexists(folder / _OLD) and not os.path.lexists(target):
         (folder / _OLD).replace(target)
