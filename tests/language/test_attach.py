@@ -27,12 +27,6 @@ def test_place_and_offset(recipe: Callable[[str], Recipe]) -> None:
     assert part.euler == (0, Angle(90.0, "deg"), Angle(1.0, "rad"))
 
 
-def test_angle_on_a_length_is_radians(recipe: Callable[[str], Recipe]) -> None:
-    part = recipe("attach: {a: {model: m, pos: [180deg, 0, 0]}}").attach["a"]
-    assert part.pos is not None
-    assert part.pos[0] == pytest.approx(3.141592653589793)
-
-
 @pytest.mark.parametrize("word", ["none", "free", "ball", "mocap"])
 def test_joint_word(recipe: Callable[[str], Recipe], word: str) -> None:
     assert recipe(f"attach: {{a: {{model: m, joint: {word}}}}}").attach["a"].joint == word

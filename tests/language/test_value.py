@@ -50,15 +50,18 @@ def test_fine(path: str, name: str, value: Any, joint: str | None) -> None:
 
 def read(path: str, name: str, value: Any) -> tuple[Any, list[Fault]]:
     faults: list[Fault] = []
-    return read_value(GRAMMAR.element(path).attributes[name], value, ("x",), "`e`", faults), faults
+    return read_value(
+        GRAMMAR.element(path).attributes[name], value, ("x",), "`e`", faults, tag=path.rpartition("/")[2]
+    ), faults
 
 
 @pytest.mark.parametrize(
     ("path", "name", "value", "kept"),
     [
-        ("geom", "pos", [1, 2.5, "90deg"], (1, 2.5, Angle(90.0, "deg"))),
+        ("geom", "euler", [1, 2.5, "90deg"], (1, 2.5, Angle(90.0, "deg"))),
+        ("geom", "axisangle", [0, 0, 1, "90deg"], (0, 0, 1, Angle(90.0, "deg"))),
         ("geom", "mass", 2, 2),
-        ("geom", "mass", "-1e-1rad", Angle(-0.1, "rad")),
+        ("joint", "ref", "-1e-1rad", Angle(-0.1, "rad")),
         ("geom", "size", 0.5, 0.5),
         ("geom", "condim", 3.0, 3.0),
         ("joint", "limited", True, True),
@@ -84,7 +87,7 @@ def test_kept(path: str, name: str, value: Any, kept: Any) -> None:
         ("geom", "pos", 1, "wrong-length", (), "write `pos: [x, y, z]`"),
         ("geom", "pos", [0, "a", 1], "wrong-type", (1,), None),
         ("geom", "pos", [0, [1], 1], "wrong-type", (1,), None),
-        ("geom", "pos", [0, "1 deg", 1], "wrong-type", (1,), "write `1deg`"),
+        ("geom", "euler", [0, "1 deg", 1], "wrong-type", (1,), "write `1deg`"),
         ("geom", "pos", {"x": 1}, "wrong-type", (), None),
         ("geom", "mass", [1], "wrong-type", (), None),
         ("geom", "mass", "0.5", "wrong-type", (), "write `0.5` without quotes"),

@@ -73,7 +73,7 @@ def test_values(text: str, expected: Value) -> None:
         ("${sin()}", "sin()", "`sin` takes 1 numbers, got 0"),
         ("${a.b}", ".", "expressions have no attributes"),
         ("${n && n}", "&&", "`&&` is not an operator"),
-        ("${90deg}", "90deg", "`90deg` is not a number"),
+        ("${90degs}", "90degs", "`90degs` is not a number"),
         ("${(1 + 2}", "(", "`(` is never closed"),
         ("${1 2}", "2", "expected an operator, got `2`"),
         ("${1 +}", "+", "the expression ends without a value"),

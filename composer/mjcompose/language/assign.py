@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from mjcompose.base.dataclass import Struct
@@ -13,13 +13,16 @@ from mjcompose.language.forms.context import REFERENCE, ByGrammar, Schema, Setti
 from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
-from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle, kind_of, read_value, shown
+from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle, kind_of, no_angle, read_value, shown
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
 from mjcompose.tree.pattern import paths_of
+from mjcompose.tree.values import may_be_angle
 
 MASS = "mass"
+Fitting: TypeAlias = Sequence[tuple[str, Attribute]]
+"""The attributes that a value may be for, each with the tag of its element."""
 
 
 class Checker(Struct, frozen=False):
@@ -58,7 +61,7 @@ class Checker(Struct, frozen=False):
                 self.faults.append(Fault("unknown-key", f"`{verb}` cannot change a name", path, key=True,
                                          help="write `rename: …`, which every reference follows"))  # fmt: skip
                 continue
-            fitting = [kind.attributes[attribute] for kind in kinds if attribute in kind.attributes]
+            fitting = [(kind.tag, kind.attributes[attribute]) for kind in kinds if attribute in kind.attributes]
             if kinds and not fitting:
                 self.faults.append(self.unknown(attribute, tag, kinds, at=path))
                 continue
@@ -90,7 +93,8 @@ class Checker(Struct, frozen=False):
             return Fault("unknown-element", message, at, key=True, help=help)
         return unknown_attribute(name, tag, kinds, at=at)
 
-    def value(self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path) -> None:
+    def value(self, verb: str, fitting: Fitting, index: int | None, value: Any, tag: str, at: Path) -> None:
+        """Check one value for the attributes that it may set, with the tags of their elements."""
         subject = f"`{tag}`"
         if not self._templates(value, at):
             return
@@ -101,12 +105,12 @@ class Checker(Struct, frozen=False):
             self.faults.append(Fault("wrong-type", f"`{at[-1]}` of {subject} expects a value, got a mapping", at))
             return
         tried: list[list[Fault]] = []
-        for attribute in fitting:
+        for own_tag, attribute in fitting:
             sample = _sample(attribute, value)
             if sample is None:
                 return
             found: list[Fault] = []
-            read = read_value(attribute, sample, at, owner=subject, faults=found)
+            read = read_value(attribute, sample, at, owner=subject, faults=found, tag=own_tag)
             if read is not None and not found and sample == value and not self.bare_angles:
                 bare = bare_angle(attribute, read, None, at=at, owner=subject)
                 found += [bare] if bare is not None else []
@@ -115,15 +119,14 @@ class Checker(Struct, frozen=False):
             tried.append(found)
         self.faults += tried[0] if tried else []
 
-    def _arithmetic(
-        self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path
-    ) -> None:
+    def _arithmetic(self, verb: str, fitting: Fitting, index: int | None, value: Any, tag: str, at: Path) -> None:
         subject = f"`{at[-1]}` of `{tag}`"
-        numeric = [each for each in fitting if each.is_number]
+        numeric = [each for _, each in fitting if each.is_number]
+        takes_angles = not fitting or any(may_be_angle(own_tag, each) for own_tag, each in fitting)
         if fitting and not numeric:
             message = f"{subject} is not a number, which `{verb}` needs"
             if index is not None:
-                message = f"`{fitting[0].name}` of `{tag}` has no numbers that could be counted"
+                message = f"`{fitting[0][1].name}` of `{tag}` has no numbers that could be counted"
             self.faults.append(Fault("wrong-type", message, at, key=True))
             return
         lengths = [each.max_length for each in numeric]
@@ -137,15 +140,20 @@ class Checker(Struct, frozen=False):
                 message = f"{subject} has {max(filter(None, lengths))} numbers, got {len(value)}"
                 self.faults.append(Fault("wrong-length", message, at))
             for position, item in enumerate(value):
-                self._number(item, subject, (*at, position), angle=verb != "scale")
+                self._amount(verb, item, subject, (*at, position), takes_angles=takes_angles)
             return
-        self._number(value, subject, at, angle=verb != "scale")
+        self._amount(verb, value, subject, at, takes_angles=takes_angles)
 
-    def _number(self, value: Any, subject: str, at: Path, angle: bool = False) -> None:
+    def _amount(self, verb: str, value: Any, subject: str, at: Path, takes_angles: bool) -> None:
+        angle = Angle.read(value) if isinstance(value, str) and verb != "scale" else None
+        if angle is None:
+            self._number(value, subject, at)
+        elif not takes_angles:
+            self.faults.append(no_angle(subject, angle, at))
+
+    def _number(self, value: Any, subject: str, at: Path) -> None:
         if isinstance(value, str) and is_template(value):
             check_template(value, at, self.faults)
-            return
-        if isinstance(value, str) and angle and Angle.read(value) is not None:
             return
         if isinstance(value, bool) or not isinstance(value, int | float):
             self.faults.append(Fault("wrong-type", f"{subject} expects a number, got {kind_of(value)}", at))
@@ -237,10 +245,10 @@ def settable(tag: str) -> Schema:
     """Return the schema of a mapping from a tag's attributes, or numbers of them, to values; null removes one."""
     found: dict[str, Schema] = {}
     for name, attributes in attributes_of(tag).items():
-        schemas = [attribute_schema(each) for each in attributes]
+        schemas = [attribute_schema(each, own_tag) for own_tag, each in attributes]
         same = all({**each, "description": ""} == {**schemas[0], "description": ""} for each in schemas)
         found[name] = schemas[0] if same else {"description": schemas[0].get("description", "")}
-        if not all(each.required for each in attributes):
+        if not all(each.required for _, each in attributes):
             found[name] = _or_null(found[name])
     return _numbered(tag, found, reference("number"))
 
@@ -263,9 +271,9 @@ definition("null")(lambda name: _or_null(define(name)))
 @definition("scalable")
 def scalable(tag: str) -> Schema:
     found = {
-        name: {**reference("amount"), "description": attributes[0].doc}
+        name: {**reference("amount"), "description": attributes[0][1].doc}
         for name, attributes in attributes_of(tag).items()
-        if any(each.is_number for each in attributes)
+        if any(each.is_number for _, each in attributes)
     }
     return _numbered(tag, found, reference("amount"))
 
@@ -276,7 +284,7 @@ def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema
     several = [
         name
         for name, attributes in attributes_of(tag).items()
-        if any(each.is_number and each.max_length != 1 for each in attributes)
+        if any(each.is_number and each.max_length != 1 for _, each in attributes)
     ]
     schema: Schema = {"type": "object", "properties": properties, "additionalProperties": False, "minProperties": 1}
     if several:
@@ -284,13 +292,14 @@ def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema
     return schema
 
 
-def attributes_of(tag: str) -> dict[str, list[Attribute]]:
+def attributes_of(tag: str) -> dict[str, list[tuple[str, Attribute]]]:
     """Return the attributes of all elements that a tag covers, except for names, which `rename` changes."""
-    found: dict[str, list[Attribute]] = {}
+    found: dict[str, list[tuple[str, Attribute]]] = {}
     for path in sorted(paths_of(tag)):
-        for each in GRAMMAR.element(path).attributes.values():
+        kind = GRAMMAR.element(path)
+        for each in kind.attributes.values():
             if each.name != "name":
-                found.setdefault(each.name, []).append(each)
+                found.setdefault(each.name, []).append((kind.tag, each))
     return found
 
 

@@ -21,9 +21,11 @@ from mjcompose.language.value import (
     is_unprintable,
     kind_of,
     name_fault,
+    no_angle,
     read_value,
     unprintable,
 )
+from mjcompose.text.expression import Angle
 from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
 from mjcompose.tree.grammar import GRAMMAR, ElementType, number_text
@@ -149,7 +151,7 @@ class Reader(Struct, frozen=False):
                 help = f"leave `{name}` out; `{name}: ''` is for an element without a name"
                 self.faults.append(Fault("unknown-key", message, path, key=True, help=help))
             elif name in kind.attributes:
-                read = read_value(kind.attributes[name], item, path, owner=owner, faults=self.faults)
+                read = read_value(kind.attributes[name], item, path, owner=owner, faults=self.faults, tag=kind.tag)
                 if read is not None:
                     attributes[name] = read
             elif name == CONFIG and name in kind.children:
@@ -204,6 +206,8 @@ class Reader(Struct, frozen=False):
             elif text is None:
                 message = f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, got {kind_of(setting)}"
                 self.faults.append(Fault("wrong-type", message, (*at, key)))
+            elif (angle := _angle_in(setting)) is not None:  # plugins would read the number and ignore its unit
+                self.faults.append(no_angle(f"`{key}` in the `{CONFIG}` of {owner}", angle, (*at, key)))
             elif is_unprintable(text):
                 self.faults.append(unprintable(f"`{key}` in the `{CONFIG}` of {owner}", (*at, key)))
             else:
@@ -300,6 +304,13 @@ def label(tag: str, value: Any) -> str:
     """Return the description of an element in messages: `geom `pad``, or just `geom` without a name."""
     name = value.get("name") if isinstance(value, dict) else None
     return f"{tag} `{name}`" if isinstance(name, str) and name else f"`{tag}`"
+
+
+def _angle_in(setting: Any) -> Angle | None:
+    """Return the first angle of a plugin's setting."""
+    if isinstance(setting, list):
+        return next(filter(None, map(_angle_in, setting)), None)
+    return Angle.read(setting) if isinstance(setting, str) else None
 
 
 def config_text(value: Any) -> str | None:

@@ -17,16 +17,18 @@ from mjcompose.language.forms.context import Schema, definition, reference
 from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, Constraint, ElementType
-from mjcompose.tree.values import INT_MAX, INT_MIN
+from mjcompose.tree.values import INT_MAX, INT_MIN, may_be_angle
 
 TEMPLATE_PATTERN = r"\$\{"
 _NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"
 _NUMBER_HINT = "expected a number, an angle such as 90deg or 1.57rad, or ${…}"
-_ITEMS = {"real": "number", "int": "integer"}
+_PLAIN_HINT = "expected a number, or ${…}"
+_ITEMS = {"real": "plain", "int": "integer"}
 
 # Schemas that many attributes share.
 SHARED: dict[str, Schema] = {
     "number": {"type": ["number", "string"], "pattern": _NUMBER_PATTERN, "patternErrorMessage": _NUMBER_HINT},
+    "plain": {"type": ["number", "string"], "pattern": TEMPLATE_PATTERN, "patternErrorMessage": _PLAIN_HINT},
     "integer": {"type": ["integer", "string"], "minimum": INT_MIN, "maximum": INT_MAX, "pattern": TEMPLATE_PATTERN,
                 "patternErrorMessage": "expected an integer, or ${…}"},
     "boolean": {"type": ["boolean", "string"], "pattern": TEMPLATE_PATTERN,
@@ -53,9 +55,11 @@ for _kind in SHARED:
     definition(_kind)(partial(_shared, _kind))
 
 
-def attribute_schema(attribute: Attribute) -> Schema:
-    """Return the schema of an attribute. Its explanation has the default, which editors would write otherwise."""
-    schema = _values(attribute)
+def attribute_schema(attribute: Attribute, tag: str) -> Schema:
+    """Return the schema of an attribute of elements with a tag. Its explanation has the default, which editors would
+    write otherwise.
+    """
+    schema = _values(attribute, tag)
     remarks = ", ".join(_remarks(attribute))
     description = " ".join(filter(None, [attribute.doc, remarks and f"({remarks})"]))
     if description:
@@ -77,10 +81,10 @@ def _remarks(attribute: Attribute) -> Iterator[str]:
     yield from attribute.versions()
 
 
-def _values(attribute: Attribute) -> Schema:
+def _values(attribute: Attribute, tag: str) -> Schema:
     kind = attribute.type
     if kind in _ITEMS:
-        return _numbers(attribute, _ITEMS[kind])
+        return _numbers(attribute, "number" if may_be_angle(tag, attribute) else _ITEMS[kind])
     if kind == "bool":
         return reference("boolean")
     if kind == "keyword":
@@ -118,7 +122,8 @@ def _list(item: str, low: int) -> Schema:
     single = SHARED[item]
     if low <= 1:
         return {**single, **schema, "type": ["array", *single["type"]]}
-    hint = f"expected a list of {low} {item}s" if low else f"expected a list of {item}s"
+    noun = "numbers" if item == "plain" else f"{item}s"
+    hint = f"expected a list of {low} {noun}" if low else f"expected a list of {noun}"
     return {**schema, "pattern": TEMPLATE_PATTERN, "patternErrorMessage": hint}
 
 
@@ -150,7 +155,7 @@ def element(
     known: dict[str, Schema] = dict(properties or {})
     for name, each in kind.attributes.items():
         if name not in keyed:
-            known.setdefault(name, attribute_schema(each))
+            known.setdefault(name, attribute_schema(each, kind.tag))
     for tag, child in kind.children.items() if children else ():
         known.setdefault(tag, _settings() if tag == CONFIG else _children(child))
     rules: Schema = {}

@@ -18,6 +18,7 @@ from mjcompose.language.parameters import (
     Parameter,
     Substitution,
     choose,
+    in_unit,
     merged,
     no_value,
     plain,
@@ -25,9 +26,10 @@ from mjcompose.language.parameters import (
     report,
     same,
     settle,
+    with_unit,
 )
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError, Value, shown
+from mjcompose.text.expression import Angle, ExpressionError, Value, shown
 from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, walk
 
@@ -113,8 +115,15 @@ class Condition:
                 holds |= text == have
             else:
                 value = plain(each)
-                holds |= value is not None and same(value, have)
+                holds |= value is not None and same(_like(value, have), have)
         return holds
+
+
+def _like(value: Value, have: Value) -> Value:
+    """Return a written value in the unit of the value that a parameter has."""
+    if isinstance(value, tuple) and isinstance(have, tuple) and len(value) == len(have):
+        return tuple(map(_like, value, have))
+    return with_unit(in_unit(value, have.unit), have.unit) if isinstance(have, Angle) else value
 
 
 def has_conditions(node: Node) -> bool:
@@ -159,7 +168,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     }
     rest = Mapping({name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
-    substitution = Substitution(scope, parameters, broken, sink=sink)
+    substitution = Substitution(scope, broken, sink=sink)
     condition = Condition(scope, axes, broken, sink=sink, any=any)
     substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)

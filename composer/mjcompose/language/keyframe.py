@@ -198,7 +198,7 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, name
             help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` next to it"
             reader.faults.append(Fault("wrong-type", message, path, help=help))
             continue
-        read = read_value(attribute, item, path, owner=subject, faults=reader.faults)
+        read = read_value(attribute, item, path, owner=subject, faults=reader.faults, tag="key")
         if read is None:
             continue
         entry = read if isinstance(read, tuple) else (read,)

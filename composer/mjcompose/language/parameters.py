@@ -11,7 +11,18 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
-from mjcompose.text.expression import Angle, ExpressionError, UnknownName, Value, kind, shown
+from mjcompose.text.expression import (
+    ELEMENT,
+    UNITS,
+    Angle,
+    ExpressionError,
+    Unit,
+    UnknownName,
+    Value,
+    kind,
+    shown,
+    written,
+)
 from mjcompose.text.merge import Path, is_of_elements, merge
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template
 
@@ -48,6 +59,8 @@ def plain(node: Node) -> Value | None:
 def node_of(value: Value, span: Span) -> Node:
     if isinstance(value, tuple):
         return Sequence(tuple(node_of(each, span) for each in value), span)
+    if isinstance(value, Angle):
+        return Scalar(text := str(written(value)), span, text, plain=False)
     return Scalar(value, span, shown(value), plain=not isinstance(value, str))
 
 
@@ -59,14 +72,36 @@ def same(a: Value, b: Value) -> bool:
     """
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, Angle) and isinstance(b, Angle):
+        return a.compared_to(b) == 0
     return isinstance(a, bool) == isinstance(b, bool) and a == b
+
+
+def in_unit(value: Value, unit: Unit) -> Value:
+    """Return the value with the number in that unit for each angle. Bare numbers are in that unit already.
+
+    >>> in_unit(("180deg", 1), "rad")
+    (3.141592653589793, 1)
+    """
+    if isinstance(value, tuple):
+        return tuple(in_unit(each, unit) for each in value)
+    angle = Angle.read(value) if isinstance(value, str) else value
+    return angle.in_unit(unit) if isinstance(angle, Angle) else value
+
+
+def with_unit(value: Value, unit: Unit) -> Value:
+    """Return the value with an angle in that unit for each bare number."""
+    if isinstance(value, tuple):
+        return tuple(with_unit(each, unit) for each in value)
+    return Angle(value, unit) if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
 class Parameter(Struct):
     """A parameter of a recipe.
 
     `low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be given.
-    `unit` is for readers, except `deg` and `rad`: a value that is only `${name}` is then an angle with that unit.
+    `unit` is for readers, except `deg` and `rad`: then every number of the value is an angle, and `low`, `high` and
+    `choices` are numbers in that unit.
     """
 
     name: str
@@ -85,14 +120,19 @@ class Parameter(Struct):
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Diagnostic:
-        """Return the value in its stored form (an angle is a number in the parameter's unit), or the error about it."""
-        if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
-            value = angle.in_unit(str(self.unit))
+        """Return the value, in which every number of an angle is an `Angle` in its unit, or the error about it."""
+        plain = self._plain(value)
+        fault = self._fault(plain)
+        return self._quantity(plain) if fault is None else fault
+
+    def _fault(self, value: Value) -> Diagnostic | None:
         if not _has_type(value, self.type):
             help = "declare it as `{type: float, …}` to allow any number" if self.type == "int" else None
+            if isinstance(value, str) and (angle := Angle.read(value)) is not None:
+                help = f"declare it as an angle: `{self.name}: {{unit: {angle.unit}, …}}`"
             message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}"
             return Diagnostic("wrong-type", message, help=help)
-        if self.choices and value not in self.choices:
+        if self.choices and not any(self._same(value, each) for each in self.choices):
             known = [self._shown(each) for each in self.choices]
             listed = ", ".join(f"`{each}`" for each in known)
             help = did_you_mean(self._shown(value), known)
@@ -104,10 +144,21 @@ class Parameter(Struct):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
             for bound, word, beyond in ((self.low, "least", operator.lt), (self.high, "most", operator.gt)):
-                if bound is not None and beyond(number, bound):
+                if bound is not None and beyond(number, bound) and not self._same(number, bound):
                     message = f"parameter `{self.name}` is at {word} {self._shown(bound)}, got {self._shown(number)}"
                     return Diagnostic("out-of-range", message)
-        return value
+        return None
+
+    def _plain(self, value: Value) -> Value:
+        """Return the value with the numbers of angles in the unit of the parameter."""
+        return in_unit(value, UNITS[str(self.unit)]) if self.is_angle else value
+
+    def _quantity(self, value: Value) -> Value:
+        return with_unit(value, UNITS[str(self.unit)]) if self.is_angle else value
+
+    def _same(self, a: Value, b: Value) -> bool:
+        """Return whether two values are equal, and of angles whether only the change of a unit rounds them."""
+        return same(self._quantity(a), self._quantity(b)) if self.is_angle else a == b
 
     def _shown(self, value: Value) -> str:
         return shown(value) + (str(self.unit) if self.is_angle and isinstance(value, int | float) else "")
@@ -245,13 +296,14 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
     return document
 
 
+_XML = "xml"  # the key of a fragment of MJCF, in which numbers have no unit
+
+
 class Substitution:
     """Evaluates expressions; `lost` has the keys and texts omitted because of faults, and `gone` their paths."""
 
-    def __init__(
-        self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
-    ) -> None:
-        self.scope, self.parameters, self.broken, self.sink = scope, parameters, broken, sink
+    def __init__(self, scope: Map[str, Value], broken: frozenset[str], sink: Sink) -> None:
+        self.scope, self.broken, self.sink = scope, broken, sink
         self.lost: set[str] = set()
         self.gone: set[Path] = set()
 
@@ -260,7 +312,7 @@ class Substitution:
         if is_of_elements(path):  # evaluated later, for each element
             return node
         if isinstance(node, Scalar):
-            return self._scalar(node)
+            return self._scalar(node, is_markup=path[-1:] == (_XML,))
         if isinstance(node, Sequence):
             items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
             if any(item is None for item in items):  # a list without one of its values would be another list
@@ -276,21 +328,18 @@ class Substitution:
                 entries[name] = (key, found)
         return Mapping(entries, node.span)
 
-    def _scalar(self, node: Scalar) -> Node | None:
+    def _scalar(self, node: Scalar, is_markup: bool) -> Node | None:
         if not isinstance(node.value, str) or not is_template(node.value):
             return node
         from mjcompose.text.evaluate import Template  # most recipes have no expression
 
         try:
             template = Template.parse(node.value)
-            value = template.value(self.scope)
+            value = template.markup(self.scope) if is_markup else template.value(self.scope)
         except ExpressionError as error:
             self.lost.add(node.text)
             report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
             return None
-        alone = self.parameters.get(template.is_one_name or "")
-        if alone is not None and alone.is_angle and isinstance(value, (int, float)):
-            value = f"{shown(value)}{alone.unit}"
         return node_of(value, node.span)
 
 
@@ -301,6 +350,10 @@ def report(error: ExpressionError, node: Scalar, known: list[str], broken: froze
     span = within(node, *error.at)
     if not isinstance(error, UnknownName):
         sink.error("expression", error.message, span, help=error.help)
+        return
+    if error.space == ELEMENT:
+        message = f"`{ELEMENT}.{error.name}` is an attribute of an element, and only `edit` has elements"
+        sink.error("expression", message, span, help=f"write `{error.name}` for the parameter")
         return
     declared = f"declare it: `params: {{{error.name}: …}}`"
     sink.add(unknown_name("parameter", error.name, known, span=span, otherwise=declared))

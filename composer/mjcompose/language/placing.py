@@ -188,8 +188,6 @@ class Offset(Attribute):
         read = super().read(value, faults, settings)
         if faults:
             return None
-        if self.declared.angle is None:
-            read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
         fault = _no_pose(self.name, read)
         faults += [fault] if fault is not None else []
         return read

@@ -84,7 +84,7 @@ _PLURALS = ("text", "number", "whole number", "mapping")
 _OWN = {"exclude"}
 """Elements of MJCF that can have other forms in a recipe."""
 _SETTINGS = ("option", "size", "statistic", "compiler")
-_VALUES = re.compile(r"(number|integer)(?:-(\d+)(-(\d*))?)?")
+_VALUES = re.compile(r"(number|plain|integer)(?:-(\d+)(-(\d*))?)?")
 _TEMPLATE = r"\$\{"
 _SAID = " (default: "
 _ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
@@ -319,7 +319,7 @@ class _Keys:
 
     def _named(self, pointer: str) -> str:
         if (number := _VALUES.fullmatch(pointer)) is not None:
-            word = "number" if number[1] == "number" else "whole number"
+            word = "whole number" if number[1] == "integer" else "number"
             least, several, most = number[2], number[3], number[4]
             if least is None or (least == "1" and not several):
                 return word

@@ -291,7 +291,9 @@ def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], a
         if name != tag:
             fault = reader.unknown(step, name, value[name], at=(*at, name), owner=owner, own=(), taken=value)
             reader.faults.append(fault)
-    read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults)
+    read = read_value(
+        step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults, tag=step.tag
+    )
     return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
 
 

@@ -14,7 +14,16 @@ from mjcompose.base.naming import odd_character
 from mjcompose.base.suggest import advised, exists_note
 from mjcompose.text.expression import Angle
 from mjcompose.tree.grammar import Attribute, ElementType, number_text
-from mjcompose.tree.values import NOT_XML, Refusal, check_number, check_python, expected, items, parse_real
+from mjcompose.tree.values import (
+    NOT_XML,
+    Refusal,
+    check_number,
+    check_python,
+    expected,
+    items,
+    may_be_angle,
+    parse_real,
+)
 
 # Two keys exclude each other.
 EXCLUSIVE = "wrong-type"
@@ -218,7 +227,7 @@ def form_of(attribute: Attribute) -> str | None:
     return form if attribute.type == "real" and attribute.max_length == count else None
 
 
-def instead(attribute: Attribute, value: object) -> Advice | None:
+def instead(attribute: Attribute, value: object, tag: str) -> Advice | None:
     """Return what to write instead of a value such as `'0.5'`, `45°`, `pi/2`, `10cm` or `yes`, or None."""
     word = shown(value)
     if attribute.type == "bool" or "true" in attribute.keywords:
@@ -228,22 +237,22 @@ def instead(attribute: Attribute, value: object) -> Advice | None:
         return _write(_SWITCHES.get(word.lower()))
     if not attribute.is_number:
         return None
-    advice = _number(attribute, value) if isinstance(value, str) else None
+    advice = _number(attribute, value, tag) if isinstance(value, str) else None
     form = form_of(attribute)
     return advice or (Advice(f"write `{attribute.name}: {form.replace(']', ']`', 1)}") if form else None)
 
 
-def item_instead(attribute: Attribute, item: object) -> Advice | None:
+def item_instead(attribute: Attribute, item: object, tag: str) -> Advice | None:
     if not isinstance(item, str):
         return None
     parts = items(item.replace(";", " "))
     if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
         listed = ", ".join(parts)
         return Advice(f"write commas between them: `{listed}`", listed)
-    return _number(attribute, item)
+    return _number(attribute, item, tag)
 
 
-def _number(attribute: Attribute, text: str) -> Advice | None:
+def _number(attribute: Attribute, text: str, tag: str) -> Advice | None:
     if found := _TEMPLATE.fullmatch(text.strip()):
         expression = f'"${{{(found[1] or found[2]).strip()}}}"'
         return Advice(f"an expression is written `{expression}`", expression)
@@ -252,9 +261,10 @@ def _number(attribute: Attribute, text: str) -> Advice | None:
     if attribute.type != "real":
         return None
     near = text.replace("°", "deg").replace("degrees", "deg").replace("radians", "rad").replace(" ", "")
+    takes_angles = may_be_angle(tag, attribute)
     if near != text and Angle.read(near):
-        return _write(near)
-    if found := _PI.fullmatch(text.strip()):
+        return _write(near) if takes_angles else None
+    if takes_angles and (found := _PI.fullmatch(text.strip())):
         sign, times, over = found.groups()
         degrees = 180 * float(times or 1) / (float(over or 1) or math.nan)
         return None if math.isnan(degrees) else _write(f"{sign or ''}{number_text(round(degrees, 9))}deg")
@@ -301,42 +311,68 @@ def element_instead(kind: ElementType, value: object) -> str | None:
     return "write a mapping from attributes to values: `{…: …}`"
 
 
-def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
-    """Return the value, a list as a tuple, or None after a fault; `owner` is its element. A real may be an `Angle`."""
+def read_value(
+    attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault], *, tag: str
+) -> Value | None:
+    """Return the value, a list as a tuple, or None after a fault; `owner` is its element, with that `tag`.
+
+    A number that may be an angle may be an `Angle`.
+    """
     subject = f"`{attribute.name}` of {owner}"
     if isinstance(value, dict):
         faults.append(Fault("wrong-type", f"{subject} expects {expected(attribute)}, got a mapping", at))
         return None
     if isinstance(value, list):
-        return _read_list(attribute, value, at, subject=subject, faults=faults)
+        return _read_list(attribute, value, at, subject=subject, faults=faults, tag=tag)
     read = _angle(attribute, value)
+    if isinstance(read, Angle) and not may_be_angle(tag, attribute):
+        faults.append(no_angle(subject, read, at))
+        return None
     answer = check_python(attribute, read.value if isinstance(read, Angle) else read)
     if answer is not None:
-        faults.append(_fault(attribute, value, answer, code=_code(attribute, read), at=at, subject=subject))
+        faults.append(_fault(attribute, value, answer, code=_code(attribute, read), at=at, subject=subject, tag=tag))
         return None
     return read if _printable(attribute, read, at, subject=subject, faults=faults) else None
 
 
-def _read_list(attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault]) -> Value | None:
+def no_angle(subject: str, angle: Angle, at: Path) -> Fault:
+    """Return the fault of an angle in a place that takes none."""
+    help = f"write a number without `{angle.unit}`"
+    return Fault("wrong-type", f"{subject} is not an angle, got `{shown(angle.value)}{angle.unit}`", at, help=help)
+
+
+def _read_list(
+    attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault], tag: str
+) -> Value | None:
     items: list[Any] = [_angle(attribute, item) for item in value]
     several = attribute.is_number and attribute.max_length != 1
+    before = len(faults)
+    allowed = _places_of_angles(attribute, len(items)) if may_be_angle(tag, attribute) else ()
+    for index, item in enumerate(items):
+        if isinstance(item, Angle) and index not in allowed:
+            which = f"a number of the axis in {subject}" if allowed else subject
+            faults.append(no_angle(which, item, (*at, index)))
     if several:
         # Each number is checked alone, so a fault points at the number and not at the whole list.
-        before = len(faults)
         for index, item in enumerate(items):
             if check_number(attribute, item.value if isinstance(item, Angle) else item) is not None:
-                faults.append(_item_fault(attribute, item, (*at, index), subject=subject))
-        if len(faults) > before:
-            return None
+                faults.append(_item_fault(attribute, item, (*at, index), subject=subject, tag=tag))
+    if len(faults) > before:
+        return None
     answer = check_python(attribute, [item.value if isinstance(item, Angle) else item for item in items])
     if answer is not None:
         code = "wrong-length" if several else _list_code(attribute, items)
-        faults.append(_fault(attribute, value, answer, code=code, at=at, subject=subject))
+        faults.append(_fault(attribute, value, answer, code=code, at=at, subject=subject, tag=tag))
         return None
     for index, item in enumerate(items):
         if not _printable(attribute, item, (*at, index), subject=subject, faults=faults):
             return None
     return tuple(items)
+
+
+def _places_of_angles(attribute: Attribute, count: int) -> range:
+    """Return which numbers of an attribute that may have angles may be angles: only the axis cannot."""
+    return range(3 if attribute.angle == "orientation-axisangle" else 0, count)
 
 
 def _angle(attribute: Attribute, value: Any) -> Any:
@@ -367,17 +403,17 @@ def _list_code(attribute: Attribute, items: list[Any]) -> str:
     return "wrong-length" if attribute.separated and not items else "wrong-type"
 
 
-def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> Fault:
+def _item_fault(attribute: Attribute, item: object, at: Path, subject: str, tag: str) -> Fault:
     code = _number_code(attribute, item)
     noun = "integers" if attribute.type == "int" else "numbers"
     wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
-    advice = item_instead(attribute, item)
+    advice = item_instead(attribute, item, tag)
     message = f"{subject} expects {wanted}, got {kind_of(item)}"
     return Fault(code, message, at) if advice is None else Fault(code, message, at, help=advice.help, fix=advice.fix)
 
 
-def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
-    advice = None if answer.advice else instead(attribute, value)
+def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str, tag: str) -> Fault:
+    advice = None if answer.advice else instead(attribute, value, tag)
     help = answer.advice if advice is None else advice.help
     notes: tuple[Note, ...] = ()
     fix = None if advice is None else advice.fix

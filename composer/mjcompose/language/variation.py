@@ -14,7 +14,8 @@ from mjcompose.language.forms.context import Schema, Settings, reference, valida
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects, Hints, Items, Measure, Text, Written
 from mjcompose.language.forms.translate import faults, report
-from mjcompose.language.parameters import Parameter, is_usable
+from mjcompose.language.parameters import Parameter, in_unit, is_usable
+from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
 from mjcompose.text.node import Mapping as Located, Node, is_template, locate, to_python
 
@@ -29,7 +30,8 @@ def _default_fault(value: Any) -> Fault | None:
     return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
 
 
-_ALONE: Schema = {**VALUE, "items": {"type": "number"}}
+_NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
+_ALONE: Schema = {**VALUE, "items": _NUMBER}
 _DEFAULT: Schema = {
     **_ALONE, "pattern": r"^(?!.*\$\{)",
     "patternErrorMessage": "a default is a literal value: it cannot be an expression",
@@ -39,10 +41,9 @@ Bound = Annotated[float | Angle, Measure()]
 _Cell = Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")]
 Combinations = Annotated[tuple[_Cell, ...], Items(), Expects("a list of mappings from axes to values", "[{load: 1}]")]
 
-_NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
 _SCHEMAS: Mapping[str, Schema] = {
     "bool": {"type": "boolean"}, "int": {"type": "integer"}, "float": _NUMBER, "string": {"type": "string"},
-    "vector": {"type": "array", "items": {"type": "number"}},
+    "vector": {"type": "array", "items": _NUMBER},
 }  # fmt: skip
 """The possible defaults of a parameter, by its type."""
 
@@ -90,12 +91,17 @@ class Declaration(Model):
     length: AtLeastOne | None = None
     """the length of a vector"""
     unit: Text | None = None
-    """the unit, for readers; with `deg` or `rad` the parameter is an angle"""
+    """the unit, for readers; with `deg` or `rad` the parameter is an angle in every expression"""
     doc: str = ""
     """its purpose"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         parameter = self.parameter("", Span("", 1, 1))
+        for at, each in (("default", self.default), *(("choices", each) for each in self.choices or ())):
+            if self.unit is None and parameter.is_angle and (bare := _bare_beside_angles(_of_value(each))) is not None:
+                message = f"`{at}` of {IT} has numbers with a unit and {shown(bare)} without one"
+                yield Fault("bare-angle", message, (at,), help=f"write `{shown(bare)}{parameter.unit}`")
+                return
         for name in ("min", "max"):
             if isinstance(bound := _in_unit(getattr(self, name), parameter.unit), Angle):
                 message = f"`{name}` of {IT} is an angle, but the parameter has no unit of angles"
@@ -125,18 +131,31 @@ def _of_value(value: Any) -> Any:
 def _inferred(sample: Value | None) -> tuple[str, str | None]:
     """Return the type and the unit of a parameter from its value.
 
-    >>> _inferred(1), _inferred("90deg"), _inferred("left")
-    (('float', None), ('float', 'deg'), ('string', None))
+    >>> _inferred(1), _inferred("90deg"), _inferred("left"), _inferred(("1rad", "2rad"))
+    (('float', None), ('float', 'deg'), ('string', None), ('vector', 'rad'))
     """
-    if isinstance(sample, str):
-        angle = Angle.read(sample)
-        return ("float", angle.unit) if angle else ("string", None)
-    return "bool" if isinstance(sample, bool) else "vector" if isinstance(sample, tuple) else "float", None
+    if isinstance(sample, tuple):
+        angles = [each for each in map(_angle, sample) if each is not None]
+        return "vector", angles[0].unit if angles else None
+    if (angle := _angle(sample)) is not None:
+        return "float", angle.unit
+    return "string" if isinstance(sample, str) else "bool" if isinstance(sample, bool) else "float", None
+
+
+def _angle(value: Any) -> Angle | None:
+    return Angle.read(value) if isinstance(value, str) else value if isinstance(value, Angle) else None
+
+
+def _bare_beside_angles(value: Any) -> int | float | None:
+    """Return the first number of a vector that has no unit, although another one has; 0 needs none."""
+    if not isinstance(value, tuple) or all(_angle(each) is None for each in value):
+        return None
+    numbers = (each for each in value if isinstance(each, int | float) and not isinstance(each, bool))
+    return next((each for each in numbers if each != 0), None)
 
 
 def _in_unit(value: Any, unit: str | None) -> Any:
-    angle = Angle.read(value) if isinstance(value, str) else value
-    return angle.in_unit(str(unit)) if isinstance(angle, Angle) and unit in UNITS else value
+    return value if unit is None or unit not in UNITS else in_unit(value, UNITS[unit])
 
 
 class Grid(Model):

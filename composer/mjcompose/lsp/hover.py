@@ -22,7 +22,7 @@ from mjcompose.lsp.places import label, matches, part_of_reference, selector_aro
 from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables, unit_of
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError, shown
+from mjcompose.text.expression import ExpressionError, with_units
 from mjcompose.text.node import Mapping as Located, is_template
 from mjcompose.tools.explain.explanation import render
 from mjcompose.tools.outline import Body, world_of
@@ -142,7 +142,7 @@ def values_of(text: str, document: Located) -> dict[str, str]:
         values: dict[str, str] = {}
         for given in [cell.given for cell in cells(document, "", Sink())] or [{}]:
             name = ", ".join(f"{name} {getattr(node, 'text', '…')}" for name, node in given.items())
-            values[name] = shown(template.value(scope_of(document, given)))
+            values[name] = with_units(template.value(scope_of(document, given)))
     except ExpressionError:
         return {}
     return values

@@ -152,7 +152,7 @@ def parameter_at(question: Question) -> tuple[str, Path | None] | None:
 def names_in(template: str) -> list[tuple[str, int, int]]:
     """Return the names in a text with `${…}`, with the columns that they cover. A text with errors has none."""
     try:
-        return [(each.name, *each.at) for each in Template.parse(template).names()]
+        return [(each.name, *each.at) for each in Template.parse(template).parameters()]
     except ExpressionError:
         return []
 

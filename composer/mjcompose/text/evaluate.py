@@ -1,4 +1,8 @@
-"""Evaluate expressions and texts with `${…}` in limited time."""
+"""Evaluate expressions and texts with `${…}` in limited time.
+
+A value is a boolean, a text, a vector, a plain number or an angle. An angle stays one through every operation that has
+a meaning for angles, and a plain number beside it is an error, unless it is 0, which is the same in every unit.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +11,24 @@ import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import lru_cache
+from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import advice, in_force
 from mjcompose.text import expression as syntax
-from mjcompose.text.expression import Expression, ExpressionError, Name, Value, kind, parse, shown
+from mjcompose.text.expression import (
+    Angle,
+    Expression,
+    ExpressionError,
+    Name,
+    Number,
+    Rewrite,
+    Value,
+    WrongUnits,
+    kind,
+    parse,
+    shown,
+)
 from mjcompose.text.node import OPENING
 
 _MAX_EXPONENT = 1024
@@ -19,7 +36,8 @@ _ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv,
     "%": operator.mod, "**": operator.pow,
 }  # fmt: skip
-_ORDER: Mapping[str, Callable[[Value, Value], bool]] = {
+_OF_ANGLES = ("+", "-", "//", "%")  # both operands are angles, or none is; `//` counts how often one is in the other
+_ORDER: Mapping[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
 }  # fmt: skip
 
@@ -29,7 +47,8 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
     if isinstance(tree, syntax.Constant):
         return tree.value
     if isinstance(tree, Name):
-        return scope[tree.name] if tree.name in scope else _constant(tree)
+        found = scope.get(tree.key)
+        return _constant(tree, scope) if found is None else found
     if isinstance(tree, syntax.Item):
         return _item(tree, scope)
     if isinstance(tree, syntax.Vector):
@@ -53,7 +72,11 @@ def names(tree: Expression) -> Iterator[Name]:
                 yield from names(child)
 
 
-def _constant(tree: Name) -> Value:
+def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
+    if tree.space == syntax.PARAMETERS and tree.name in scope:
+        return scope[tree.name]
+    if tree.space:
+        raise syntax.UnknownName(tree.name, tree.at, tree.space)
     if tree.name in syntax.CONSTANTS:
         return syntax.CONSTANTS[tree.name]
     if tree.name.lower() in ("true", "false"):
@@ -72,12 +95,12 @@ def _item(tree: syntax.Item, scope: Mapping[str, Value]) -> Value:
     return vector[tree.index]
 
 
-def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> int | float:
+def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> Number | Angle:
     return _as_number(evaluate(tree, scope), tree, what)
 
 
-def _as_number(value: Value, tree: Expression, what: str) -> int | float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+def _as_number(value: Value, tree: Expression, what: str) -> Number | Angle:
+    if isinstance(value, bool) or not isinstance(value, (int, float, Angle)):
         raise ExpressionError(f"{what} needs a number, got {kind(value)}", tree.at)
     return value
 
@@ -93,7 +116,9 @@ def _unary(tree: syntax.Unary, scope: Mapping[str, Value]) -> Value:
     if tree.operator == "not":
         return not _boolean(tree.operand, "not", scope)
     value = _number(tree.operand, f"`{tree.operator}`", scope)
-    return -value if tree.operator == "-" else value
+    if tree.operator == "+":
+        return value
+    return Angle(-value.value, value.unit) if isinstance(value, Angle) else -value
 
 
 def _binary(tree: syntax.Binary, scope: Mapping[str, Value]) -> Value:
@@ -111,14 +136,65 @@ def _binary(tree: syntax.Binary, scope: Mapping[str, Value]) -> Value:
         return first + second
     what = f"`{tree.operator}`"
     a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
+    if isinstance(a, Angle) or isinstance(b, Angle):
+        return _of_angles(tree, a, b)
+    return _arithmetic(tree, a, b)
+
+
+def _arithmetic(tree: syntax.Binary, a: Number, b: Number) -> Number:
     if tree.operator == "**" and abs(b) > _MAX_EXPONENT:
         raise ExpressionError(f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.at)
     return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
 
 
+def _of_angles(tree: syntax.Binary, a: Number | Angle, b: Number | Angle) -> Number | Angle:
+    """Return the result of arithmetic with at least one angle."""
+    symbol = tree.operator
+    if symbol in _OF_ANGLES or (symbol == "/" and isinstance(a, Angle) and isinstance(b, Angle)):
+        (first, second), unit = _in_one_unit(f"`{symbol}`", [(tree.left, a), (tree.right, b)], tree)
+        number = _arithmetic(tree, first, second)
+        return number if symbol in ("/", "//") else Angle(number, unit)
+    if isinstance(a, Angle) and not isinstance(b, Angle) and symbol in ("*", "/"):
+        return Angle(_arithmetic(tree, a.value, b), a.unit)
+    if isinstance(b, Angle) and not isinstance(a, Angle) and symbol == "*":
+        return Angle(_arithmetic(tree, a, b.value), b.unit)
+    raise WrongUnits(
+        f"`{symbol}` of {kind(a)} and {kind(b)}", tree.at, _plain(tree.right if symbol == "/" else tree.left)
+    )
+
+
+_Operand = tuple[Expression, Number | Angle]
+
+
+def _in_one_unit(what: str, operands: Sequence[_Operand], tree: Expression) -> tuple[list[Number], syntax.Unit]:
+    """Return the numbers of angles in the unit of the first of them, and that unit. Only a 0 needs no unit."""
+    unit = next(value.unit for _, value in operands if isinstance(value, Angle))
+    for side, value in operands:
+        if not isinstance(value, Angle) and value != 0:
+            raise WrongUnits(f"{what} of an angle and a number without a unit", tree.at, _with_units(side, operands))
+    return [value.in_unit(unit) if isinstance(value, Angle) else value for _, value in operands], unit
+
+
+def _with_units(side: Expression, operands: Sequence[_Operand]) -> list[Rewrite]:
+    """Return the two meanings of a plain number beside an angle."""
+    if isinstance(side.value if isinstance(side, syntax.Constant) else None, int | float):
+        return [Rewrite(side.at, "", unit) for unit in syntax.UNITS]
+    if isinstance(side, syntax.Unary):
+        return _with_units(side.operand, operands)
+    angles = [each for each, value in operands if isinstance(value, Angle)]
+    return _plain(angles[0]) if len(angles) == 1 else []
+
+
+def _plain(angle: Expression) -> list[Rewrite]:
+    """Return the two plain numbers that an angle can mean."""
+    return [Rewrite(angle.at, f"{unit}(", ")") for unit in syntax.UNITS]
+
+
 def _comparison(tree: syntax.Comparison, scope: Mapping[str, Value]) -> bool:
     values = [evaluate(operand, scope) for operand in tree.operands]
-    for symbol, left, right in zip(tree.operators, values, values[1:], strict=False):
+    for at, (symbol, left, right) in enumerate(zip(tree.operators, values, values[1:], strict=False)):
+        if isinstance(left, Angle) or isinstance(right, Angle):
+            left, right = _difference(symbol, [(tree.operands[at], left), (tree.operands[at + 1], right)]), 0
         if kind(left) != kind(right):
             raise ExpressionError(f"`{symbol}` of {kind(left)} and {kind(right)}", tree.at)
         if symbol not in ("==", "!=") and kind(left) not in ("a number", "text"):
@@ -126,6 +202,17 @@ def _comparison(tree: syntax.Comparison, scope: Mapping[str, Value]) -> bool:
         if not _ORDER[symbol](left, right):
             return False
     return True
+
+
+def _difference(symbol: str, sides: Sequence[tuple[Expression, Value]]) -> float:
+    """Return how far the first angle is above the second."""
+    at = sides[0][0].at[0], sides[1][0].at[1]
+    for _, value in sides:
+        if isinstance(value, bool) or not isinstance(value, int | float | Angle):
+            raise ExpressionError(f"`{symbol}` of {' and '.join(kind(each) for _, each in sides)}", at)
+    operands = [(tree, value) for tree, value in sides if isinstance(value, int | float | Angle)]
+    (first, second), unit = _in_one_unit(f"`{symbol}`", operands, syntax.Vector((), at))
+    return Angle(first, unit).compared_to(Angle(second, unit))
 
 
 def _call(tree: syntax.Call, scope: Mapping[str, Value]) -> Value:
@@ -136,12 +223,32 @@ def _call(tree: syntax.Call, scope: Mapping[str, Value]) -> Value:
         takes = str(function.least) if function.least == function.most else takes
         raise ExpressionError(f"`{tree.function}` takes {takes} numbers, got {count}", tree.at)
     arguments = [_number(argument, f"`{tree.function}`", scope) for argument in tree.arguments]
-    return _checked(tree, lambda: function.apply(*arguments), arguments)
+    if function.angles == syntax.GIVES or any(isinstance(argument, Angle) for argument in arguments):
+        return _call_of_angles(tree, function, arguments)
+    plain = [argument for argument in arguments if not isinstance(argument, Angle)]
+    return _checked(tree, lambda: function.apply(*plain), plain)
 
 
-def _checked(
-    tree: syntax.Binary | syntax.Call, work: Callable[[], int | float], of: Sequence[int | float]
-) -> int | float:
+def _call_of_angles(tree: syntax.Call, function: syntax.Function, arguments: list[Number | Angle]) -> Number | Angle:
+    """Return the result of a function that takes or gives angles."""
+    operands = list(zip(tree.arguments, arguments, strict=True))
+    angles = [(argument, value) for argument, value in operands if isinstance(value, Angle)]
+    if not angles:
+        plain = [value for value in arguments if not isinstance(value, Angle)]
+        return Angle(_checked(tree, lambda: function.apply(*plain), plain), "rad")
+    argument, angle = angles[0]
+    if tree.function in syntax.UNITS:
+        return angle.in_unit(tree.function)
+    if function.angles == syntax.TAKES:
+        return _checked(tree, lambda: function.apply(angle.radians), [angle.radians])
+    if function.angles == syntax.PLAIN or (function.angles == syntax.GIVES and len(operands) == 1):
+        raise WrongUnits(f"`{tree.function}` of an angle", tree.at, _plain(argument))
+    numbers, unit = _in_one_unit(f"`{tree.function}`", operands, tree)
+    number = _checked(tree, lambda: function.apply(*numbers), numbers)
+    return Angle(number, "rad" if function.angles == syntax.GIVES else unit)
+
+
+def _checked(tree: syntax.Binary | syntax.Call, work: Callable[[], Number], of: Sequence[Number]) -> Number:
     """Return a finite number that is not too large; `of` are the operands. Raises `ExpressionError`."""
     try:
         value = work()
@@ -164,10 +271,26 @@ def _checked(
     return value
 
 
-class Template(Struct):
-    """Pieces of text, and expressions with their start positions."""
+class Inserted(Struct):
+    """An expression in a text: its tree, and the place and the text between its braces."""
 
-    pieces: tuple[str | tuple[int, Expression], ...]
+    start: int
+    text: str
+    tree: Expression
+
+    def value(self, scope: Mapping[str, Value]) -> Value:
+        try:
+            return evaluate(self.tree, scope)
+        except WrongUnits as error:
+            raise error.helped(self.text).moved(self.start) from None
+        except ExpressionError as error:
+            raise error.moved(self.start) from None
+
+
+class Template(Struct):
+    """Pieces of text, and expressions."""
+
+    pieces: tuple[str | Inserted, ...]
 
     @classmethod
     @lru_cache(maxsize=64)  # a condition is evaluated for each element
@@ -184,7 +307,7 @@ class Template(Struct):
             at = text.index(OPENING)
             message = f"the text has {count} expressions; {most} are allowed"
             raise ExpressionError(message, (at, at + len(OPENING)), advice("string", count))
-        pieces: list[str | tuple[int, Expression]] = []
+        pieces: list[str | Inserted] = []
         at = 0
         while (start := text.find(OPENING, at)) >= 0:
             end = _closing(text, start)
@@ -192,7 +315,7 @@ class Template(Struct):
                 pieces.append(text[at:start])
             inside = start + len(OPENING)
             try:
-                pieces.append((inside, parse(text[inside:end])))
+                pieces.append(Inserted(inside, text[inside:end], parse(text[inside:end])))
             except ExpressionError as error:
                 raise error.moved(inside) from None
             at = end + 1
@@ -201,36 +324,56 @@ class Template(Struct):
         return cls(tuple(pieces))
 
     def value(self, scope: Mapping[str, Value]) -> Value:
-        """Evaluate the text with these names: a single expression gives a value of any type, other texts a text."""
-        values: list[Value] = []
-        for piece in self.pieces:
-            if isinstance(piece, str):
-                values.append(piece)
-                continue
-            try:
-                values.append(evaluate(piece[1], scope))
-            except ExpressionError as error:
-                raise error.moved(piece[0]) from None
+        """Evaluate the text with these names: a single expression gives a value of any type, other texts a text.
+
+        In a text, an angle is its number in its own unit. Raises `ExpressionError`.
+
+        >>> scope = {"t": Angle(10, "deg"), "v": (Angle(1, "rad"), Angle(2, "rad"))}
+        >>> [Template.parse(text).value(scope) for text in ("${-t}", "${v[1]}", "${2 * t}", "${t}deg")]
+        [Angle(value=-10, unit='deg'), Angle(value=2, unit='rad'), Angle(value=20, unit='deg'), '10deg']
+        """
+        values = [piece if isinstance(piece, str) else piece.value(scope) for piece in self.pieces]
         if len(values) == 1:
             return values[0]
         texts = [shown(value) for value in values]
         given = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
         if given > (most := in_force().string):
-            at = next(piece[0] for piece in self.pieces if not isinstance(piece, str))
+            at = next(piece.start for piece in self.pieces if not isinstance(piece, str))
             message = f"expressions give {given} characters; {most} are allowed"
             raise ExpressionError(message, (at, at + 1), advice("string", given))
+        for piece, value, after in zip(self.pieces, values, texts[1:], strict=False):
+            if isinstance(value, Angle) and not isinstance(piece, str):
+                _check_unit_behind(piece, value, after)
         return "".join(texts)
+
+    def markup(self, scope: Mapping[str, Value]) -> Value:
+        """Evaluate a fragment of MJCF, whose numbers have no units: an angle in it is an error."""
+        for piece in self.pieces:
+            if not isinstance(piece, str) and isinstance(piece.value(scope), Angle):
+                error = WrongUnits(
+                    "an angle in a fragment of MJCF would lose its unit", piece.tree.at, _plain(piece.tree)
+                )
+                raise error.helped(piece.text).moved(piece.start)
+        return self.value(scope)
 
     def names(self) -> Iterator[Name]:
         for piece in self.pieces:
             if not isinstance(piece, str):
-                at, tree = piece
-                yield from (Name(each.name, (each.at[0] + at, each.at[1] + at)) for each in names(tree))
+                for each in names(piece.tree):
+                    yield Name(each.name, (each.at[0] + piece.start, each.at[1] + piece.start), each.space)
 
-    @property
-    def is_one_name(self) -> str | None:
-        piece = self.pieces[0] if len(self.pieces) == 1 else ""
-        return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
+    def parameters(self) -> Iterator[Name]:
+        """Yield the names that may be parameters or variants, which attributes of an element are not."""
+        return (each for each in self.names() if each.space != syntax.ELEMENT)
+
+
+def _check_unit_behind(piece: Inserted, angle: Angle, after: str) -> None:
+    """Report `${…}deg` of an angle in radians: its number in radians would become one in degrees."""
+    unit = after[:3]
+    if unit in syntax.UNITS and unit != angle.unit and not after[3:4].isalnum():
+        at = piece.start, piece.start + len(piece.text)
+        help = f"leave `{unit}` and any conversion out: an angle keeps its unit"
+        raise ExpressionError(f"an angle in {angle.unit} is followed by `{unit}`", at, help)
 
 
 def _closing(text: str, start: int) -> int:

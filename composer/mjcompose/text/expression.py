@@ -4,90 +4,24 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from string import ascii_letters, digits
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import Struct
 
-Value = bool | int | float | str | tuple["Value", ...]
-
-MAX_INTEGER = 2**63
-
-
-def kind(value: Value) -> str:
-    """Return the noun in messages for a value's type.
-
-    >>> kind(True), kind(2), kind(2.0), kind("x"), kind((1, 2))
-    ('a boolean', 'a number', 'a number', 'text', 'a vector')
-    """
-    if isinstance(value, bool):
-        return "a boolean"
-    if isinstance(value, (int, float)):
-        return "a number"
-    return "text" if isinstance(value, str) else "a vector"
-
-
-def shown(value: Value) -> str:
-    """Return a value as text: the shortest text that reads back as the same number.
-
-    >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left")
-    ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left')
-    """
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, tuple):
-        return "[" + ", ".join(shown(each) for each in value) + "]"
-    return value if isinstance(value, str) else repr(value)
-
-
-Number = int | float
-
-
-class ArgumentError(ValueError):
-    """An argument that a function does not accept; the text says why."""
-
-
-class Function(NamedTuple):
-    """A function of expressions; `apply` takes `least` to `most` numbers (None: any number)."""
-
-    apply: Callable[..., Number]
-    least: int = 1
-    most: int | None = 1
-
-
-def _round(value: Number, digits: Number = 0) -> Number:
-    if isinstance(digits, float) or not -20 <= digits <= 20:
-        raise ArgumentError("the second argument is the number of digits, a whole number up to 20")
-    return round(value, digits) if digits else round(value)
-
-
-def _clamp(value: Number, low: Number, high: Number) -> Number:
-    if low > high:
-        raise ArgumentError(f"the lower bound {low} is above the upper bound {high}")
-    return min(max(value, low), high)
-
-
-CONSTANTS: Mapping[str, Value] = {"pi": math.pi}
-FUNCTIONS: Mapping[str, Function] = {
-    "abs": Function(abs), "min": Function(min, 2, None), "max": Function(max, 2, None),
-    "round": Function(_round, 1, 2), "floor": Function(math.floor), "ceil": Function(math.ceil),
-    "sqrt": Function(math.sqrt), "exp": Function(math.exp), "log": Function(math.log, 1, 2),
-    "sin": Function(math.sin), "cos": Function(math.cos), "tan": Function(math.tan), "asin": Function(math.asin),
-    "acos": Function(math.acos), "atan": Function(math.atan), "atan2": Function(math.atan2, 2, 2),
-    "hypot": Function(math.hypot, 2, None), "clamp": Function(_clamp, 3, 3), "deg": Function(math.degrees),
-    "rad": Function(math.radians),
-}  # fmt: skip
-
-UNITS: Mapping[str, Literal["deg", "rad"]] = {"deg": "deg", "rad": "rad"}
+Unit = Literal["deg", "rad"]
+UNITS: Mapping[str, Unit] = {"deg": "deg", "rad": "rad"}
 ANGLE_PATTERN = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?(?:deg|rad)"
 _ANGLE = re.compile(ANGLE_PATTERN)
+_ROUNDING = 1e-12
 
 
 class Angle(Struct):
     """A number with its unit: `90deg`, `1.57rad`."""
 
     value: float
-    unit: Literal["deg", "rad"]
+    unit: Unit
 
     @property
     def radians(self) -> float:
@@ -110,9 +44,129 @@ class Angle(Struct):
             return self.value
         return math.radians(self.value) if unit == "rad" else math.degrees(self.value)
 
+    def compared_to(self, other: Angle) -> float:
+        """Return how far the angle is above another one, in radians: 0 if only the change of the unit rounds.
+
+        >>> Angle(30, "deg").compared_to(Angle(math.pi / 6, "rad")), Angle(1, "rad").compared_to(Angle(1, "deg")) > 0
+        (0.0, True)
+        """
+        difference = self.radians - other.radians
+        return 0.0 if abs(difference) <= _ROUNDING * max(1.0, abs(self.radians)) else difference
+
     def __str__(self) -> str:
         return f"{self.value:.17g}{self.unit}"
 
+
+Value = bool | int | float | str | Angle | tuple["Value", ...]
+
+MAX_INTEGER = 2**63
+
+
+def number_of(value: Value) -> Value:
+    """Return the number of an angle, in its own unit, as texts and manifests show it. Other values stay."""
+    if isinstance(value, tuple):
+        return tuple(map(number_of, value))
+    return value.value if isinstance(value, Angle) else value
+
+
+def written(value: Value) -> bool | int | float | str | list[Any]:
+    """Return a value as a recipe writes it: an angle as `10deg`, a vector as a list.
+
+    >>> written((Angle(10, "deg"), 0.5))
+    ['10deg', 0.5]
+    """
+    if isinstance(value, tuple):
+        return [written(each) for each in value]
+    return with_units(value) if isinstance(value, Angle) else value
+
+
+def with_units(value: Value) -> str:
+    """Return a value as text, with the unit of an angle.
+
+    >>> with_units((Angle(10, "deg"), 0.5))
+    '[10deg, 0.5]'
+    """
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(with_units, value))}]"
+    return f"{shown(value)}{value.unit}" if isinstance(value, Angle) else shown(value)
+
+
+def kind(value: Value) -> str:
+    """Return the noun in messages for a value's type.
+
+    >>> kind(True), kind(2), kind(2.0), kind("x"), kind((1, 2)), kind(Angle(2, "deg"))
+    ('a boolean', 'a number', 'a number', 'text', 'a vector', 'an angle')
+    """
+    if isinstance(value, bool):
+        return "a boolean"
+    if isinstance(value, (int, float)):
+        return "a number"
+    if isinstance(value, Angle):
+        return "an angle"
+    return "text" if isinstance(value, str) else "a vector"
+
+
+def shown(value: Value) -> str:
+    """Return a value as text: the shortest text that reads back as the same number.
+
+    >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left")
+    ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left')
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(shown(each) for each in value) + "]"
+    return value if isinstance(value, str) else repr(number_of(value))
+
+
+Number = int | float
+
+
+class ArgumentError(ValueError):
+    """An argument that a function does not accept; the text says why."""
+
+
+# What a function makes of angles. Each of its arguments is an angle, or none is.
+KEEPS: Literal["keeps"] = "keeps"  # `min`: it gives an angle for angles, and a number for numbers
+TAKES: Literal["takes"] = "takes"  # `sin`: it takes an angle, or a number of radians, and gives a number
+GIVES: Literal["gives"] = "gives"  # `atan2`: it takes numbers, or angles whose ratio counts, and gives an angle
+PLAIN: Literal["plain"] = "plain"  # `sqrt`: it has no meaning for an angle
+
+
+class Function(NamedTuple):
+    """A function of expressions; `apply` takes `least` to `most` numbers (None: any number)."""
+
+    apply: Callable[..., Number]
+    least: int = 1
+    most: int | None = 1
+    angles: Literal["keeps", "takes", "gives", "plain"] = PLAIN
+
+
+def _round(value: Number, digits: Number = 0) -> Number:
+    if isinstance(digits, float) or not -20 <= digits <= 20:
+        raise ArgumentError("the second argument is the number of digits, a whole number up to 20")
+    return round(value, digits) if digits else round(value)
+
+
+def _clamp(value: Number, low: Number, high: Number) -> Number:
+    if low > high:
+        raise ArgumentError(f"the lower bound {low} is above the upper bound {high}")
+    return min(max(value, low), high)
+
+
+CONSTANTS: Mapping[str, Value] = {"pi": math.pi}
+FUNCTIONS: Mapping[str, Function] = {
+    "abs": Function(abs, angles=KEEPS), "min": Function(min, 2, None, KEEPS), "max": Function(max, 2, None, KEEPS),
+    "round": Function(_round, 1, 2), "floor": Function(math.floor), "ceil": Function(math.ceil),
+    "sqrt": Function(math.sqrt), "exp": Function(math.exp), "log": Function(math.log, 1, 2),
+    "sin": Function(math.sin, angles=TAKES), "cos": Function(math.cos, angles=TAKES),
+    "tan": Function(math.tan, angles=TAKES), "asin": Function(math.asin, angles=GIVES),
+    "acos": Function(math.acos, angles=GIVES), "atan": Function(math.atan, angles=GIVES),
+    "atan2": Function(math.atan2, 2, 2, GIVES), "hypot": Function(math.hypot, 2, None, KEEPS),
+    "clamp": Function(_clamp, 3, 3, KEEPS),
+    # For an angle, its number in that unit; a number is one in the other unit.
+    "deg": Function(math.degrees, angles=TAKES), "rad": Function(math.radians, angles=TAKES),
+}  # fmt: skip
 
 Range: TypeAlias = tuple[int, int]  # the first character of something in the parsed text, and the one after its last
 
@@ -132,9 +186,38 @@ class ExpressionError(Exception):
 class UnknownName(ExpressionError):
     """A name that the scope does not have; code that knows the existing names can give more details."""
 
-    def __init__(self, name: str, at: Range) -> None:
-        super().__init__(f"`{name}` does not exist", at)
-        self.name = name
+    def __init__(self, name: str, at: Range, space: str = "") -> None:
+        super().__init__(f"`{space}.{name}` does not exist" if space else f"`{name}` does not exist", at)
+        self.name, self.space = name, space
+
+
+class Rewrite(NamedTuple):
+    """Texts to put around some characters of an expression."""
+
+    at: Range
+    before: str
+    after: str
+
+    def of(self, text: str) -> str:
+        start, end = self.at
+        return f"{text[:start]}{self.before}{text[start:end]}{self.after}{text[end:]}"
+
+
+class WrongUnits(ExpressionError):
+    """An angle where only a number has a meaning, or the other way round; each of `rewrites` is a way out."""
+
+    def __init__(self, message: str, at: Range, rewrites: Sequence[Rewrite] = ()) -> None:
+        super().__init__(message, at)
+        self.rewrites = rewrites
+
+    def helped(self, text: str) -> WrongUnits:
+        """Add the help, which quotes the `text` of the whole expression."""
+        if self.rewrites and len(text) <= _LONGEST_QUOTED:
+            self.help = f"write {' or '.join(f'`{each.of(text)}`' for each in self.rewrites)}"
+        return self
+
+
+_LONGEST_QUOTED = 100
 
 
 class Constant(Struct):
@@ -142,9 +225,19 @@ class Constant(Struct):
     at: Range
 
 
+PARAMETERS, ELEMENT = "params", "element"
+
+
 class Name(Struct):
+    """A name: `reach`, or with the `space` that it is from, `params.reach` and `element.damping`."""
+
     name: str
     at: Range
+    space: str = ""
+
+    @property
+    def key(self) -> str:
+        return f"{self.space}.{self.name}" if self.space else self.name
 
 
 class Item(Struct):
@@ -216,8 +309,9 @@ class Token(NamedTuple):
 KEYWORDS = frozenset({"and", "or", "not", "if", "else", "true", "false"})
 _TOKEN = re.compile(
     r"""\s*(?:
-        (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
-      | (?P<name>[^\W\d]\w*)
+        (?P<angle>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?:deg|rad)(?![\w.]))
+      | (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+      | (?P<name>(?:(?:params|element)\.)?[^\W\d]\w*)
       | (?P<text>'[^']*'|"[^"]*")
       | (?P<operator>\*\*|//|<=|>=|==|!=|[-+*/%<>()\[\],])
     )""",
@@ -242,7 +336,7 @@ def tokens(text: str) -> list[Token]:
         start = match.start(kind)
         if kind == "number" and match.end() < end and (text[match.end()].isalnum() or text[match.end()] in "_."):
             raise _run_on(text, start)
-        if kind == "number" and len(token) > _MAX_DIGITS:
+        if kind in ("number", "angle") and len(token) > _MAX_DIGITS:
             raise ExpressionError("the number is too long", (start, match.end()))
         found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
         at = match.end()
@@ -265,8 +359,9 @@ def _unreadable(text: str, at: int) -> ExpressionError:
 
 def _run_on(text: str, start: int) -> ExpressionError:
     word = re.split(r"[^\w.]", text[start:], maxsplit=1)[0]
-    number = word.removesuffix("deg")
-    help = f"write units outside of expressions, or `rad({number})` for radians" if number != word else None
+    number, unit = word.rstrip(ascii_letters + "°"), word.lstrip(digits + ".")
+    near = {"°": "deg", "degrees": "deg", "degree": "deg", "radians": "rad", "radian": "rad"}.get(unit)
+    help = f"write `{number}{near}`" if near else None
     return ExpressionError(f"`{word}` is not a number", (start, start + len(word)), help)
 
 
@@ -390,13 +485,15 @@ class _Parser:
     def atom(self) -> Expression:
         if token := self.take("number"):
             return Constant(_number(token), token.at)
+        if token := self.take("angle"):
+            return Constant(Angle(_number(token, token.text[:-3]), UNITS[token.text[-3:]]), token.at)
         if token := self.take("text"):
             return Constant(token.text[1:-1], token.at)
         if token := self.take("true", "false"):
             return Constant(token.kind == "true", token.at)
         if token := self.take("name"):
             opened = self.take("(")
-            return self.call(token, opened) if opened else Name(token.text, token.at)
+            return self.call(token, opened) if opened else _named(token)
         if opened := self.take("("):
             value = self.choice()
             self.expect(")", opened)
@@ -425,12 +522,18 @@ class _Parser:
         return tuple(found), closed.at[1]
 
 
-def _number(token: Token) -> int | float:
-    if token.text.isdigit():
-        if len(token.text) > 19:
+def _named(token: Token) -> Name:
+    space, dot, name = token.text.rpartition(".")
+    return Name(name, (token.start + len(space + dot), token.at[1]), space)
+
+
+def _number(token: Token, text: str | None = None) -> int | float:
+    text = token.text if text is None else text
+    if text.isdigit():
+        if len(text) > 19:
             raise ExpressionError("a number too large for an expression", token.at)
-        return int(token.text)
-    value = float(token.text)
+        return int(text)
+    value = float(text)
     if value in (float("inf"), float("-inf")):
         raise ExpressionError(f"`{token.text}` is too large for a number", token.at)
     return value

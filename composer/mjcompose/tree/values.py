@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.tree.grammar import Attribute
@@ -25,7 +25,8 @@ def code_point(character: str) -> str:
     return f"U+{ord(character):04X}"
 
 
-_NAMES = frozenset({"fovy", "azimuth", "elevation"})
+_NAMES = frozenset({"fovy", "azimuth"})
+_IN_DEGREES = frozenset({("light", "cutoff"), ("global", "elevation")})
 
 
 def is_in_degrees(tag: str, attribute: str) -> bool:
@@ -34,7 +35,54 @@ def is_in_degrees(tag: str, attribute: str) -> bool:
     >>> is_in_degrees("light", "cutoff"), is_in_degrees("camera", "fovy"), is_in_degrees("jointpos", "cutoff")
     (True, True, False)
     """
-    return attribute in _NAMES or (tag, attribute) == ("light", "cutoff")
+    return attribute in _NAMES or (tag, attribute) in _IN_DEGREES
+
+
+# Angles of a joint, or sums of them: what they are depends on what the element refers to. They are in radians.
+_CONTROLS = ("ctrlrange", "lengthrange")
+_READINGS = ("cutoff", "noise")
+_TENDON = ("range", "springlength", "springyield", "margin")
+_OF_JOINTS: Mapping[str, Collection[str]] = {
+    "joint": ("margin", "polycoef"),
+    **dict.fromkeys(("fixed", "tendon"), (*_TENDON, "polycoef")),  # `tendon` is the tag of an equality, and of a class
+    "key": ("qpos", "qvel", "act", "ctrl"),
+    "numeric": ("data",),
+    "element": ("prm",),
+    **dict.fromkeys(("position", "velocity", "orientation", "dcmotor"), _CONTROLS),
+    **dict.fromkeys(("motor", "damper", "cylinder", "muscle"), ("lengthrange",)),
+    "intvelocity": (*_CONTROLS, "actrange"),
+    "general": (*_CONTROLS, "actrange", "velrange", "dynprm"),
+    "plugin": (*_CONTROLS, *_READINGS, "actrange", "dynprm"),
+    "pid": (*_CONTROLS, "posrange", "velrange", "slewmax"),
+    **dict.fromkeys(
+        (
+            "jointpos", "jointvel", "tendonpos", "tendonvel", "actuatorpos", "actuatorvel", "jointlimitpos",
+            "jointlimitvel", "tendonlimitpos", "tendonlimitvel", "ballquat", "ballangvel", "gyro", "framequat",
+            "frameangvel", "frameangacc", "user",
+        ),
+        _READINGS,
+    ),
+}  # fmt: skip
+_OF_USERS = "user"
+
+
+def may_be_angle(tag: str, attribute: Attribute) -> bool:
+    """Return whether an angle has a meaning there: in `pos`, `timestep` or `damping` it has none.
+
+    >>> from mjcompose.tree.grammar import GRAMMAR
+    >>> [may_be_angle("joint", GRAMMAR.element("joint").attributes[name]) for name in ("range", "pos", "damping")]
+    [True, False, False]
+    >>> [may_be_angle(tag, GRAMMAR.element(tag).attributes["ctrlrange"]) for tag in ("position", "motor")]
+    [True, False]
+    """
+    if attribute.type != "real":
+        return False
+    return (
+        attribute.angle is not None
+        or attribute.name == _OF_USERS
+        or is_in_degrees(tag, attribute.name)
+        or attribute.name in _OF_JOINTS.get(tag, ())
+    )
 
 
 REAL = re.compile(

@@ -57,7 +57,7 @@ def test_drop_of_what_is_not_there(radian: Case) -> None:
     [
         ("{select: {joint: elbow}, set: {armature: 0.3}}", {"elbow dof_armature"}),
         ("{select: {joint: '{shoulder,elbow}'}, scale: {damping: 0.5}}", {"shoulder dof_damping", "elbow dof_damping"}),
-        ("{select: {joint: elbow}, set: {ref: '${value + rad(5)}rad'}}", {"elbow ref"}),
+        ("{select: {joint: elbow}, set: {ref: '${value + 5deg}'}}", {"elbow ref"}),
         ("{select: {joint: elbow}, set: {range: [-20deg, 1rad]}}", {"elbow range"}),
         ("{select: {joint: elbow}, set: {'range[1]': 30deg}}", {"elbow range"}),
         ("{select: {geom: upper}, set: {'friction[1]': 0.1}}", {"upper friction"}),
@@ -176,7 +176,7 @@ def test_a_part_is_edited_alone_in_its_own_names(radian: Case) -> None:
     (radian.folder / "deg.xml").write_text(DEGREES)
     model = radian.model(
         "recipe: 1\nbase: ./arm.xml\nattach:\n  d: {model: ./deg.xml, pos: [0, 2, 0], drop: [key], edit: "
-        "[{select: {joint: elbow}, set: {range: [-10deg, 0.1rad], ref: '${value + rad(5)}rad'}}, {select: {geom: lower}, rename: low}]}\n"
+        "[{select: {joint: elbow}, set: {range: [-10deg, 0.1rad], ref: '${value + 5deg}'}}, {select: {geom: lower}, rename: low}]}\n"
     )
     assert model.joint("d/elbow").range == pytest.approx([-np.radians(10), 0.1])
     assert model.joint("d/elbow").qpos0 == pytest.approx([np.radians(15)])

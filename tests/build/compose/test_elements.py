@@ -60,12 +60,9 @@ def test_only_hinges_and_balls_turn(compose: Compose) -> None:
 
 
 def test_units_on_numbers_that_are_no_angles_to_mjcf(compose: Compose) -> None:
-    model = compose(
-        f"{HEAD}add:\n  - {{to: base, camera: {{name: eye, fovy: 1rad}}}}\n  - {{to: base, site: {{name: s, pos: [90deg, 0, 0]}}}}\n"
-    )
+    model = compose(f"{HEAD}add:\n  - {{to: base, camera: {{name: eye, fovy: 1rad}}}}\n")
     assert numbers(added(model, "eye")["fovy"]) == pytest.approx([math.degrees(1)])
-    assert numbers(added(model, "s")["pos"]) == pytest.approx([math.pi / 2, 0, 0])
-    model = compose(f"{HEAD}sensor: {{s: {{type: framepos, objtype: body, objname: base, cutoff: 90deg}}}}\n")
+    model = compose(f"{HEAD}sensor: {{s: {{type: framequat, objtype: body, objname: base, cutoff: 90deg}}}}\n")
     assert numbers(added(model, "s")["cutoff"]) == pytest.approx([math.pi / 2])
 
 

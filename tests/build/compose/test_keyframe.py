@@ -81,7 +81,7 @@ def test_every_vector_by_name(built: Built) -> None:
         "keyframe:\n  mine:\n    time: 3.5\n"
         "    qpos: {shoulder: 90, slide: 0.3, hip: [0, 1, 0, 0], loose/cube: [1, 2, 3, 0, 0, 0, 1], cube/: [4, 5, 6, 1, 0, 0, 0]}\n"
         "    qvel: {shoulder: -45, slide: 2, hip: [1, 2, 3], loose/cube: [1, 2, 3, 4, 5, 6]}\n"
-        "    ctrl: {shoulder: 90deg, slide: 4}\n    act: {slide: 0.25}\n"
+        "    ctrl: {shoulder: 1.5, slide: 4}\n    act: {slide: 0.25}\n"
         "    mpos: {loose/goal: [7, 8, 9]}\n    mquat: {loose/goal: [0, 0, 1, 0]}\n"
     )
     key = Reset(model, "mine")
@@ -97,7 +97,7 @@ def test_every_vector_by_name(built: Built) -> None:
     assert key.qvel("shoulder") == [-np.pi / 4]
     assert key.qvel("slide") == [2]
     assert key.qvel("hip") == [1, 2, 3]
-    assert key.data.actuator("shoulder").ctrl[0] == np.pi / 2
+    assert key.data.actuator("shoulder").ctrl[0] == 1.5
     assert key.data.actuator("slide").ctrl[0] == 4
     assert key.data.act.tolist() == [0.25]
     assert key.data.mocap_pos.tolist() == [[7, 8, 9]]

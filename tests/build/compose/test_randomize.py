@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,6 +12,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.stages import Built, Request, build
 from mjcompose.sources.context import Context
+from mjcompose.text.expression import Angle
 
 MODEL = """\
 <mujoco>
@@ -168,7 +170,8 @@ def test_a_parameter(make: Make) -> None:
     found = drawn(built)
     site = written(built, "site", "s")
     assert numbers(site["pos"])[:2] == [found["size"], found["home[1]"]]
-    assert built.plan.scope["tilt"] == pytest.approx(30 + float(str(found["turn"])) * 180 / 3.141592653589793)
+    assert isinstance(tilt := built.plan.scope["tilt"], Angle)
+    assert tilt.radians == pytest.approx(math.radians(30) + float(str(found["turn"])))
     draws = from_json(built.bundle.files["manifest.json"]).draws
     assert [(each.field, each.element, each.attribute, each.operation) for each in draws] == [
         ("size", None, "size", "scale"), ("home", None, "home", "set"), ("turn", None, "tilt", "offset"),

@@ -41,9 +41,9 @@ def test_angles_in_where(arm: Case) -> None:
 
 
 def test_a_condition_on_what_others_of_the_family_have(radian: Case) -> None:
-    model = radian.edited("{select: {joint: '**', where: '${range[1] > 1}'}, expect: 2, set: {group: 1}}")
+    model = radian.edited("{select: {joint: '**', where: '${range[1] > 1rad}'}, expect: 2, set: {group: 1}}")
     assert model.joint("elbow").group[0] == 1
-    assert radian.told("{select: {geom: '**', where: '${mass > 0}'}, set: {group: 1}}") == ["34 expression"]
+    assert radian.told("{select: {geom: '**', where: '${mass > 0}'}, set: {group: 1}}") == ["37 expression"]
     assert "geom `floor` has no `mass`" in radian.said
 
 

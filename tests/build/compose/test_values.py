@@ -18,13 +18,32 @@ def test_attributes_stand_in_values_and_new_names(radian: Case) -> None:
     assert radian.edited(edit).actuator("elbow_motor").gear[0] == 3
 
 
-def test_a_parameter_stands_before_an_attribute_of_its_name(radian: Case) -> None:
+def test_a_parameter_and_an_attribute_of_one_name_are_written_apart(radian: Case) -> None:
     model = radian.model(
         "recipe: 1\nparams: {armature: 0.5}\nbase: ./arm.xml\n"
-        "edit: [{select: {joint: elbow}, set: {damping: '${armature}', frictionloss: '${damping + 1}'}}]\n"
+        "edit: [{select: {joint: elbow}, set: {damping: '${params.armature}', frictionloss: '${damping + 1}'}},"
+        " {select: {joint: elbow}, set: {armature: 0.25}},"
+        " {select: {joint: elbow, where: '${element.armature < params.armature}'}, set: {armature: '${armature}'}},"
+        " {select: {joint: elbow}, set: {stiffness: '${element.armature * 4}'}}]\n"
     )
     joint = model.joint("elbow")
     assert (joint.damping[0], model.dof_frictionloss[joint.dofadr[0]]) == (0.5, 1.5)
+    assert (joint.armature[0], joint.stiffness[0]) == (0.5, 2)
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        "{select: {joint: elbow}, set: {damping: '${armature * 2}'}}",
+        "{select: {joint: elbow, where: '${armature > 0}'}, optional: true, set: {damping: 2}}",
+        "{select: {joint: elbow, where: {damping: '${armature}'}}, optional: true, set: {damping: 2}}",
+        "{select: {joint: elbow}, scale: {damping: '${armature}'}}",
+        "{select: {joint: elbow}, rename: 'elbow_${armature}'}",
+    ],
+)
+def test_a_name_of_both_is_an_error_everywhere(radian: Case, edit: str) -> None:
+    assert [each.split()[1] for each in radian.told(edit, head="params: {armature: 0.5}\n")] == ["expression"]
+    assert "write `params.armature` for the parameter, or `element.armature` for the attribute" in radian.said
 
 
 def test_names_by_parent_and_index(radian: Case) -> None:

@@ -24,6 +24,7 @@ from mjcompose.sources.blobs import remembered_sha256
 from mjcompose.sources.context import Context, as_text
 from mjcompose.sources.license import UNKNOWN, license_of
 from mjcompose.sources.reference import Origin as Fetched, Source
+from mjcompose.text.expression import number_of
 from mjcompose.text.node import spans
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.grammar import GRAMMAR
@@ -229,7 +230,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         separator=plan.separator,
         cell=making.cell,
         variants=dict(plan.variants),
-        params={name: value for name, value in plan.scope.items() if name not in plan.variants},
+        params={name: number_of(value) for name, value in plan.scope.items() if name not in plan.variants},
         seed=plan.randomize.seed if plan.randomize else None,
         sample=plan.sample if plan.randomize else None,
         draws=tuple(_as(entries.Draw, each, component=each.start) for each in composed.drawn),

@@ -242,6 +242,9 @@ _ANGLES_AT_JOINT = {**_ANGLES, "rate of velocity": "an angular acceleration"}
 _BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
 _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
 """The controls of these actuators are never positions or velocities of a joint."""
+_OF_FORCE = ("motor", "damper", "cylinder", "muscle", "adhesion")
+_FORCE = "force"
+_LINEAR = ("slide", "free")
 _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 
@@ -286,6 +289,16 @@ class ControlUnits:
             return None
         words = _ANGLES_AT_JOINT if model.turns else {}
         return tuple((scale, words.get(scale.quantity)) for scale in scales)
+
+    def may_be_angles(self, actuator: Node) -> bool:
+        """Return whether the controls of an actuator may be angles: not if they are forces, or it moves a slide."""
+        joint = actuator.get("joint") or actuator.get("jointinparent")
+        if actuator.tag in _OF_FORCE or self.joints.get(str(joint)) in _LINEAR:
+            return False
+        control = None if actuator.tag in _UNLIKE else self._control(actuator)
+        if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
+            control = self._models[actuator].control if actuator in self._models else None
+        return control is None or control.removeprefix("rate of ") != _FORCE
 
     def _found(self, actuator: Node) -> ControlMeaning:
         joint = actuator.get("joint") or actuator.get("jointinparent")

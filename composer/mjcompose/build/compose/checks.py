@@ -10,7 +10,7 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.elements import ElementBuilder, Reference
 from mjcompose.build.plan.plan import AttachPart
-from mjcompose.language.value import is_angular
+from mjcompose.language.value import is_angular, no_angle
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass
 from mjcompose.link.key_layout import joint_type
@@ -22,7 +22,7 @@ from mjcompose.tree.edit import resolves, unresolved
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import DECLARES, naming_table, own_references, word
-from mjcompose.tree.select import name_of
+from mjcompose.tree.select import name_of, section_of
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
@@ -44,6 +44,34 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
                 making.sink.error("bare-angle", message, span, notes=notes, help=help, subjects=(called,))
                 break
     making.of_classes.clear()
+
+
+_JOINT_OF = ("joint", "jointinparent", "joint1")
+"""The attributes by which actuators, sensors and equalities name the joint whose numbers they have."""
+_LINEAR = ("slide", "free")
+
+
+def check_angles_of_targets(linking: Linking, making: ElementBuilder) -> None:
+    """Report angles of elements whose joint has none: controls, readings and margins of a slide are lengths."""
+    for node, attribute, angle, span in making.of_targets:
+        joint = _joint_of(node, linking)
+        kind = None if joint is None else joint_type(joint, linking.base.classes)
+        if kind in _LINEAR:
+            name = name_of(node)
+            called = f"{node.tag} `{name}`" if name else f"a `{node.tag}`"
+            subject = called if joint is node else f"{called}, whose joint is a {kind},"
+            making.refuse_angle(no_angle(f"`{attribute.name}` of {subject}", angle, ()), span)
+    making.of_targets.clear()
+
+
+def _joint_of(node: Node, linking: Linking) -> Node | None:
+    """Return the joint that gives the numbers of an element their unit; None for those of a class."""
+    if section_of(node) == "default":
+        return None
+    if node.tag == "joint" and section_of(node) == "worldbody":
+        return node
+    named = next((str(name) for each in _JOINT_OF if (name := node.get(each))), None)
+    return None if named is None else linking.names.find("joint", named)
 
 
 def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[Node]:

@@ -29,6 +29,7 @@ from mjcompose.build.compose.attach import (
     unplaced_records,
 )
 from mjcompose.build.compose.checks import (
+    check_angles_of_targets,
     check_class_angles,
     check_intervals,
     check_mass,
@@ -457,6 +458,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
         check_class_angles(linking, making)
         linking.watch(linking.units, settle_joints)
     check_names(linking, making)
+    check_angles_of_targets(linking, making)
     linking.watch(linking.units, check_names)
     for part in plan.parts:
         check_joints(part, linking, making)

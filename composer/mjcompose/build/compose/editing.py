@@ -23,14 +23,14 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, exists_note, renaming, with_article
 from mjcompose.build.compose.actuators import ActuatorModel
 from mjcompose.build.compose.elements import ElementBuilder
-from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
+from mjcompose.build.compose.values import UnusableValue, Values, matches_value
 from mjcompose.language.datasheets import Sheet
 from mjcompose.language.value import attribute_and_index
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import Angle, ExpressionError, Value
+from mjcompose.text.expression import PARAMETERS, ExpressionError, Value
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import Classes, text_in_effect
 from mjcompose.tree.cost import written
@@ -40,7 +40,6 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is_regular, matcher, paths_of
 from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
-from mjcompose.tree.values import is_in_degrees
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
 # evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.
@@ -322,24 +321,20 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
     cost = len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
     if not editing.cost.allows(cost, editing.sink, editing.span(at)):
         raise UnusableValue
-    values = Values(editing, node, 0, at=at)
+    values = Values(editing, node, 0, at=at, count=lambda: selection.number(node))
     if isinstance(selector.where, str):
-        return _expression_holds(values, selection, selector, condition=selector.where)
+        return _expression_holds(values, selector, condition=selector.where)
     return all(_has_value(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items())
 
 
-def _expression_holds(values: Values, selection: Selection, selector: Selector, condition: str) -> bool:
+def _expression_holds(values: Values, selector: Selector, condition: str) -> bool:
     """Return the value of a condition `${…}` for an element. Raises `UnusableValue` if it is not a boolean."""
     editing = values.editing
-    scope = {**values.scope, **attributes_scope(values)}
-    scope["name"] = values.scope["name"]
-    if "index" in _names_in(condition):
-        scope["index"] = selection.number(values.node)
     # It may use an attribute that other elements of the family can have, but not this one.
-    missing = _names_in(condition) - scope.keys() - kind_of(values.node).attributes.keys()
+    missing = _attributes_in(condition) - editing.scope.keys() - kind_of(values.node).attributes.keys()
     if not missing.isdisjoint(_attributes_of(selector.tag)):
         return False
-    found = values.evaluated(condition, values.at, scope)
+    found = values.evaluated(condition, values.at)
     if isinstance(found, bool):
         return found
     editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(values.at))
@@ -351,43 +346,28 @@ def _has_value(values: Values, selection: Selection, key: str, wanted: object) -
     name, index = attribute_and_index(key)
     if (attribute := kind_of(values.node).attributes.get(name)) is None:
         return False
-    have = values.scope["name"] if name == "name" else values.now(attribute, index)
+    have = values.called["name"] if name == "name" else values.now(attribute, index)
     if have is None:
         return False
     meant = values.of(wanted, (*values.at, key), have)
-    if attribute.is_number:
-        meant = _in_its_unit(values, attribute, index, meant=meant)
     if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
         return selection.fits(meant)(str(have))
     return matches_value(attribute, have, meant)
 
 
 @lru_cache(maxsize=64)
-def _names_in(condition: str) -> frozenset[str]:
-    """Return the names in a condition. Its errors are reported when it is evaluated."""
+def _attributes_in(condition: str) -> frozenset[str]:
+    """Return the names in a condition that may be attributes. Its errors are reported when it is evaluated."""
     try:
-        return frozenset(each.name for each in Template.parse(condition).names())
+        names = [each for each in Template.parse(condition).names() if each.space != PARAMETERS]
     except ExpressionError:
         return frozenset()
+    return frozenset(each.name for each in names)
 
 
 @cache
 def _attributes_of(family: str) -> frozenset[str]:
     return frozenset(name for path in paths_of(family) for name in GRAMMAR.element(path).attributes)
-
-
-def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
-    """Return the value to compare with, with angles in the unit of the element's value."""
-    if isinstance(meant, list):
-        return [_in_its_unit(values, attribute, n, meant=each) for n, each in enumerate(meant)]
-    angle = Angle.read(meant) if isinstance(meant, str) else None
-    if angle is None:
-        return meant
-    place = index or 0
-    in_degrees = is_in_degrees(str(values.node.tag), attribute.name)
-    if place in values.angles(attribute, place + 1):
-        in_degrees = values.editing.making.angle_context.at(values.at).angle == "degree"
-    return angle.in_unit("deg" if in_degrees else "rad")
 
 
 def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:

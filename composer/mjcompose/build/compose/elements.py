@@ -13,13 +13,13 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.access import Door
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.diagnostic import Fault, Note, Span
 from mjcompose.base.rotation import quat_from_euler
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AngleContext, AngleSettings, AppendElement, SetDefault, SetSingleton
 from mjcompose.language.element import CONFIG
-from mjcompose.language.value import Element, Single, Value, is_angular
+from mjcompose.language.value import Element, Single, Value, is_angular, no_angle
 from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile
@@ -73,6 +73,7 @@ class ElementBuilder(Struct, frozen=False):
     pending: list[tuple[Node, Element, str]] = field(default_factory=list)
     of_keys: list[Reference] = field(default_factory=list)
     of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
+    of_targets: list[tuple[Node, Attribute, Angle, Span]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
 
@@ -123,6 +124,9 @@ class ElementBuilder(Struct, frozen=False):
             if place is not None:
                 return Span(self.file, place.line, place.column, end_line=place.line, end_column=place.end_column)
         return locate(self.document, (*element.at, "xml"))
+
+    def refuse_angle(self, fault: Fault, span: Span) -> None:
+        self.sink.error(fault.code, fault.message, span, help=fault.help)
 
     def named_file(self, node: Node, attribute: str, name: str) -> NamedFile:
         """Return the file that the recipe names by an attribute of a node, relative to the recipe."""
@@ -215,8 +219,10 @@ def _set_attribute(node: Node, element: Element, attribute: Attribute, value: ob
         if attribute.type == "file":
             making.files.append((node, name, str(value)))
         # `fovy` and `cutoff` are in degrees whatever `<compiler angle="radian"/>` says.
-        unit = "degree" if is_in_degrees(str(node.tag), name) else "radian"
-        node.set(name, to_text(attribute, _plain(value, unit)))
+        in_degrees = is_in_degrees(str(node.tag), name)
+        if not in_degrees and (angle := first_angle(value)) is not None:
+            making.of_targets.append((node, attribute, angle, making.span(element, name)))
+        node.set(name, to_text(attribute, _plain(value, "degree" if in_degrees else "radian")))
 
 
 def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
@@ -249,8 +255,12 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
         as_angle = numbers.text([turned(v, settings, unit, radians=radians) for v in values])
         node.set(name, as_angle if angular else as_length)
-        if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
+        angles = [v for v in values if isinstance(v, Angle)]
+        in_class = next(node.iterancestors("default"), None) is not None
+        if in_class and (as_angle != as_length or angles):
             making.of_classes.append((node, element, name, angular))
+        if angles and not angular:
+            making.refuse_angle(no_angle(f"`{name}` of a {kind}", angles[0], ()), making.span_of(node, name))
         bare = [index for index, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         if angular and bare and settings.angle is None:
             number, path = values[bare[0]], (*element.at, name, bare[0])
@@ -286,6 +296,10 @@ def turned(
     if written == unit:
         return number
     return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE
+
+
+def first_angle(value: object) -> Angle | None:
+    return next((each for each in (value if isinstance(value, tuple) else (value,)) if isinstance(each, Angle)), None)
 
 
 def _plain(value: object, unit: str) -> object:

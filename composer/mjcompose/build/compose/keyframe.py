@@ -19,7 +19,7 @@ from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
 from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, WAYS, Entry
-from mjcompose.language.value import Single, shown
+from mjcompose.language.value import Single, no_angle, shown
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, element_of
 from mjcompose.link.key_layout import BLOCK, Layout, Slot
@@ -39,6 +39,9 @@ _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for an element that always has the same width."""
 _JOINTS = ("joint", "freejoint")
 _QUANTITIES = "a position, velocity or force"
+_WITHOUT_ANGLES = ("slide", "ball", "free")  # the orientation of a ball is a quaternion
+_LINEAR_NUMBERS = {"slide": 1, "free": 3}
+"""How many numbers of a velocity come before those that are angular."""
 _MEANT = {
     ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",
     ("free", "qvel"): "linear and angular velocity, `[x, y, z, a, b, c]`",
@@ -235,6 +238,7 @@ class _KeyWriter(Struct, frozen=False):
             pose_number(value) if words is None else self._angle(vector, value, words, path=path)
             for value, words in zip(entry, meant, strict=True)
         ]
+        self._refuse_angles(vector, name, holder, entry=entry, meant=meant, path=path)
         self._write(vector, node, values, path=path)
 
     def _place_at_joint(self, joint: str, holder: _Holder, entry: Entry) -> None:
@@ -297,6 +301,28 @@ class _KeyWriter(Struct, frozen=False):
             self._wrong_width(vector, name, slot, entry=entry, width=width, path=path)
             return False
         return True
+
+    def _refuse_angles(
+        self, vector: str, name: str, holder: _Holder, entry: Entry, meant: Sequence[str | None], path: tuple[str, ...]
+    ) -> None:
+        """Report an angle for a number that cannot be one: a position of a slide, the control of a motor."""
+        node, slot = holder
+        for place, (value, words) in enumerate(zip(entry, meant, strict=True)):
+            if isinstance(value, Angle) and words is None and not self._may_turn(vector, node, slot, place):
+                called = f"the {slot.kind if slot is not None else 'body'} `{name}`"
+                fault = no_angle(f"`{vector}` of {called}", value, ())
+                self.making.refuse_angle(fault, self._at(vector, *path))
+                return
+
+    def _may_turn(self, vector: str, node: Node, slot: Slot | None, place: int) -> bool:
+        """Return whether a number of an entry may be an angle, or the rate of one, although the recipe need not say
+        its unit.
+        """
+        if vector == "qpos":
+            return slot is None or slot.kind not in _WITHOUT_ANGLES
+        if vector == "qvel":
+            return slot is None or place >= _LINEAR_NUMBERS.get(slot.kind, 0)
+        return self.units.may_be_angles(node)
 
     def _meant(self, vector: str, name: str, node: Node, slot: Slot | None, width: int) -> Sequence[str | None]:
         """Return words for each number of an entry that is an angle, else None."""

@@ -279,7 +279,7 @@ class _FieldDraws(Struct, frozen=False):
         if isinstance(drawn, str):
             angle = Angle.read(drawn)
             return drawn if angle is None else angle.in_unit(own)
-        return drawn if unit is None or isinstance(drawn, tuple) else Angle(drawn, unit).in_unit(own)
+        return drawn if unit is None or isinstance(drawn, tuple | Angle) else Angle(drawn, unit).in_unit(own)
 
     def _all_in_radians(self, node: Node, drawn: Sequence[Any], is_angle: bool) -> Sequence[Value]:
         unit, own = self._units(node, is_angle)

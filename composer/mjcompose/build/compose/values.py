@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -13,7 +13,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.language.value import angle_places
+from mjcompose.language.parameters import within
+from mjcompose.language.value import angle_places, attribute_and_index
 from mjcompose.link import numbers
 from mjcompose.link.inertia import INERTIA_RULES, MEASURED, has_mass, static_bodies, write_inertias
 from mjcompose.link.key_layout import JOINTS, joint_type
@@ -21,13 +22,25 @@ from mjcompose.link.linking import Linking
 from mjcompose.link.measure import Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError, UnknownName, Value
+from mjcompose.text.expression import (
+    ELEMENT,
+    PARAMETERS,
+    Angle,
+    ExpressionError,
+    Name,
+    Number,
+    Unit,
+    UnknownName,
+    Value,
+    WrongUnits,
+    written as as_written,
+)
 from mjcompose.text.node import Scalar, find, is_template, locate
 from mjcompose.tree.classes import childclass_of, own
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.select import kind_of, name_of, parent_of
-from mjcompose.tree.values import parse_real
+from mjcompose.tree.values import is_in_degrees, parse_real
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.editing import Editing
@@ -53,21 +66,86 @@ class UnusableValue(Exception):
     """Raised for a value that cannot be determined; the error has been reported."""
 
 
+class AmbiguousName(Exception):
+    """Raised for a name that is a parameter and an attribute of the element."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
+class ElementScope(Mapping[str, Value]):
+    """The names of an expression about an element, in `where` and in every verb alike.
+
+    They are `name`, `parent`, `index` and `value`, the parameters and variants of the recipe, and the attributes of
+    the element. A name that is a parameter and an attribute is ambiguous: `params.NAME` is the parameter and
+    `element.NAME` the attribute. Only the attribute that is `written` has a name of its own there, `value`.
+    """
+
+    def __init__(self, values: Values, value: Value | None = None, written: str = "") -> None:
+        self.entry = values
+        self.value = value
+        self.written = written
+        self.parameters = values.editing.scope
+        self.attributes = kind_of(values.node).attributes
+
+    def __getitem__(self, key: str) -> Value:
+        found = self._own(key) if key in RESERVED or key == VALUE else self._other(key)
+        if found is None:
+            raise KeyError(key)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.parameters
+        yield from RESERVED
+        if self.value is not None:
+            yield VALUE
+
+    def __len__(self) -> int:
+        return sum(1 for _ in iter(self))
+
+    def names_in(self, space: str) -> Collection[str]:
+        """Return the names that exist: all, or those of `params` or `element`."""
+        if space == ELEMENT:
+            return [name for name, each in self.attributes.items() if self.entry.now(each) is not None]
+        return self.parameters if space == PARAMETERS else [*self]
+
+    def _own(self, key: str) -> Value | None:
+        if key == VALUE:
+            return self.value
+        return self.entry.position if key == "index" else self.entry.called[key]
+
+    def _other(self, key: str) -> Value | None:
+        space, _, name = key.rpartition(".")
+        attribute = self.attributes.get(name) if space != PARAMETERS else None
+        if space != ELEMENT and name in self.parameters:
+            if attribute is not None and name != self.written:
+                raise AmbiguousName(name)
+            return self.parameters[name]
+        return None if attribute is None else self.entry.now(attribute)
+
+
 @dataclass(frozen=True, slots=True)
 class Values:
-    """Evaluates the value at a place in the recipe for one element, with the `index` among the selected ones."""
+    """The values that an entry gives to one element, which has the `index` among the selected ones."""
 
     editing: Editing
     node: Node
     index: int
     at: Path
+    count: Callable[[], int] | None = None
+    """The index, if it takes a walk to count it."""
 
     @property
-    def scope(self) -> dict[str, Value]:
+    def called(self) -> dict[str, str]:
+        """The names of the element and of its parent."""
         parent = parent_of(self.node)
         above = (name_of(parent) if parent is not None and parent.tag != "worldbody" else "world") or ""
-        own: dict[str, Value] = {"name": name_of(self.node) or "", "parent": above, "index": self.index}
-        return {**self.editing.scope, **own}
+        return {"name": name_of(self.node) or "", "parent": above}
+
+    @property
+    def position(self) -> int:
+        return self.index if self.count is None else self.count()
 
     def of(self, written: Any, at: Path, value: Value | None = None) -> Any:
         """Return the written value with its expressions evaluated. Raises `UnusableValue`."""
@@ -79,39 +157,43 @@ class Values:
             ]
         if not isinstance(written, str) or not is_template(written):
             return written
-        scope = self.scope
-        if value is not None:
-            scope[VALUE] = value
-        result = self.evaluated(written, at, scope, needs_value=value is None)
-        return list(result) if isinstance(result, tuple) else result
+        return as_written(self.evaluated(written, at, value))
 
-    def evaluated(self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False) -> Value:
-        """Return the value of a text with `${…}`. Names that are not in the scope are attributes of the element."""
+    def evaluated(self, text: str, at: Path, value: Value | None = None) -> Value:
+        """Return the value of a text with `${…}`; `value` is what the place has now. Raises `UnusableValue`."""
+        key = next((step for step in reversed(at) if isinstance(step, str)), "")
+        scope = ElementScope(self, value, attribute_and_index(key)[0])
         try:
-            return Template.parse(text).value(scope)
+            template = Template.parse(text)
+            return template.value(scope)
+        except AmbiguousName as ambiguous:
+            named = next(each for each in template.names() if each.key == ambiguous.name)
+            self._report(_ambiguous(named, self.editing.called(self.node)), at, scope)
         except ExpressionError as error:
-            attribute = kind_of(self.node).attributes.get(error.name) if isinstance(error, UnknownName) else None
-            if attribute is not None and (now := self.now(attribute)) is not None:
-                return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
-            self._report(error, at, scope, needs_value=needs_value)
-            raise UnusableValue from None
+            self._report(error, at, scope)
+        raise UnusableValue
 
-    def _report(self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool) -> None:
+    def _report(self, error: ExpressionError, at: Path, scope: ElementScope) -> None:
         editing, node = self.editing, find(self.editing.making.document, at)
         called, span = editing.called(self.node), locate(editing.making.document, at)
-        notes = (Note(f"for {called}", editing.span_of(self.node)),)
+        if isinstance(node, Scalar):
+            span = within(node, *error.at)
+        notes: tuple[Note, ...] = (Note(f"for {called}", editing.span_of(self.node)),)
         code, message, help, subjects = "expression", error.message, error.help, editing.subjects(self.node)
+        if isinstance(error, WrongUnits) and (kind := self.joint_type) not in (None, "hinge"):
+            help = f"a {kind} has no angle here: write `type == 'hinge' and …` in `where` for hinges alone"
         if isinstance(error, UnknownName):
             subjects, help = (error.name, *subjects), None
-            if error.name == VALUE and needs_value:
+            if error.name == VALUE and scope.value is None:
                 key = next(step for step in reversed(at) if isinstance(step, str))
                 message = f"`value` does not exist: {called} has no `{key}` yet"
-            elif error.name in kind_of(self.node).attributes:
+            elif error.space != PARAMETERS and error.name in scope.attributes:
                 message = f"{called} has no `{error.name}`"
             else:
-                span, notes = node.span if isinstance(node, Scalar) else span, (exists_note("name", scope, error.name),)
-                code, message = "unknown-name", f"`{error.name}` does not exist in this expression"
-                help = did_you_mean(error.name, scope)
+                known = scope.names_in(error.space)
+                span, notes = node.span if isinstance(node, Scalar) else span, (exists_note("name", known, error.name),)
+                code, message = "unknown-name", f"{error.message} in this expression"
+                help = did_you_mean(error.name, known)
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
 
     def now(self, attribute: Attribute, index: int | None = None) -> Value | None:
@@ -123,35 +205,56 @@ class Values:
             if attribute.type == "bool" or text in ("true", "false"):
                 return text == "true"
             return text
-        values = numbers.read(text)
-        making = self.editing.making
-        if (wanted := making.angle_context.at(self.at).angle or "radian") != making.model_angle:
-            angles = self.angles(attribute, len(values))
-            factor = numbers.RADIANS_PER_DEGREE if wanted == "radian" else 1 / numbers.RADIANS_PER_DEGREE
-            values = [each * factor if n in angles else each for n, each in enumerate(values)]
+        values: list[Number | Angle] = [*numbers.read(text)]
         if attribute.type == "int":
-            values = [int(each) for each in values]
+            values = [int(each) for each in numbers.read(text)]
+        self._turn(attribute, values)
         if index is not None:
             return values[index] if index < len(values) else None
         if attribute.max_length == 1 or (attribute.name in POLYNOMIALS and not any(values[1:])):
             return values[0]
         return tuple(values)
 
+    def _turn(self, attribute: Attribute, values: list[Number | Angle]) -> None:
+        """Replace the numbers that are angles by angles."""
+        if is_in_degrees(str(self.node.tag), attribute.name):
+            values[:] = [Angle(float(each), "deg") for each in values if not isinstance(each, Angle)]
+            return
+        if attribute.angle is None:
+            return
+        making = self.editing.making
+        unit: Unit = "deg" if making.angle_context.at(self.at).angle == "degree" else "rad"
+        model: Unit = "deg" if making.model_angle == "degree" else "rad"
+        for place in self.angles(attribute, len(values)):
+            number = values[place]
+            if not isinstance(number, Angle):
+                values[place] = Angle(_turned(number, model, unit), unit)
+
+    @property
+    def joint_type(self) -> str | None:
+        return joint_type(self.node, self.editing.classes) if self.node.tag == "joint" else None
+
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
         """Return which of the numbers of an attribute of this element are angles."""
-        joint = joint_type(self.node, self.editing.classes) if attribute.angle == "joint" else None
-        return angle_places(attribute, count, joint)
+        return angle_places(attribute, count, self.joint_type if attribute.angle == "joint" else None)
 
 
-def attributes_scope(values: Values) -> dict[str, Value]:
-    """Return every attribute of the element with its effective value, for `where`."""
-    attributes = kind_of(values.node).attributes.items()
-    known = {name: values.now(attribute) for name, attribute in attributes if name.isidentifier()}
-    return {name: value for name, value in known.items() if value is not None}
+def _turned(number: float, unit: Unit, to: Unit) -> float:
+    if unit == to:
+        return number
+    return number * numbers.RADIANS_PER_DEGREE if to == "rad" else number / numbers.RADIANS_PER_DEGREE
+
+
+def _ambiguous(name: Name, called: str) -> ExpressionError:
+    message = f"`{name.name}` is a parameter, and an attribute of {called}"
+    help = f"write `{PARAMETERS}.{name.name}` for the parameter, or `{ELEMENT}.{name.name}` for the attribute"
+    return ExpressionError(message, name.at, help)
 
 
 def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
     """Return whether an effective value is the value that `where` gives. Numbers are compared up to rounding.
+
+    A bare number beside an angle is in the unit of the angle.
 
     >>> from mjcompose.tree.grammar import GRAMMAR
     >>> matches_value(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
@@ -165,10 +268,14 @@ def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
         return len(have) == 1 and matches_value(attribute, have[0], wanted)
     if isinstance(have, bool) or isinstance(wanted, bool):
         return have is wanted
+    if isinstance(have, Angle):
+        angle = Angle.read(wanted) if isinstance(wanted, str) else None
+        wanted = wanted if angle is None else angle.in_unit(have.unit)
+        have = have.value
     if isinstance(have, int | float):
         if isinstance(wanted, str):
-            parsed = parse_real(wanted)
-            wanted = wanted if parsed is None else parsed
+            angle, parsed = Angle.read(wanted), parse_real(wanted)
+            wanted = angle.radians if angle is not None else wanted if parsed is None else parsed
         return isinstance(wanted, int | float) and abs(have - wanted) <= 1e-9 * max(1.0, abs(have))
     return str(have) == str(wanted)
 

@@ -20,7 +20,7 @@ from mjcompose.language.expand import Cell, Concrete, cells, scope_of, settled_n
 from mjcompose.language.parameters import Parameter, node_of
 from mjcompose.language.validate import judge
 from mjcompose.sources.context import Context, as_text
-from mjcompose.text.expression import Angle, Value, kind
+from mjcompose.text.expression import Angle, Value, kind, number_of
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, locate
 
 if TYPE_CHECKING:
@@ -61,7 +61,8 @@ class _Source:
         self.field, self.concrete, self.document, self.sink = field, concrete, document, sink
         self.name = str(field.param)
         self.parameter: Parameter | None = concrete.parameters.get(self.name)
-        self.nominal: Value | None = concrete.scope.get(self.name)
+        nominal = concrete.scope.get(self.name)
+        self.nominal: Value | None = None if nominal is None else number_of(nominal)
 
     def can_be_drawn(self) -> bool:
         """Return whether the parameter exists and can be drawn in this way."""

@@ -52,7 +52,7 @@ def angle_context_of(
     """Return the angle context of a concrete recipe's `document`. `files` has the settings of each file."""
     others: dict[str, AngleSettings] = {}
     for file, said in files.items():
-        node = Substitution(concrete.scope, concrete.parameters, frozenset(), sink=sink).of(said)
+        node = Substitution(concrete.scope, frozenset(), sink=sink).of(said)
         assert isinstance(node, Mapping)
         faults = [fault for fault in judge(node)[1] if fault.at[:1] in [(name,) for name in SETTINGS]]
         for fault in faults:

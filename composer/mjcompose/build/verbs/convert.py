@@ -62,7 +62,7 @@ class _Conversion(ByGrammar):
         found: list[Schema] = []
         for kind in _KINDS:
             attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
-            given = {each.name: _or_taken(attribute_schema(each)) for each in attributes if each.name != "name"}
+            given = {each.name: _or_taken(attribute_schema(each, kind)) for each in attributes if each.name != "name"}
             target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
             found.append({"if": target, "then": {"properties": {_TO: _KIND, **given}, "additionalProperties": False}})
         return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": found}
@@ -92,7 +92,7 @@ def _attribute_faults(value: Mapping[str, Any], bare_angles: bool) -> list[Fault
                 message = f"`{item}` names no attribute of an actuator"
                 faults.append(Fault("unknown-attribute", message, (name,), help=help))
         else:
-            checker.value("set", [kind.attributes[name]], None, value=item, tag=to, at=(name,))
+            checker.value("set", [(to, kind.attributes[name])], None, value=item, tag=to, at=(name,))
     return faults
 
 
@@ -198,7 +198,9 @@ def _given(
         if now is not None and power and not isinstance(now, str):
             now = _geared(now, model.gear or 1.0, -power)
         faults: list[Fault] = []
-        read = read_value(attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults)
+        read = read_value(
+            attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults, tag=to
+        )
         for fault in faults[:1]:
             report_unusable(editing, node, fault)
         found[name] = _text(attribute, read, gear, power=power)

@@ -176,7 +176,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     """Return advice on how to distinguish two elements that would get the same name."""
     one, two = (Values(editing, each, 0, at=at) for each in (node, other))
-    differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
+    differ = [name for name in ("name", "parent") if one.called[name] != two.called[name]]
     differ += [
         name
         for name, attribute in kind_of(node).attributes.items()

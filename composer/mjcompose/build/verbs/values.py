@@ -11,13 +11,13 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
+from mjcompose.build.compose.checks import check_angles_of_targets, check_class_angles, refer_to_top_class
 from mjcompose.build.compose.editing import Editing, take_files
 from mjcompose.build.compose.elements import settle_joints, turned, update_node
 from mjcompose.build.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
 from mjcompose.language.assign import MASS
 from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, is_angular, read_value
+from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, is_angular, no_angle, read_value
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
@@ -27,7 +27,7 @@ from mjcompose.tree.edit import changing, replace, resolves, unresolved
 from mjcompose.tree.grammar import Attribute, to_text
 from mjcompose.tree.names import own_references
 from mjcompose.tree.select import kind_of, section_of
-from mjcompose.tree.values import check_python, is_in_degrees
+from mjcompose.tree.values import check_python, is_in_degrees, may_be_angle
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.mesh_jobs import MeshResult, MeshWorkshop
@@ -151,7 +151,12 @@ def _number(values: Values, operation: Operation, item: Any, attribute: Attribut
             report_unusable(editing, node, Fault("bare-angle", message, at, help=help))
         radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
         return turned(given, settings, making.model_angle, radians=radians)
+    if isinstance(given, Angle) and not may_be_angle(str(node.tag), attribute):
+        report_unusable(editing, node, no_angle(f"`{attribute.name}` of {editing.called(node)}", given, at))
     unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
+    if isinstance(given, Angle) and unit == "rad":
+        making.of_targets.append((node, attribute, given, editing.span(at)))
+        check_angles_of_targets(editing.linking, making)
     return given.in_unit(unit) if isinstance(given, Angle) else float(given)
 
 
@@ -180,6 +185,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
         update_node(node, element, kind_of(node), making=making)
         settle_joints(making, lambda each: joint_type(each, editing.classes))
     check_class_angles(editing.linking, making)
+    check_angles_of_targets(editing.linking, making)
     take_files(editing)
     if attribute.is_reference or attribute.refers_by is not None:
         _check_references(values, attribute, at)
@@ -190,7 +196,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
     editing, node = values.editing, values.node
     given = values.of(written, at, values.now(attribute))
     faults: list[Fault] = []
-    read = read_value(attribute, given, at, owner=editing.called(node), faults=faults)
+    read = read_value(attribute, given, at, owner=editing.called(node), faults=faults, tag=str(node.tag))
     if read is not None and attribute.angle is not None and editing.making.angle_context.at(at).angle is None:
         joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
         bare = bare_angle(attribute, read, joint, at=at, owner=editing.called(node))

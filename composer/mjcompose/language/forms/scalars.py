@@ -327,13 +327,17 @@ class Attribute(ByGrammar):
     def declared(self) -> Declared:
         return GRAMMAR.element(self.element).attributes[self.name]
 
+    @property
+    def tag(self) -> str:
+        return GRAMMAR.element(self.element).tag
+
     def schema(self) -> Schema:
-        return attribute_schema(self.declared)
+        return attribute_schema(self.declared, self.tag)
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
         if self.computed and _is_computed(value, faults):
             return value
-        read = read_value(self.declared, value, (), owner=OWNER, faults=faults)
+        read = read_value(self.declared, value, (), owner=OWNER, faults=faults, tag=self.tag)
         if read is not None and not faults and not settings.bare_angles:
             bare = bare_angle(self.declared, read, None, at=(), owner=OWNER)
             faults += [bare] if bare is not None else []

@@ -170,7 +170,7 @@ class Recipes:
                 if isinstance(scalar, Scalar) and isinstance(scalar.value, str) and is_template(scalar.value):
                     span = scalar.span
                     with suppress(ExpressionError):
-                        names = dict.fromkeys(each.name for each in Template.parse(scalar.value).names())
+                        names = dict.fromkeys(each.name for each in Template.parse(scalar.value).parameters())
                         found[span.file, span.line, span.column] = tuple(names)
         return found
 

@@ -186,7 +186,7 @@ class Writer:
         """Return the parameters in an expression that the recipe sets as a number, each with its number."""
         with contextlib.suppress(ExpressionError, Refused, OSError):
             tree = self._recipe(said).tree
-            names = dict.fromkeys(each.name for each in Template.parse(text).names())
+            names = dict.fromkeys(each.name for each in Template.parse(text).parameters())
             return [[name, str(to_python(node))] for name in names if (node := _parameter(tree, name)[1]) is not None]
         return []
 
