@@ -48,6 +48,10 @@ def _session(process: int) -> Session:
     return session
 
 
+def session_of_process() -> Session:
+    return _session(os.getpid())
+
+
 def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from mjcompose.base.report import render

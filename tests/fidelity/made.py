@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,9 +13,12 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from fidelity import judging
-from fidelity.building import build
+from fidelity.building import build, session_of_process
 from fidelity.corpus import Attachment, Composition
 from fidelity.judging import Verdict
+from fidelity.oracle import composed, differences_in
+from fidelity.random_parts import random_case
+from mjcompose.mujoco.attributes import names
 
 POS, QUAT = (2.0, -1.0, 0.5), (0.8, 0.2, -0.4, 0.4)
 PLACES = {
@@ -139,10 +143,24 @@ class Made:
     refused: str = ""
 
 
-def judge(made: Made | Composition) -> Verdict:
+RANDOM = 1000
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random composition, by its seed."""
+
+    id: str
+    seed: int
+    refused: str = ""
+
+
+def judge(made: Made | Composition | Drawn) -> Verdict:
     """Build a recipe with all that a build verifies, and ask; compositions are compared as all others."""
     if isinstance(made, Composition):
         return judging.judge(made)
+    if isinstance(made, Drawn):
+        return _judge_drawn(made)
     verdict = Verdict(made.id, made.refused)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -157,7 +175,21 @@ def judge(made: Made | Composition) -> Verdict:
     return verdict
 
 
-def sets(folder: Path) -> Iterator[tuple[str, list[Composition] | list[Made]]]:
+def _judge_drawn(drawn: Drawn) -> Verdict:
+    verdict = Verdict(drawn.id, drawn.refused)
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        case = random_case(drawn.seed)
+        text = composed(case, Path(folder), session_of_process())
+        verdict.built = isinstance(text, bytes)
+        verdict.diagnostics = text if isinstance(text, str) else ""
+        if isinstance(text, bytes):
+            verdict.compiled = True
+            verdict.facts = differences_in(case, text, drawn.seed)
+    return verdict
+
+
+def sets(folder: Path) -> Iterator[tuple[str, list[Composition] | list[Made] | list[Drawn]]]:
     """Each with its title in the table; files that compositions need are written into the folder."""
     yield "parts with an equality with their world, moved, turned and on a cart", list(equalities(folder))
     yield "keys of rods, cloths, replicates and plugins next to each other", list(keyed(folder))
@@ -165,6 +197,23 @@ def sets(folder: Path) -> Iterator[tuple[str, list[Composition] | list[Made]]]:
     yield "merged keys of tools inside replicates and next to rods", list(_inside())
     yield "motors through gears, converted: the joint feels the gains of the recipe", list(_geared())
     yield "`sense` at a flange reads the weight below it, and its lever", list(_sensing())
+    from fidelity import existing  # it makes more of these
+
+    yield "links between the inside of a `<replicate>` and the outside, one for each copy", list(existing.links())
+    yield "a `<replicate>` that a recipe adds multiplies nothing else", list(existing.added_replicates())
+    yield "sensors with the world as their reference, on a moving body", list(existing.world_sensors())
+    yield "random compositions, compared by the second oracle", list(_by_oracle())
+
+
+def _by_oracle() -> Iterator[Drawn]:
+    yield from (Drawn(f"random composition {seed}", seed) for seed in range(RANDOM))
+
+
+def named_like(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
+    """The elements of the kind `about[0]` have the names that follow it, and no others."""
+    kind, *expected = made.about
+    found = names(model, kind)
+    return [] if sorted(found) == sorted(expected) else [f"the names are {sorted(found)}, should be {sorted(expected)}"]
 
 
 def _moving() -> Iterator[Made]:

@@ -23,7 +23,7 @@ sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
 from fidelity import corpus as corpora, isolated, made, summary, table  # noqa: E402
 from fidelity.corpus import Composition  # noqa: E402
 from fidelity.judging import Verdict  # noqa: E402
-from fidelity.made import Made, judge  # noqa: E402
+from fidelity.made import Drawn, Made, judge  # noqa: E402
 from fidelity.roundtrip import Trip, travel  # noqa: E402
 from fidelity.settings import with_settings  # noqa: E402
 
@@ -92,9 +92,9 @@ def _everything(options: argparse.Namespace) -> bool:
 
 def _chosen(
     options: argparse.Namespace, corpus: Path | None, written: Path
-) -> Iterator[tuple[str, list[Composition] | list[Made]]]:
+) -> Iterator[tuple[str, list[Composition] | list[Made] | list[Drawn]]]:
     every = _everything(options)
-    sets: list[tuple[str, Iterable[Composition] | Iterable[Made]]] = []
+    sets: list[tuple[str, Iterable[Composition] | Iterable[Made] | Iterable[Drawn]]] = []
     if corpus is not None:
         sets += _of_the_corpus(options, corpus, written)
     if options.made or every:
@@ -129,8 +129,10 @@ def _files(options: argparse.Namespace, corpus: Path | None) -> Iterator[tuple[s
         yield f"parse → write → compile: {title}", root, chosen
 
 
-def _judge_all(title: str, compositions: Sequence[Composition | Made], options: argparse.Namespace) -> list[Verdict]:
-    def failed(composition: Composition | Made, error: str) -> Verdict:
+def _judge_all(
+    title: str, compositions: Sequence[Composition | Made | Drawn], options: argparse.Namespace
+) -> list[Verdict]:
+    def failed(composition: Composition | Made | Drawn, error: str) -> Verdict:
         return Verdict(composition.id, composition.refused, error=error)
 
     found: dict[str, Verdict] = {}

@@ -7,15 +7,11 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-import mujoco
 import pytest
-from fidelity.oracle import Oracle
-from fidelity.random_parts import Case, random_case
+from fidelity.oracle import composed, differences_in
+from fidelity.random_parts import random_case
 from lxml import etree
-from mjcompose.build.cache.cells import cells_of
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Session
-from mjcompose.sources.context import Context
 
 QUICK = 60
 ALL = int(os.environ.get("MJCOMPOSE_EXAMPLES", "1000"))
@@ -28,31 +24,11 @@ def session() -> Iterator[Session]:
         yield found
 
 
-def composed(case: Case, folder: Path, session: Session) -> bytes | str:
-    """Return the text of the model that a case builds, or the first error."""
-    context = Context(environment={}, folder=folder)
-    recipe, given, name = case.write(folder), {}, None
-    if case.cell is not None:
-        cell = cells_of(recipe, context)[case.cell]
-        given, name = cell.given, cell.name
-    built = build(Request(recipe, given, name=name, verified=False), context, session=session)
-    return context.sink.errors[0].message if built is None else built.bundle.files[built.bundle.model]
-
-
 def differences(seed: int, folder: Path, session: Session) -> list[str]:
     """Build a case, and return how its parts differ from themselves alone."""
     case = random_case(seed)
     text = composed(case, folder, session)
-    return [f"is not built: {text}"] if isinstance(text, str) else judged(case, text, seed)
-
-
-def judged(case: Case, text: bytes, seed: int) -> list[str]:
-    whole = mujoco.MjModel.from_xml_string(text.decode())
-    found: list[str] = []
-    for each in case.attached:
-        alone = mujoco.MjModel.from_xml_string(case.files[each.source])
-        found += Oracle(alone, whole, each, seed).differences()
-    return found
+    return [f"is not built: {text}"] if isinstance(text, str) else differences_in(case, text, seed)
 
 
 def judge(seeds: range, folder: Path, session: Session) -> None:
@@ -140,7 +116,7 @@ def test_a_damage_is_found(tmp_path: Path, session: Session, path: str, attribut
             continue
         trials += 1
         try:
-            found = judged(case, damaged, seed)
+            found = differences_in(case, damaged, seed)
         except ValueError:  # MuJoCo does not take it
             continue
         if found:

@@ -63,10 +63,20 @@ def damage_mass(model: mujoco.MjModel) -> None:
     model.body_mass[-1] *= 1.01
 
 
+def damage_name(model: mujoco.MjModel) -> None:
+    addresses = model.name_eqadr if model.neq else model.name_actuatoradr
+    addresses[0] += 1
+
+
+def damage_reference(model: mujoco.MjModel) -> None:
+    model.sensor_refid[0] = model.body("link").id
+
+
 @pytest.mark.mujoco4("the models have rods")
 def test_what_is_asked_of_the_made_sees_a_damage(tmp_path: Path) -> None:
     asked = [found[0] for _, found in made.sets(tmp_path) if isinstance(found[0], Made)]
-    for each, damage in zip(asked, (damage_eq, damage_key, damage_gain, damage_mass), strict=True):
+    damages = (damage_eq, damage_key, damage_gain, damage_mass, damage_name, damage_name, damage_reference)
+    for each, damage in zip(asked, damages, strict=True):
 
         def ask(model: mujoco.MjModel, about: Made, folder: Path) -> list[str]:
             damage(model)  # noqa: B023

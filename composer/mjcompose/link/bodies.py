@@ -12,10 +12,12 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.link import numbers
 from mjcompose.link.angles import undo_settings
+from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking, Part, Sense
 from mjcompose.link.numbers import pose_in_world, read_pose
+from mjcompose.link.replicates import original_of
 from mjcompose.link.settings import is_leaf
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from mjcompose.tree.cost import scaled_above
@@ -171,6 +173,10 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     other = [*kinds, *(each for each, of_name in added if of_name == name)]
     near, fix = closest(name, names), None if other else renaming(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
+    if (original := original_of(linking.base, kind, name)) is not None:
+        fix = None
+        notes.insert(0, Note(f"a `<replicate>` makes it from `{original}`, and other elements refer to the copies"))
+        help = f"write the copies out in the model, or `{kind}: {original}` for all copies"
     if not near and not names and kind != "body" and (bodies := known("body")):
         notes.append(exists_note("body", bodies, name))
         help = "attach it to a body, with a `pos` if need be: `body: NAME`"
@@ -197,9 +203,19 @@ class _PartAttachment:
         self.offset = dict(part.place.offset)
         self.written: Mapping[str, Span] = {}
 
+    def _note_copies(self) -> None:
+        """Say how many copies of the part MuJoCo makes, if its place is inside of a `<replicate>`."""
+        part, place = self.part, self.part.place
+        copies = names_of_copies(self.parent) if place.kind != "world" else []
+        if len(copies) > 1:
+            message = f"`{part.called}` is attached to all {len(copies)} copies of the {place.kind} `{place.name}`"
+            help = f"to attach it to one copy, write `{place.kind}: {copies[0]}`"
+            self.linking.sink.note("attach-place", message, place.span or part.span, help=help)
+
     def run(self) -> Node | None:
         """Attach the part, and return the outermost element created for it, if there is one."""
         part, base = self.part, self.linking.base
+        self._note_copies()
         self._find_pose()
         outer, last = self.parent, next(self.parent.iterchildren(reversed=True), None)
         if part.sense is not None:

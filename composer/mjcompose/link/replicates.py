@@ -20,7 +20,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
 from mjcompose.link import numbers
-from mjcompose.link.expansion import Name, copied_names, inner_first, references_to_copied, suffixes
+from mjcompose.link.expansion import Name, copied_names, inner_first, names_of_copies, references_to_copied, suffixes
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
@@ -125,6 +125,7 @@ def replicates(linking: Linking) -> None:
     holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]
     if not holding:
         return
+    _write_out_places(linking, holding)
     _write_out_foreign(linking, holding)
     for unit in holding:
         linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
@@ -176,6 +177,36 @@ def _refuse_added(linking: Linking, element: Node, nest: Node) -> None:
 
 
 _IndexOf = Callable[[Unit], NameIndex]
+
+
+def original_of(unit: Unit, kind: str, name: str) -> str | None:
+    """Return the name in the file of an element whose copy has this name, or None."""
+    element = _copied_element(unit, kind, name)
+    return None if element is None else str(element.get("name"))
+
+
+def _copied_element(unit: Unit, kind: str, name: str) -> Node | None:
+    inside = unit.root.iterfind(f"worldbody//replicate//{kind}[@name]")
+    return next(
+        (each for each in inside if name.startswith(str(each.get("name"))) and name in names_of_copies(each)), None
+    )
+
+
+def _write_out_places(linking: Linking, holding: list[Unit]) -> None:
+    """Write out the replicates of which one copy is the place of a part, if nothing refers to their content."""
+    prefixes = {linking.base: "", **{part.unit: part.prefix for part in linking.parts}}
+    for part in linking.parts:
+        place = part.place
+        for unit in holding if place.name and place.kind != "world" else ():
+            name = str(place.name).removeprefix(prefixes[unit])
+            element = _copied_element(unit, place.kind, name)
+            if unit is part.unit or element is None or not str(place.name).startswith(prefixes[unit]):
+                continue
+            nest = list(element.iterancestors("replicate"))[-1]
+            inside = list(inner_first(nest))
+            if _is_separate(unit, lambda unit: NameIndex.of(unit.root), nest, inside=inside):
+                for each in inside:
+                    _write_out(linking, unit, each)
 
 
 def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:

@@ -134,3 +134,47 @@ def test_nothing_is_scaled_by_a_move(tmp_path: Path, recipe: str, works: bool) -
     assert isinstance(found, list)
     assert [(each.code, each.span and each.span.line) for each in found] == [("not-supported", 3)]
     assert "a frame that scales" in found[0].message
+
+
+RACK = """<mujoco model="rack"><worldbody><body name="wall" pos="0 0 1"><joint name="slide" type="slide"/><geom size=".1"/>
+  <replicate count="2" offset="0 1 0"><frame name="shelf" pos="0 0 .5"><replicate count="12" offset=".3 0 0" euler="0 0 10" sep="_">
+    <site name="slot" pos=".1 0 0"/><body name="tray" pos="0 0 .1"><joint name="open"/><geom size=".02"/></body></replicate>
+  </frame></replicate></body></worldbody>
+  <keyframe><key name="home" qpos="{}"/></keyframe></mujoco>""".format(" ".join(str(at / 10) for at in range(25)))
+"""Without references from outside, its copies can be written out."""
+PLACES = {"site": "slot_07{}", "body": "tray_11{}", "frame": "shelf{}"}
+
+
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
+@pytest.mark.parametrize(("kind", "name"), PLACES.items())
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("inner", [False, True])
+def test_a_part_is_attached_to_one_copy(tmp_path: Path, kind: str, name: str, number: int, inner: bool) -> None:
+    """To the copy that has the name, in the base and in a part; the model is otherwise what it is alone."""
+    alone = mujoco.MjModel.from_xml_string(RACK)
+    name = name.format(number)
+    prefix = "rack/" if inner else ""
+    if inner:
+        recipe = f"attach:\n  rack: {{model: ./b.xml}}\n  t: {{model: ./t.xml, {kind}: rack/{name}}}\n"
+        (tmp_path / "empty.xml").write_text("<mujoco><worldbody/></mujoco>")
+    else:
+        recipe = f"attach: {{t: {{model: ./t.xml, {kind}: {name}}}}}\n"
+    model = built(tmp_path, recipe, RACK)
+    if inner:  # the base of `built` is the rack, too
+        pass
+    assert isinstance(model, mujoco.MjModel), model
+    assert model.nbody == alone.nbody * (2 if inner else 1) + 1 - inner
+    data, before = mujoco.MjData(model), mujoco.MjData(alone)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_kinematics(alone, before)
+    if kind != "frame":
+        place = before.site(name) if kind == "site" else before.body(name)
+        tool = data.body("t/a").xpos - place.xmat.reshape(3, 3) @ [0, 0, 5]
+        assert tool == pytest.approx(place.xpos, abs=1e-12)
+    for at in range(1, alone.nbody):
+        body = alone.body(at).name
+        assert data.body(prefix + body).xpos == pytest.approx(before.body(body).xpos, abs=1e-12)
+    for at in range(alone.njnt):
+        joint = alone.joint(at).name
+        mine = alone.key("home").qpos[alone.joint(joint).qposadr]
+        assert model.key("home").qpos[model.joint(prefix + joint).qposadr] == mine
