@@ -113,3 +113,18 @@ def test_a_name_starts_no_line(folder: Path, words: str) -> None:
     (folder / "arm.xml").write_text(MODEL.replace(NAME, "plain"))
     assert len(hostile.splitlines()) == len(run(*words.split()).stdout.splitlines())
     assert "␊::error" in hostile or words.startswith(("plan", "build"))
+
+
+def test_the_names_of_bodies_that_touch_start_no_line(folder: Path) -> None:
+    lines = []
+    for name in ("a", NAME):
+        bodies = "".join(
+            f'<body name="{name}{number}" pos="{number * 0.1} 0 0"><joint axis="0 0 1"/><geom size=".1"/></body>'
+            for number in range(2)
+        )
+        (folder / "touching.xml").write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+        (folder / "touching.yaml").write_text("recipe: 1\nbase: ./touching.xml\ncontact: {exclude: auto}\n")
+        shown = run("plan", "touching.yaml").stdout
+        assert "will not collide" in shown
+        lines.append(len(shown.splitlines()))
+    assert lines[0] == lines[1]
