@@ -89,8 +89,9 @@ def starts(tree: ast.AST) -> Iterator[tuple[str, str]]:
 
     def walk(node: ast.AST, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
         for child in ast.iter_child_nodes(node):
-            is_named = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
-            inner = (*where, child.name) if is_named else where
+            inner = where
+            if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+                inner = (*where, child.name)
             for way in ways(child):
                 yield ".".join(inner) or "<module>", way
             yield from walk(child, inner)

@@ -145,7 +145,7 @@ class Folder:
             "MJCOMPOSE_TIMEOUT": "5", "PIP_NO_INDEX": "1", "BROWSER": "browser", "DISPLAY": ":99",
         }  # fmt: skip
 
-    def type(self, *words: str, more: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[bytes]:
+    def run(self, *words: str, more: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[bytes]:
         """Type a command, as a process of its own; one that does not end gets Ctrl-C."""
         program = os.path.join(os.path.dirname(sys.executable), "mjcompose")
         with subprocess.Popen(
@@ -310,14 +310,14 @@ def theirs(tmp_path: Path) -> Iterator[Folder]:
 def test_nothing_of_the_folder_runs(theirs: Folder, command: str) -> None:
     """Without a cache and other programs, and then with the cache that it left and with other versions of MuJoCo."""
     if command in ("list", "verify", "rebuild"):
-        theirs.type("build", "matrix.yaml", "--all", "-o", "cells/{name}/")
-        theirs.type("build", "cell.yaml", "-o", "out.zip")
+        theirs.run("build", "matrix.yaml", "--all", "-o", "cells/{name}/")
+        theirs.run("build", "cell.yaml", "-o", "out.zip")
         (theirs.path / "stamp.json").write_text(json.dumps(mjcompose.stamp(theirs.path / "out.zip")))
     for is_first in (True, False):
         if not is_first:
             theirs.install("3.12.0", "3.2.7")
         for words in ROWS[command]:
-            done = theirs.type(*words)
+            done = theirs.run(*words)
             assert done.returncode in (0, 1, 2, 143), done.stderr.decode()
             assert theirs.left() == [], f"mjcompose {' '.join(words)}: {done.stderr.decode()}"
 
@@ -339,10 +339,10 @@ def test_the_marks_are_left_by_what_runs(theirs: Folder) -> None:
 
 def test_what_runs_in_spite_of_it_is_what_the_user_says(theirs: Folder) -> None:
     """Consumers in a folder of the folder, by a relative path, are nobody's wish."""
-    done = theirs.type("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": "consumers"})
+    done = theirs.run("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": "consumers"})
     assert theirs.left() == []
     assert b"`MJCOMPOSE_CONSUMERS` is `consumers`, which is not an absolute path" in done.stderr
-    theirs.type("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": str(theirs.path / "consumers")})
+    theirs.run("check", "robot.yaml", more={"MJCOMPOSE_CONSUMERS": str(theirs.path / "consumers")})
     assert theirs.left() == ["consumer-drake", "consumer-pybullet"]
 
 
@@ -376,7 +376,7 @@ def test_relative_entries_of_pythonpath_are_ignored(theirs: Folder) -> None:
     for name in MODULES:
         if name in sys.stdlib_module_names:
             (theirs.path / f"{name}.py").unlink(missing_ok=True)
-    theirs.type("check", "cell.yaml", "--no-cache", more={"PYTHONPATH": f":.:{REPOSITORY}:theirs"})
+    theirs.run("check", "cell.yaml", "--no-cache", more={"PYTHONPATH": f":.:{REPOSITORY}:theirs"})
     assert theirs.left() == []
 
 
@@ -385,8 +385,8 @@ def test_completion_in_the_shell(theirs: Folder) -> None:
         line = "mjcompose check ce"
         more = {"_MJCOMPOSE_COMPLETE": f"{shell}_complete", "COMP_WORDS": line, "COMP_CWORD": "2" if shell != "fish" else "ce",
                 "COMP_LINE": line, "COMP_POINT": str(len(line))}  # fmt: skip
-        theirs.type("check", "ce", more=more)
-        theirs.type("check", more={"_MJCOMPOSE_COMPLETE": f"{shell}_source"})
+        theirs.run("check", "ce", more=more)
+        theirs.run("check", more={"_MJCOMPOSE_COMPLETE": f"{shell}_source"})
     assert theirs.left() == []
 
 
@@ -407,8 +407,9 @@ def test_the_language_server_and_its_commands(theirs: Folder) -> None:
     with Editor(theirs.path, environment={**theirs.environment(), "PYTHONSAFEPATH": "1"}) as editor:
         editor.open("robot.yaml", ROBOT)
         for command in ("mjcompose.check", "mjcompose.build", "mjcompose.view"):
-            uri = (theirs.path / "robot.yaml").as_uri()
-            editor.ask("workspace/executeCommand", {"command": command, "arguments": [uri]})
+            arguments = [str(theirs.path / "robot.yaml")]
+            said = editor.ask("workspace/executeCommand", {"command": command, "arguments": arguments})
+            assert "consumer-missing" in said or said.startswith("http")
     assert theirs.left() == []
 
 
@@ -418,7 +419,7 @@ def test_the_tools_of_agents(theirs: Folder) -> None:
     program = os.path.join(os.path.dirname(sys.executable), "mjcompose")
     client = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}}
     calls = [("check", {"recipe": "robot.yaml"}), ("render", {"recipe": "arm.xml"}), ("tree", {"recipe": "cell.yaml"})]
-    messages = [
+    messages: list[dict[str, object]] = [
         {"id": 0, "method": "initialize", "params": client}, {"method": "notifications/initialized"},
         *({"id": number, "method": "tools/call", "params": {"name": name, "arguments": arguments}}
           for number, (name, arguments) in enumerate(calls, 1)),
@@ -443,6 +444,6 @@ def test_the_tools_of_agents(theirs: Folder) -> None:
 @pytest.mark.slow
 def test_a_cluster_of_this_machine(theirs: Folder) -> None:
     pytest.importorskip("distributed", reason="mjcompose[cluster] is not installed")
-    done = theirs.type("build", "matrix.yaml", "--all", "-o", "cells/{name}/", "--cluster", "local", "--jobs", "2")
+    done = theirs.run("build", "matrix.yaml", "--all", "-o", "cells/{name}/", "--cluster", "local", "--jobs", "2")
     assert done.returncode == 0, done.stderr.decode()
     assert theirs.left() == []

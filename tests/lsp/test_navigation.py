@@ -150,6 +150,15 @@ def test_check_as_a_command(editor: Editor) -> None:
     assert said.endswith("demo.yaml: ok")
 
 
+def test_view_as_a_command_gives_the_address(editor: Editor) -> None:
+    recipe = str(editor.folder / "demo.yaml")
+    said = editor.ask("workspace/executeCommand", {"command": "mjcompose.view", "arguments": [recipe]})
+    assert said.startswith("http://127.0.0.1:")
+    gone = str(editor.folder / "gone.yaml")
+    said = editor.ask("workspace/executeCommand", {"command": "mjcompose.view", "arguments": [gone]})
+    assert "file-not-found" in said or "No such file" in said or "does not exist" in said
+
+
 def test_from_a_line_of_the_model_to_the_recipes_that_use_it(editor: Editor) -> None:
     editor.at(MARK + DEMO, "demo.yaml")
     model = (editor.folder / "models/arm6/arm6.xml").read_text(encoding="utf-8")

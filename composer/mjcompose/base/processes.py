@@ -1,7 +1,7 @@
 """The one door to other programs: each child starts here, and ends with this process. Also pools of workers.
 
-A folder that somebody else made can have a `json.py`, a `uv.toml` or a `.git/config`, and many programs obey what is in
-their current folder. So a child starts in an empty folder of ours, unless its caller names one and gives the reason.
+A folder that somebody else made can have a `json.py`, a `uv.toml` or a `.git/config`, and many programs obey such files
+in their current folder. So a child starts in an empty folder of ours, unless its caller names one and gives the reason.
 `PATH` and the like are searched only in their absolute folders: an empty entry means the current folder.
 """
 
@@ -189,7 +189,7 @@ class _Reader:
 
     @property
     def content(self) -> bytes:
-        """What it has read so far."""
+        """The bytes that it has read and kept."""
         return b"".join(self._pieces)
 
 
@@ -247,7 +247,7 @@ def _located(name: str, environment: Mapping[str, str]) -> str:
 
 
 def isolated(python: str, words: Sequence[str]) -> list[str]:
-    """Return the command of a Python that imports only what is installed with it, and obeys no variable of Python.
+    """Return the command of a Python that imports only its own packages, and obeys no variable of Python.
 
     >>> isolated("/usr/bin/python3", ["-c", "print()"])
     ['/usr/bin/python3', '-I', '-c', 'print()']

@@ -37,7 +37,7 @@ class InstallOptions(Group):
 
 @command(InstallOptions)
 def install(options: InstallOptions, run: Run) -> Answer:
-    """Install PROGRAM, such as mujoco==3.12, into a folder of your own. Without PROGRAM, list what is installed.
+    """Install PROGRAM, such as mujoco==3.12, into a folder of your own. Without PROGRAM, list the installed ones.
 
     `upgrade`, `migrate --prove` and the check `moves_alike` use it. Nothing else installs anything. It uses uv if that
     is on your PATH, otherwise pip, with the package index in your own settings. The variable MJCOMPOSE_PROGRAMS names

@@ -11,6 +11,7 @@ import contextlib
 import json
 import os
 import re
+import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -273,6 +274,15 @@ def _words(found: Diagnostic) -> str:
 
 _SECONDS = 3600.0
 _MOST_OUTPUT = 16 << 20
+_MOST_LINES = 1000
+_PIECE = 1 << 16
+
+
+def _drain(pipe: BinaryIO) -> None:
+    """Read a pipe to its end: a program that prints more than a pipe holds would wait."""
+    with contextlib.suppress(OSError, ValueError):
+        while pipe.read(_PIECE):
+            pass
 
 
 def _text(output: bytes) -> str:
@@ -309,9 +319,15 @@ class Errands:
         if (known := self._views.pop(tuple(words), None)) is not None:
             known.end()
         process = self._views[tuple(words)] = self._start(words)
-        assert process.stdout is not None  # its first line is the address
-        line = _text(process.stdout.readline(_MOST_LINE))
-        return line or "the model cannot be shown: see its diagnostics", line.startswith("http")
+        assert process.stdout is not None
+        lines: list[str] = []
+        while len(lines) < _MOST_LINES and (line := process.stdout.readline(_MOST_LINE)):
+            lines.append(_text(line))
+            if lines[-1].startswith("http"):  # its address; the rest is not shown
+                threading.Thread(target=_drain, args=(process.stdout,), daemon=True).start()
+                return lines[-1], True
+        process.end()
+        return "\n".join(filter(None, lines)) or "the model cannot be shown: see its diagnostics", False
 
     def _start(self, words: list[str]) -> Process:
         if words[0] == "build":

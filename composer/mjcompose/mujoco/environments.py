@@ -73,7 +73,7 @@ def open_python(python: Path) -> Other:
 
 
 def kept(version: str, environment: Mapping[str, str]) -> Other:
-    """Return the MuJoCo of a version that the user has installed. Raises ProgramError, also if it is not installed."""
+    """Return an installed version of MuJoCo. Raises MissingError, and ProgramError if it is not trusted."""
     return open_python(python_in(version, environment))
 
 

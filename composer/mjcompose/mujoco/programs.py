@@ -192,7 +192,7 @@ def _changeable(path: Path) -> str | None:
         return f"the owner of `{path}` cannot be determined: {(error.strerror or str(error)).lower()}"
     if status.st_uid not in (0, os.geteuid()):
         return f"`{path}` belongs to another user"
-    # In a sticky folder, such as that for temporary files, nobody replaces what others have.
+    # In a sticky folder, such as that for temporary files, nobody replaces the files of others.
     is_sticky = stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX
     # Many systems give each user a group of the same number, with no other member.
     is_private = status.st_gid == os.getgid() == os.geteuid()

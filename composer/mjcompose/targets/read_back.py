@@ -103,7 +103,7 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     program = _READERS / f"{reader.program}.py"
     command = isolated(python, [facts_module.__file__, str(program), str(model), str(asked), str(out)])
     seconds = in_force().time
-    folder = WorkFolder(model.parent.parent, "a folder of ours: programs write what they make of the model there")
+    folder = WorkFolder(model.parent.parent, "a folder of ours, into which programs write their files")
     with Process(command, stdout=DEVNULL, stderr=PIPE, folder=folder, size=_LARGEST) as process:
         try:
             _, said = process.finish(seconds=seconds, most=0)
