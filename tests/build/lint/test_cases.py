@@ -36,6 +36,15 @@ def _arm(
 """
 
 
+def _sides(left: str, right: str, left_motor: str = "", right_motor: str = "") -> str:
+    """A model with a joint and a motor on each side."""
+    sides = (("left", left), ("right", right))
+    bodies = "".join(f'<body><joint name="{side}_hip" {text}/><geom size="1"/></body>' for side, text in sides)
+    pairs = (("left", left_motor), ("right", right_motor))
+    motors = "".join(f'<motor name="{side}_hip" joint="{side}_hip" {text}/>' for side, text in pairs)
+    return f"<mujoco><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>"
+
+
 _SERVO = '<position name="b" joint="b" kp="10" ctrlrange="{}"/>'
 _ASSET = "<asset>{}</asset>"
 CASES = {
@@ -97,7 +106,43 @@ CASES = {
         _arm(more='<sensor><force name="right_force" site="left_tip"/></sensor>'),
         _arm(more='<sensor><force name="tip_force_left" site="left_tip"/></sensor>'),
     ),
+    "sides-differ": (
+        _sides('range="-30 90" damping="1"', 'range="-90 25" damping="1"', 'gear="-50"', 'gear="50"'),
+        _sides('range="-30 90" damping="1"', 'range="-90 30" damping="1.005"', 'gear="-50"', 'gear="50"'),
+    ),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "count"),
+    [
+        ('armature="0.1"', 'armature="0.2"', 1),
+        ('class="soft"', 'damping="1"', 0),
+        ('class="soft"', 'damping="3"', 1),
+        ('type="slide" range="0 0.1"', 'type="slide" range="0 0.2"', 1),
+        ('frictionloss="0.1" stiffness="3"', "", 2),
+    ],
+)
+def test_sides_by_the_value_in_effect(left: str, right: str, count: int, tmp_path: Path, session: Session) -> None:
+    soft = '<default><default class="soft"><joint damping="1"/></default></default><worldbody>'
+    text = _sides(left, right).replace("<worldbody>", soft)
+    assert len(linted(text, "sides-differ", tmp_path, session)) == count
+
+
+def test_sides_that_are_meant_to_differ(tmp_path: Path, session: Session) -> None:
+    arms = "".join(
+        f'<body><joint name="{side}_{n}" damping="{damping}"/><geom size="1"/></body>'
+        for side, damping in (("left", 1), ("right", 2))
+        for n in range(3)
+    )
+    text = f"<mujoco><worldbody>{arms}</worldbody></mujoco>"
+    assert not linted(text, "sides-differ", tmp_path, session)
+    assert (
+        len(linted(text.replace('right_1" damping="2"', 'right_1" damping="1"'), "sides-differ", tmp_path, session))
+        == 0
+    )
+    one = text.replace('damping="2"', 'damping="1"').replace('right_1" damping="1"', 'right_1" damping="2"')
+    assert len(linted(one, "sides-differ", tmp_path, session)) == 1
 
 
 @pytest.mark.parametrize("code", CASES)

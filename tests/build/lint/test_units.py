@@ -16,7 +16,13 @@ def option(text: str) -> str:
     return f"<mujoco><option {text}/></mujoco>"
 
 
+def servo(angle: str, range: str, control: str) -> str:
+    return f"""<mujoco><compiler angle="{angle}"/><worldbody><body><joint name="j" range="{range}"/><geom size="1"/></body>
+      </worldbody><actuator><position name="p" joint="j" ctrlrange="{control}"/></actuator></mujoco>"""
+
+
 CASES = [
+    ("control-in-degrees", servo("radian", "-0.7 0.7", "0 40"), servo("radian", "-0.7 0.7", "0 20"), "57.1 times"),
     ("range-in-radians", HINGE.format("", 'range="-1.57 1.57"'), HINGE.format(RADIAN, 'range="-1.57 1.57"'), "degrees"),
     ("range-in-radians", HINGE.format("", 'range="0 3.1416"'), HINGE.format("", 'range="-2 2"'), "0 to 3.1416"),
     ("range-in-radians", HINGE.format("", 'range="0 1.0472"'), HINGE.format("", 'type="slide" range="0 1.0472"'), ""),
@@ -39,3 +45,21 @@ def test_a_unit_is_found_and_a_near_model_is_not(
 def test_the_help_says_the_scale(tmp_path: Path, session: Session) -> None:
     (found,) = linted(MESH.format(200), "mesh-in-millimeters", tmp_path, session)
     assert found.help == 'if its file is in millimeters, write `scale="0.001 0.001 0.001"`'
+
+
+@pytest.mark.parametrize(
+    ("angle", "range", "control", "gear", "is_found"),
+    [
+        ("degree", "0 0.7", "0 0.7", "1", True),  # a fragment in radians
+        ("degree", "0 40", "0 0.7", "1", False),
+        ("radian", "0 40", "0 0.7", "1", True),
+        ("radian", "0 0.7", "0 4000", "100", True),
+        ("radian", "0 0.7", "0 40", "57.3", False),
+        ("radian", "0 0.7", "0 49", "1", False),  # 70 times
+    ],
+)
+def test_controls_and_ranges_in_two_units(
+    angle: str, range: str, control: str, gear: str, is_found: bool, tmp_path: Path, session: Session
+) -> None:
+    text = servo(angle, range, control).replace("<position", f'<position gear="{gear}"')
+    assert bool(linted(text, "control-in-degrees", tmp_path, session)) is is_found

@@ -93,14 +93,33 @@ def names_differ_by_case(subject: Subject) -> Found:
 _SIDE = re.compile(r"(?:^|[_\-./:])(left|right|l|r)(?=$|[_\-./:])|(left|right)", re.IGNORECASE)
 
 
-def _side(name: str) -> str | None:
+def side_of(name: str) -> str | None:
     """Return the only side that a name is about.
 
-    >>> _side("left_hip"), _side("arm_r"), _side("left_right_bar"), _side("lift")
+    >>> side_of("left_hip"), side_of("arm_r"), side_of("left_right_bar"), side_of("lift")
     ('l', 'r', None, None)
     """
     found = {(each[1] or each[2]).lower()[0] for each in _SIDE.finditer(name)}
     return found.pop() if len(found) == 1 else None
+
+
+_OTHER = {"left": "right", "right": "left", "l": "r", "r": "l"}
+
+
+def other_side(name: str) -> str:
+    """Return the name of the counterpart on the other side.
+
+    >>> other_side("left_hip"), other_side("FR_calf/L"), other_side("LeftKnee")
+    ('right_hip', 'FR_calf/R', 'RightKnee')
+    """
+
+    def swapped(found: re.Match[str]) -> str:
+        word = found[1] or found[2]
+        other = _OTHER[word.lower()]
+        cased = other.upper() if word.isupper() else other.capitalize() if word[0].isupper() else other
+        return found[0].replace(word, cased)
+
+    return _SIDE.sub(swapped, name)
 
 
 @rule("side-mismatch")
@@ -109,8 +128,8 @@ def side_mismatch(subject: Subject) -> Found:
     for section in ("actuator", "sensor", "worldbody"):
         for top in subject.root.iterfind(section):
             for element in top.iterdescendants("*"):
-                side = _side(str(element.get("name") or ""))
+                side = side_of(str(element.get("name") or ""))
                 for attribute, namespace, target, _ in own_references(element, section) if side else ():
-                    if namespace in ("joint", "body", "site", "geom", "mesh") and _side(target) not in (None, side):
+                    if namespace in ("joint", "body", "site", "geom", "mesh") and side_of(target) not in (None, side):
                         message = f"{subject.called(element)} refers to the {namespace} `{target}`"
                         yield Finding(element, message, attribute)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from mjcompose.build.lint.names import other_side, side_of
 from mjcompose.build.lint.rule import Edit, Finding, Found, Subject, rule
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
@@ -112,6 +113,53 @@ def control_misses_range(subject: Subject) -> Found:
         ends = " ".join(f"{each:.6g}" for each in sorted((least * gear, most * gear)))
         help = 'write `inheritrange="1"`' if gear == 1 else f'write `ctrlrange="{ends}"`'
         yield Finding(subject.node("actuator", row), message, "ctrlrange", help=help)
+
+
+_OF_SIDES = {
+    "joint": ("range", "damping", "armature", "frictionloss", "stiffness", "actuatorfrcrange"),
+    "actuator": ("ctrlrange", "forcerange", "gear", "kp", "kv", "gainprm", "biasprm"),
+}
+_MIRRORED = frozenset(("range", "actuatorfrcrange", "ctrlrange", "forcerange"))
+_ALIKE = 0.01
+
+
+@rule("sides-differ")
+def sides_differ(subject: Subject) -> Found:
+    """A left joint or actuator with other limits, gains or friction than the right one."""
+    joints = list(subject.each("joint"))
+    actuators = [each for each in subject.root.iterfind("actuator/*") if isinstance(each.tag, str)]
+    for kind, elements in (("joint", joints), ("actuator", actuators)):
+        pairs = _sides(elements)
+        for attribute in _OF_SIDES[kind]:
+            differing = [pair for pair in pairs if not _is_alike(subject, *pair, attribute)]
+            if len(differing) > max(1, len(pairs) // 2):
+                continue  # the sides are meant to differ
+            for left, right in differing:
+                here, there = subject.value(left, attribute) or "not set", subject.value(right, attribute) or "not set"
+                message = f"`{attribute}` of {subject.called(left)} is {here}, and of `{right.get('name')}` {there}"
+                yield Finding(left, message, attribute, help="give both sides the same numbers, if that is a slip")
+
+
+def _sides(elements: list[Node]) -> list[tuple[Node, Node]]:
+    """Return the elements on the left, each with its counterpart on the right."""
+    named = {str(each.get("name")): each for each in elements if each.get("name")}
+    found = [(each, named.get(other_side(name))) for name, each in named.items() if side_of(name) == "l"]
+    return [(left, right) for left, right in found if right is not None and left.tag == right.tag]
+
+
+def _is_alike(subject: Subject, left: Node, right: Node, attribute: str) -> bool:
+    """Return whether two sides have the same numbers, or the numbers of a mirror image."""
+    here, there = subject.numbers(left, attribute), subject.numbers(right, attribute)
+    if here is None or there is None or len(here) != len(there):
+        return here is None and there is None
+    if attribute == "gear":
+        here, there = list(map(abs, here)), list(map(abs, there))
+    candidates = [there, [-each for each in reversed(there)]] if attribute in _MIRRORED else [there]
+    return any(all(map(_is_close, here, each)) for each in candidates)
+
+
+def _is_close(one: float, other: float) -> bool:
+    return abs(one - other) <= _ALIKE * max(abs(one), abs(other))
 
 
 class JointServo(NamedTuple):

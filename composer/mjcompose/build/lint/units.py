@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 from lxml.etree import _Element as Node
 
+from mjcompose.build.lint.ranges import position_servos
 from mjcompose.build.lint.rule import Finding, Found, Subject, rule
+from mjcompose.mujoco.arrays import HINGE
 
 _TURN = 2 * math.pi
 _ROUND = tuple(math.pi * each for each in (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2))
@@ -44,6 +46,36 @@ def range_in_degrees(subject: Subject) -> Found:
         if max(map(abs, ends)) > _DEGREES and all(end % 5 == 0 for end in ends):
             message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} rad, looks like degrees"
             yield Finding(joint, message, "range", help="write the range in radians")
+
+
+_LEAST, _MOST = 50.0, 65.0
+
+
+@rule("control-in-degrees", in_mujoco=True)
+def control_in_degrees(subject: Subject) -> Found:
+    """A position actuator in degrees whose joint is in radians, or the other way round."""
+    model = subject.model
+    for row, joint, control, gear in position_servos(subject):
+        if not (model.actuator_ctrllimited[control] and model.jnt_limited[joint]):
+            continue
+        if int(model.jnt_type[joint]) != HINGE:
+            continue
+        most = max(abs(float(each) / gear) for each in model.actuator_ctrlrange[control])
+        reach = max(abs(float(each)) for each in model.jnt_range[joint])
+        is_large, is_small = _LEAST * reach <= most <= _MOST * reach, _LEAST * most <= reach <= _MOST * most
+        if not reach or not (is_large or is_small):
+            continue
+        times = most / reach if is_large else reach / most
+        larger, smaller = (
+            f"the controls of {subject.name('actuator', row)}",
+            f"the range of {subject.name('joint', joint)}",
+        )
+        larger, smaller = (larger, smaller) if is_large else (smaller, larger)
+        message = f"{larger} {'reach' if is_large else 'reaches'} {times:.3g} times as far as {smaller}"
+        one, other = ("controls", "range") if is_large else ("range", "controls")
+        help = f"write the {one} in radians; or the {other} is in radians, and the file lacks "
+        help += '`<compiler angle="radian"/>`'
+        yield Finding(subject.node("actuator", row), message, "ctrlrange", help=help)
 
 
 @rule("gravity-unit", usual=False, profiles={"robot-asset": _METERS})
