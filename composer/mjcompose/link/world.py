@@ -146,7 +146,7 @@ def worlds(linking: Linking) -> None:
 
     Sensors and tuples keep the world: they measure or list it, and nothing holds the part there. In MuJoCo 4.0 a sensor
     with `reftype="body" refname="world"` reads the same as one without a reference. On a body it would measure in the
-    body's inertial frame, which is no frame of the part.
+    body's inertial frame, which is not a frame of the part.
 
     MuJoCo's own attach changes none of this: in 4.0 a `<weld body1="b"/>` pulls an attached part back to its pose in
     its file, and on a moving body it fixes the part to the world.
