@@ -110,12 +110,19 @@ class Process(subprocess.Popen[Any]):
         except subprocess.TimeoutExpired:
             raise Overrun(f"it takes longer than {seconds:g} s", is_late=True) from None
         finally:
+            self._end_group()
             self.end()
             for thread in (writer, output.thread, errors.thread):
-                thread.join(_SECONDS_TO_END)  # a program that it has started may hold its pipes open
+                thread.join(_SECONDS_TO_END)  # a program in another group may hold its pipes open
         if output.is_over:
             raise Overrun(f"it prints more than {most} bytes", is_late=False)
         return output.content, errors.content
+
+    def _end_group(self) -> None:
+        """Kill the programs that it has started and left. The guard keeps their group from getting another meaning."""
+        if _POSIX:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.pid, signal.SIGKILL)
 
     def _write(self, content: bytes) -> None:
         if self.stdin is not None:
