@@ -133,7 +133,7 @@ def sides_differ(subject: Subject) -> Found:
         for attribute in _OF_SIDES[kind]:
             differing = [pair for pair in pairs if not _is_alike(subject, *pair, attribute)]
             if len(differing) > max(1, len(pairs) // 2):
-                continue  # the sides are meant to differ
+                continue  # the sides differ on purpose
             for left, right in differing:
                 here, there = subject.value(left, attribute) or "not set", subject.value(right, attribute) or "not set"
                 message = f"`{attribute}` of {subject.called(left)} is {here}, and of `{right.get('name')}` {there}"
