@@ -119,6 +119,19 @@ def test_a_changed_value_is_an_edit(tmp_path: Path) -> None:
     assert found.outcome is not None and found.outcome.same
 
 
+@pytest.mark.parametrize("setting", ['mass="0"', 'mass="0" density="0"', 'friction="0.3"', 'rgba="1 0 0 1" mass="2"'])
+def test_a_class_that_lost_its_values(setting: str, tmp_path: Path) -> None:
+    """A program that saves a model may drop the values of a class; the elements of the class have none to remove."""
+    text = """<mujoco model="arm"><default><default class="shell"><geom {}/></default></default><worldbody>
+      <body name="base"><geom size="0.1"/><geom name="a" class="shell" size="0.1"/><geom class="shell" size="0.2"/>
+      <body name="link"><joint/><geom size="0.1"/></body></body></worldbody></mujoco>"""
+    (tmp_path / "arm.xml").write_text(text.format(setting))
+    (tmp_path / "all.xml").write_text(text.format(""))
+    found = recover(tmp_path / "all.xml", [tmp_path / "arm.xml"], tmp_path / "all.yaml", Context(folder=tmp_path))
+    assert found is not None and found.outcome is not None and found.outcome.same
+    assert "not expressed" not in found.text
+
+
 def test_what_cannot_be_said_is_a_comment(tmp_path: Path) -> None:
     """A material with layers is left out, so is the geom that has it, and the rest builds."""
     (tmp_path / "tool.xml").write_text(TOOL)

@@ -209,12 +209,14 @@ class Comparison:
         for (_, owner, tag, name), pairs in groups.items():
             values = {pair.changes.get(name) for pair in pairs}
             value = values.pop()
-            if values or value is None or len(pairs) < _SEVERAL:
+            # An element cannot remove a value of its class: only the class can.
+            is_removed = value is None and all(name in pair.changes for pair in pairs)
+            if values or (not is_removed and (value is None or len(pairs) < _SEVERAL)):
                 continue
             pair = pairs[0]
             attribute = pair.item.kind.attributes[name]
             called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
-            text = elements.written_value(attribute, self.name(attribute, value))
+            text = "null" if value is None else elements.written_value(attribute, self.name(attribute, value))
             settled.setdefault(called, {}).setdefault(tag, {})[name] = text
             change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
             self.found_changes.append(change)
