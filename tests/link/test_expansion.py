@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -159,3 +160,36 @@ def test_what_mujoco_multiplies_by_mistake_is_found(bodies: str, sections: str, 
     assert fault.kind == kind
     assert not fault.is_missing
     assert fault.element is root.find(f"{kind}/*")
+
+
+def calls(count: int) -> int:
+    """The function calls to expand a model with as many replicates, motors and sensors, and to compare it."""
+    world = "".join(
+        f'<replicate count="2"><body name="b{letter}"><joint name="j{letter}"/></body></replicate>'
+        for letter in map(letters, range(count))
+    )
+    motors = "".join(f'<motor name="m{letter}" joint="j{letter}"/>' for letter in map(letters, range(count)))
+    sensors = "".join(f'<actuatorpos name="s{letter}" actuator="m{letter}"/>' for letter in map(letters, range(count)))
+    text = f"<mujoco><worldbody>{world}</worldbody><actuator>{motors}</actuator><sensor>{sensors}</sensor></mujoco>"
+    root = etree.fromstring(text)
+    counted = 0
+
+    def count_call(frame: object, event: str, argument: object) -> None:
+        nonlocal counted
+        counted += event in ("call", "c_call")
+
+    sys.setprofile(count_call)
+    try:
+        written = Written.of(root)
+    finally:
+        sys.setprofile(None)
+    assert len(written.elements["sensor"]) == 2 * count
+    return counted
+
+
+def letters(number: int) -> str:
+    return "".join("abcdefghij"[int(digit)] for digit in str(number)) + "x"
+
+
+def test_twice_the_replicates_and_sensors_take_twice_the_work() -> None:
+    assert calls(200) < 2.2 * calls(100)

@@ -39,9 +39,11 @@ def boundaries(linking: Linking) -> None:
 
 
 def _crossings(unit: Unit) -> list[Crossing]:
-    if next(unit.root.iter("replicate"), None) is None:
-        return []
-    return list(Expansion.of(unit.root, _AFFECTED).crossings)
+    return list(_expansion(unit).crossings)
+
+
+def _expansion(unit: Unit) -> Expansion:
+    return Expansion.of(unit.root, _AFFECTED) if next(unit.root.iter("replicate"), None) is not None else Expansion({})
 
 
 def has_crossings(unit: Unit) -> bool:
@@ -87,12 +89,12 @@ def _advice(unit: Unit, crossing: Crossing) -> str:
 def crossings(linking: Linking) -> None:
     """Write out every element that MuJoCo would drop: one for each copy, with the names of the copies."""
     base = linking.base
-    elements = list(dict.fromkeys(crossing.row.element for crossing in _crossings(base)))
-    if not elements:
-        return
-    expansion = Expansion.of(base.root, _AFFECTED)
-    for element in elements:
-        rows = [row for rows in expansion.rows.values() for row in rows if row.element is element]
+    expansion = _expansion(base)
+    copies: dict[Node, list[Row]] = {crossing.row.element: [] for crossing in expansion.crossings}
+    for row in (row for rows in expansion.rows.values() for row in rows):
+        if row.element in copies:
+            copies[row.element].append(row)
+    for element, rows in copies.items():
         _write_out(linking, element, rows)
 
 

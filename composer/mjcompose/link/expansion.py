@@ -103,6 +103,39 @@ class Crossing(NamedTuple):
     outside: Name
 
 
+class _Section:
+    """The rows of one section in MuJoCo's order, found by the names that they refer to."""
+
+    def __init__(self, root: Node, tag: str) -> None:
+        self.tag = tag
+        self.rows: dict[int, Row] = {}
+        self._users: dict[Name, list[int]] = {}
+        self._count = 0
+        for node in root.iterfind(f"{tag}/*"):
+            self._append(Row.of(node, tag))
+
+    def _append(self, row: Row) -> None:
+        self.rows[self._count] = row
+        for name in row.references.values():
+            self._users.setdefault(name, []).append(self._count)
+        self._count += 1
+
+    def affected(self, inside: Collection[Name]) -> list[int]:
+        """Return the numbers of the rows that refer to one of these names."""
+        numbers = {number for name in inside for number in self._users.get(name, ())}
+        return sorted(number for number in numbers if number in self.rows)
+
+    def multiply(self, numbers: Sequence[int], inside: Collection[Name], replicate: Node) -> set[Name]:
+        """Replace these rows by their copies, and return the names that no longer exist."""
+        # MuJoCo 4.0 puts the copies after the rows that stay: with `<motor name="a" joint="j"/>` on a joint in
+        # `<replicate count="2">` and `<motor name="z" …/>` behind it on a joint outside, the order is z, a0, a1.
+        removed = [self.rows.pop(number) for number in numbers]
+        for number, suffix in enumerate(suffixes(replicate) if removed else ()):
+            for row in removed:
+                self._append(row.copied(replicate, number, suffix, inside=inside))
+        return {(_namespace(row), row.name) for row in removed if row.name}
+
+
 class Expansion(Struct):
     """The elements outside the body tree after all replicates, by section, and those that MuJoCo drops."""
 
@@ -110,42 +143,18 @@ class Expansion(Struct):
     crossings: Sequence[Crossing] = field(default_factory=list)
 
     @classmethod
-    def of(cls, root: Node, sections: Collection[str] = SECTIONS) -> Expansion:
+    def of(cls, root: Node, tags: Collection[str] = SECTIONS) -> Expansion:
         """Return the expansion of a model in these sections, and in those that they refer to."""
-        taken = [section for section in SECTIONS if section in sections or section in ("tendon", "actuator")]
-        rows = {section: _rows_of(root, section) for section in taken}
+        sections = [_Section(root, tag) for tag in SECTIONS if tag in tags or tag in ("tendon", "actuator")]
         crossings: list[Crossing] = []
         made: dict[Node, list[Name]] = {}
         for replicate, declared in names_inside(root, made):
             inside = set(declared)
-            for section, before in rows.items():
-                crossings += _crossings(section, before, inside, replicate=replicate)
-                rows[section], gone = _multiplied(before, inside, replicate)
-                inside |= gone
-        return cls(rows, crossings)
-
-
-def _rows_of(root: Node, section: str) -> list[Row]:
-    return [Row.of(node, section) for node in root.iterfind(f"{section}/*")]
-
-
-def _multiplied(rows: list[Row], inside: Collection[Name], replicate: Node) -> tuple[list[Row], set[Name]]:
-    """Multiply the rows that refer to names `inside`. Return all rows, and the names that no longer exist."""
-    # MuJoCo 4.0 puts the copies after the rows that stay: with `<motor name="a" joint="j"/>` on a joint in
-    # `<replicate count="2">` and `<motor name="z" …/>` behind it on a joint outside, the order is z, a0, a1.
-    kept = [row for row in rows if not _refers_to(row, inside)]
-    removed = [row for row in rows if _refers_to(row, inside)]
-    copies = [
-        row.copied(replicate, number, suffix, inside=inside)
-        for number, suffix in enumerate(suffixes(replicate))
-        for row in removed
-    ]
-    gone = {(_namespace(row), row.name) for row in removed if row.name}
-    return kept + copies, gone
-
-
-def _refers_to(row: Row, names: Collection[Name]) -> bool:
-    return any(name in names for name in row.references.values())
+            for section in sections:
+                numbers = section.affected(inside)
+                crossings += _crossings(section, numbers, inside, replicate=replicate)
+                inside |= section.multiply(numbers, inside, replicate)
+        return cls({section.tag: list(section.rows.values()) for section in sections}, crossings)
 
 
 def _namespace(row: Row) -> str:
@@ -153,17 +162,19 @@ def _namespace(row: Row) -> str:
     return row.section if declared is None else declared[0]
 
 
-def _crossings(section: str, rows: Iterable[Row], inside: Collection[Name], replicate: Node) -> Iterator[Crossing]:
-    if section not in _ALL_OR_NOTHING:
+def _crossings(
+    section: _Section, numbers: Iterable[int], inside: Collection[Name], replicate: Node
+) -> Iterator[Crossing]:
+    """Yield the rows, all of which refer to names `inside`, that MuJoCo drops."""
+    if section.tag not in _ALL_OR_NOTHING:
         return
-    for row in rows:
+    for row in map(section.rows.__getitem__, numbers):
         names = list(row.references.values())
-        within = next((name for name in names if name in inside), None)
         # A tuple may refer to the world. MuJoCo 3.12 drops an equality that names it, 4.0 keeps it.
-        others = [name for name in names if name not in inside and (section == "equality" or name[1] != WORLD)]
-        outside = next(iter(others), None)
-        if within is not None and outside is not None:
-            yield Crossing(row, replicate, within, outside)
+        others = (name for name in names if name not in inside and (section.tag == "equality" or name[1] != WORLD))
+        outside = next(others, None)
+        if outside is not None:
+            yield Crossing(row, replicate, next(name for name in names if name in inside), outside)
 
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
