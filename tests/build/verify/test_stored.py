@@ -349,3 +349,12 @@ def test_the_folder_is_searched_once_for_all_parts_that_are_not_found(
         found = verify_stored(folder / "out.zip", Context(environment={}, folder=elsewhere), session)
     assert found is not None and len(found.parts) == 2
     assert searched.count(str(elsewhere / "parts")) == 1
+
+
+def test_an_element_that_mujoco_multiplies_is_told(folder: Path, check: Check) -> None:
+    """A sensor without an object becomes several next to a `<replicate>`, which the bundle was not built with."""
+    model = folder / "out" / "model.xml"
+    text = model.read_text().replace("<sensor>", '<sensor><clock name="time"/>')
+    model.write_text(text.replace("<worldbody>", '<worldbody><replicate count="2"><site/></replicate>'))
+    _, said = check("out")
+    assert any("MuJoCo multiplies the `<clock>` `time`" in each for each in said), said

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from mjcompose.base.access import Door, folder_of_recipe, own_door
+from mjcompose.base.access import NOTHING, Door, folder_of_recipe, own_door
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause
 from mjcompose.base.files import read_regular
@@ -23,6 +23,7 @@ from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
+from mjcompose.link.existence import existence_faults
 from mjcompose.mujoco.engine import Compiled, Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -30,7 +31,7 @@ from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Source, SourceError
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.parse import all_admitted, parse_file
+from mjcompose.tree.parse import all_admitted, parse_file, parse_text
 from mjcompose.tree.values import NOT_XML
 
 
@@ -168,12 +169,24 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
         said = " ".join(warning.message.split())
         context.sink.warning("mujoco-warning", f"MuJoCo warns about `{shown}`: {said}")
     if verified.error is None:
+        _check_existence(bundle, shown, verified.compiled, context)
         return verified.compiled
     fault = verified.error
     line = "" if fault.line is None else f", line {fault.line} of `{bundle.model}`"
     place = f" ({fault.element or 'element'} `{fault.name}`{line})" if fault.name else line
     context.sink.error(verified.code, f"`{shown}` does not compile: {' '.join(fault.message.split())}{place}")
     return None
+
+
+def _check_existence(bundle: Bundle, shown: str, compiled: Compiled, context: Context) -> None:
+    """Report elements of the model that MuJoCo drops or multiplies, at their lines in the bundle."""
+    text = bundle.files[bundle.model] if bundle.model.endswith(".xml") else None
+    if text is None or compiled.names is None:
+        return
+    file = f"{shown.rstrip('/')}/{bundle.model}"
+    model = parse_text(text, Sink(), file=file, directory=context.folder, label="", contents=bundle.files, door=NOTHING)
+    if model is not None:
+        context.sink.extend(existence_faults(model, compiled.names))
 
 
 def _parts(manifest: Manifest, inputs: InputFinder, judge: PartComparer) -> Iterator[PartComparison]:
