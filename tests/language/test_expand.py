@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -43,6 +44,10 @@ def concrete(text: str, given: str = "{}") -> Any:
         ("90deg", "{x: 1}", "1deg"),
         ("{default: 0, unit: rad}", "{x: 180deg}", "3.141592653589793rad"),
         ("{type: string, default: 90deg}", "{}", "90deg"),
+        ("[10deg, 0, 1rad]", "{}", ["10.0deg", "0deg", "57.29577951308232deg"]),
+        ("[10deg, 20deg]", "{x: [1rad, 2]}", ["57.29577951308232deg", "2deg"]),
+        ("{default: 35deg, min: 30deg}", f"{{x: {math.pi / 6!r}rad}}", "29.999999999999996deg"),
+        ("{type: float, choices: [30deg, 60deg]}", f"{{x: {math.pi / 3!r}rad}}", "59.99999999999999deg"),
         ("{type: float}", "{x: 2}", 2),
         ("{default: 1, min: 0, max: 2, unit: m, doc: how far}", "{x: 2}", 2),
     ],
@@ -167,6 +172,9 @@ def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(sectio
         ("params: {x: [1, 2]}", "{x: [1]}", "wrong-length: parameter `x` has 2 numbers, got 1"),
         ("params: {x: {type: int, default: 1}}", "{x: 1.5}", "wrong-type: parameter `x` is a whole number, got a number `1.5`"),
         ("params: {x: {default: a, choices: [a, b]}}", "{x: c}", "out-of-range: parameter `x` is one of `a`, `b`, got text `c`"),
+        ("params: {x: {default: 20deg, max: 30deg}}", "{x: 0.6rad}", "out-of-range: parameter `x` is at most 30.0deg, got 34.37746770784939deg"),
+        ("params: {x: 1}", "{x: 10deg}", "wrong-type: parameter `x` is a number, got text `10deg`"),
+        ("params: {x: [10deg, 3]}", "{}", "bare-angle: `default` of parameter `x` has numbers with a unit and 3 without one"),
         ("params: {x: {}}", "{}", "missing-key: parameter `x` has neither `default` nor `type`"),
         ("params: {x: {type: float}}\na: '${x}'", "{}", "missing-key: parameter `x` has no default and must be given"),
         ("params: {x: {type: number}}", "{}", "wrong-keyword: `type` of parameter `x` cannot be `number`"),

@@ -6,7 +6,7 @@ import time
 import pytest
 from hypothesis import given, strategies as st
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ExpressionError, Value, shown
+from mjcompose.text.expression import Angle, ExpressionError, Value, shown, with_units
 
 SCOPE: dict[str, Value] = {"reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5)}
 
@@ -169,3 +169,73 @@ def test_any_text_has_a_value_or_a_fault(text: str) -> None:
 @given(st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(-(10**15), 10**15)))
 def test_numbers_keep_their_bits_in_text(number: float) -> None:
     assert float(shown(number)) == number
+
+
+ANGLES: dict[str, Value] = {
+    "t": Angle(10, "deg"), "r": Angle(1.0, "rad"), "v": (Angle(1, "deg"), Angle(2, "deg")), "k": 2, "zero": 0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("-t", "-10deg"), ("+t", "10deg"), ("t + 5deg", "15deg"), ("t - t", "0deg"), ("t * 2", "20deg"), ("2 * t", "20deg"),
+        ("t / 4", "2.5deg"), ("t % 3deg", "1deg"), ("v[1]", "2deg"), ("min(t, 5deg)", "5deg"), ("max(t, 0)", "10deg"),
+        ("clamp(t, -5deg, 5deg)", "5deg"), ("abs(-t)", "10deg"), ("hypot(3deg, 4deg)", "5.0deg"), ("t if k > 1 else r", "10deg"),
+        ("t + zero", "10deg"), ("atan2(t, t)", f"{math.pi / 4!r}rad"), ("asin(1)", f"{math.pi / 2!r}rad"), ("[v, k]", "[[1deg, 2deg], 2]"),
+        ("t / 5deg", "2.0"), ("t // 3deg", "3"), ("deg(t)", "10"), ("rad(r)", "1.0"), ("deg(r)", repr(math.degrees(1))),
+        ("sin(t)", repr(math.sin(math.radians(10)))), ("tan(k)", repr(math.tan(2))), ("rad(180) == pi", "true"), ("cos(180deg)", "-1.0"),
+        ("t > 5deg", "true"), ("t < r", "true"), ("t == 10deg", "true"), ("180deg == 1rad * pi", "true"), ("t != r", "true"),
+        ("0 < t <= 10deg", "true"), ("params.t", "10deg"),
+    ],
+)  # fmt: skip
+def test_angles_stay_angles(text: str, expected: str) -> None:
+    assert with_units(Template.parse(f"${{{text}}}").value(ANGLES)) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ("t + 1", ["t + 1deg", "t + 1rad"]),
+        ("-1.5 < t", ["-1.5deg < t", "-1.5rad < t"]),
+        ("t > k", ["deg(t) > k", "rad(t) > k"]),
+        ("max(t, k, r)", []),
+        ("2 / t", ["2 / deg(t)", "2 / rad(t)"]),
+        ("t * r", ["deg(t) * r", "rad(t) * r"]),
+        ("(k + t) ** 2", ["(k + deg(t)) ** 2", "(k + rad(t)) ** 2"]),
+        ("t ** 2", ["deg(t) ** 2", "rad(t) ** 2"]),
+        ("round(t)", ["round(deg(t))", "round(rad(t))"]),
+        ("sqrt(2 * t)", ["sqrt(deg(2 * t))", "sqrt(rad(2 * t))"]),
+        ("t == 20", ["t == 20deg", "t == 20rad"]),
+    ],
+)
+def test_an_angle_and_a_number_have_two_meanings(text: str, lines: list[str]) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        Template.parse(f"${{{text}}}").value(ANGLES)
+    assert (caught.value.help or "").split("`")[1::2] == lines
+    for line in lines:
+        assert Template.parse(f"${{{line}}}").value(ANGLES) is not None
+
+
+@pytest.mark.parametrize(
+    "text", ["t == 'a'", "t < v", "t + 'a'", "t and true", "1degs", "deg", "element.t", "params.x", "params"]
+)
+def test_angles_with_other_values(text: str) -> None:
+    with pytest.raises(ExpressionError):
+        Template.parse(f"${{{text}}}").value(ANGLES)
+
+
+def test_an_angle_in_a_text_is_its_number() -> None:
+    assert Template.parse("c${t}_${r}rad").value(ANGLES) == "c10_1.0rad"
+    with pytest.raises(ExpressionError, match="followed by `rad`"):
+        Template.parse("${t}rad").value(ANGLES)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(-1e3, 1e3), st.floats(0.125, 8))
+def test_the_unit_of_a_parameter_does_not_matter(a: float, b: float, k: float) -> None:
+    degrees: dict[str, Value] = {"a": Angle(a, "deg"), "b": Angle(b, "deg"), "k": k}
+    radians: dict[str, Value] = {"a": Angle(math.radians(a), "rad"), "b": Angle(math.radians(b), "rad"), "k": k}
+    for text in ("${k * a - b / k}", "${max(a, -b) + clamp(b, -1rad, 90deg)}", "${a if a > 10deg + b else -b}"):
+        first, second = Template.parse(text).value(degrees), Template.parse(text).value(radians)
+        assert isinstance(first, Angle) and isinstance(second, Angle)
+        assert first.radians == pytest.approx(second.radians, rel=1e-9, abs=1e-9)

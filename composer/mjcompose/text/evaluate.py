@@ -1,7 +1,7 @@
 """Evaluate expressions and texts with `${…}` in limited time.
 
 A value is a boolean, a text, a vector, a plain number or an angle. An angle stays one through every operation that has
-a meaning for angles, and a plain number beside it is an error, unless it is 0, which is the same in every unit.
+a meaning for angles, and a plain number next to it is an error, unless it is 0, which is the same in every unit.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def _in_one_unit(what: str, operands: Sequence[_Operand], tree: Expression) -> t
 
 
 def _with_units(side: Expression, operands: Sequence[_Operand]) -> list[Rewrite]:
-    """Return the two meanings of a plain number beside an angle."""
+    """Return the two meanings of a plain number next to an angle."""
     if isinstance(side.value if isinstance(side, syntax.Constant) else None, int | float):
         return [Rewrite(side.at, "", unit) for unit in syntax.UNITS]
     if isinstance(side, syntax.Unary):

@@ -126,7 +126,7 @@ class ArgumentError(ValueError):
     """An argument that a function does not accept; the text says why."""
 
 
-# What a function makes of angles. Each of its arguments is an angle, or none is.
+# How a function treats angles. Each of its arguments is an angle, or none is.
 KEEPS: Literal["keeps"] = "keeps"  # `min`: it gives an angle for angles, and a number for numbers
 TAKES: Literal["takes"] = "takes"  # `sin`: it takes an angle, or a number of radians, and gives a number
 GIVES: Literal["gives"] = "gives"  # `atan2`: it takes numbers, or angles whose ratio counts, and gives an angle

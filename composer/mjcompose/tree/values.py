@@ -38,7 +38,8 @@ def is_in_degrees(tag: str, attribute: str) -> bool:
     return attribute in _NAMES or (tag, attribute) in _IN_DEGREES
 
 
-# Angles of a joint, or sums of them: what they are depends on what the element refers to. They are in radians.
+# Angles of a joint, or sums of them, in radians. The joint or the tendon of the element determines whether they are
+# angles.
 _CONTROLS = ("ctrlrange", "lengthrange")
 _READINGS = ("cutoff", "noise")
 _TENDON = ("range", "springlength", "springyield", "margin")

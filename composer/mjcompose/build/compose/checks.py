@@ -65,7 +65,7 @@ def check_angles_of_targets(linking: Linking, making: ElementBuilder) -> None:
 
 
 def _joint_of(node: Node, linking: Linking) -> Node | None:
-    """Return the joint that gives the numbers of an element their unit; None for those of a class."""
+    """Return the joint that gives the numbers of an element their unit; None for an element of a class."""
     if section_of(node) == "default":
         return None
     if node.tag == "joint" and section_of(node) == "worldbody":

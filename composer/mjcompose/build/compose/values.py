@@ -160,7 +160,7 @@ class Values:
         return as_written(self.evaluated(written, at, value))
 
     def evaluated(self, text: str, at: Path, value: Value | None = None) -> Value:
-        """Return the value of a text with `${…}`; `value` is what the place has now. Raises `UnusableValue`."""
+        """Return the value of a text with `${…}`; `value` is the present value of the place. Raises `UnusableValue`."""
         key = next((step for step in reversed(at) if isinstance(step, str)), "")
         scope = ElementScope(self, value, attribute_and_index(key)[0])
         try:
@@ -254,7 +254,7 @@ def _ambiguous(name: Name, called: str) -> ExpressionError:
 def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
     """Return whether an effective value is the value that `where` gives. Numbers are compared up to rounding.
 
-    A bare number beside an angle is in the unit of the angle.
+    A bare number is compared in the unit of the angle.
 
     >>> from mjcompose.tree.grammar import GRAMMAR
     >>> matches_value(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
