@@ -460,6 +460,10 @@ WITHOUT_ANGLES = {
     "convert": "edit: [{select: {actuator: m}, convert: {to: position, kp: T}}]",
     "config": "extension: {plugin: [{plugin: mujoco.pid, instance: {name: p, config: {kp: T}}}]}",
     "mass": "edit: [{select: {body: link}, set: {mass: T}}]",
+    "draw for a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {joint: b}, attr: ref, uniform: [10deg, 20deg]}}}",
+    "choice for a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {joint: b}, attr: range, choice: [[0, 20deg]]}}}",
+    "draw for a servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b, ctrlrange: [0, 1]}}\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {actuator: n}, attr: 'ctrlrange[1]', offset: {uniform: [10deg, 20deg]}}}}",
+    "joint of a part": "attach: {p: {model: ./servo.xml, joint: {type: slide, range: [0, T]}}}",
     "draw": "randomize: {seed: 1, samples: 1, fields: {f: {select: {joint: a}, attr: damping, uniform: [10deg, 20deg]}}}",
 }  # fmt: skip
 

@@ -54,14 +54,19 @@ _LINEAR = ("slide", "free")
 def check_angles_of_targets(linking: Linking, making: ElementBuilder) -> None:
     """Report angles of elements whose joint has none: controls, readings and margins of a slide are lengths."""
     for node, attribute, angle, span in making.of_targets:
-        joint = _joint_of(node, linking)
-        kind = None if joint is None else joint_type(joint, linking.base.classes)
-        if kind in _LINEAR:
+        if (kind := linear_joint_of(node, linking)) is not None:
             name = name_of(node)
             called = f"{node.tag} `{name}`" if name else f"a `{node.tag}`"
-            subject = called if joint is node else f"{called}, whose joint is a {kind},"
+            subject = called if section_of(node) == "worldbody" else f"{called}, whose joint is a {kind},"
             making.refuse_angle(no_angle(f"`{attribute.name}` of {subject}", angle, ()), span)
     making.of_targets.clear()
+
+
+def linear_joint_of(node: Node, linking: Linking) -> str | None:
+    """Return the type of the joint of an element if it is a slide or a free joint, whose numbers are not angles."""
+    joint = _joint_of(node, linking)
+    kind = None if joint is None else joint_type(joint, linking.base.classes)
+    return kind if kind in _LINEAR else None
 
 
 def _joint_of(node: Node, linking: Linking) -> Node | None:

@@ -14,16 +14,17 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
+from mjcompose.build.compose.checks import linear_joint_of
 from mjcompose.build.compose.editing import Count, Editing, cost_of_draws, select_counted
 from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change, report_only_zeros, zero_attributes
 from mjcompose.language.assign import MASS
-from mjcompose.language.value import attribute_and_index, must_not_be_negative
+from mjcompose.language.value import attribute_and_index, must_not_be_negative, no_angle
 from mjcompose.text.expression import Angle, Value
 from mjcompose.tree.select import kind_of, name_of, numbered, parent_of
-from mjcompose.tree.values import is_in_degrees
+from mjcompose.tree.values import is_in_degrees, may_be_angle
 
 
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
@@ -247,6 +248,9 @@ class _FieldDraws(Struct, frozen=False):
     def _check_unit(self, node: Node) -> None:
         entry = self.step.field
         distribution = entry.distribution
+        if entry.operation != "scale" and (angle := self._first_angle) is not None and not self._takes_angles(node):
+            fault = no_angle(f"`{entry.attr}` of {self.editing.called(node)}", angle, ())
+            self._fault(fault.code, fault.message, node, help=fault.help)
         if entry.operation == "scale" or distribution.unit is not None or self._angle_settings.angle is not None:
             return
         if not any(self._angles(node)) or distribution.is_whole:
@@ -258,6 +262,28 @@ class _FieldDraws(Struct, frozen=False):
             message = f"`{entry.attr}` of {called} is an angle, and `{kind}` has no unit"
             help = "write the unit after the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
             self._fault("bare-angle", message, node, help=help)
+
+    @property
+    def _first_angle(self) -> Angle | None:
+        """The first angle with a unit that the distribution has."""
+        distribution = self.step.field.distribution
+        if distribution.kind == CHOICE:
+            chosen = (each for value in distribution.values for each in (value if isinstance(value, list) else [value]))
+            return next(filter(None, (Angle.read(each) for each in chosen if isinstance(each, str))), None)
+        if distribution.unit is None:
+            return None
+        numbers = [each for items in distribution.parameters.values() for each in items]
+        return Angle(next((each for each in numbers if each), 0.0), distribution.unit)
+
+    def _takes_angles(self, node: Node) -> bool:
+        """Return whether the attribute of an element is an angle, or may be one by the joint to which it belongs."""
+        name, _ = attribute_and_index(self.step.field.attr)
+        attribute = kind_of(node).attributes.get(name)
+        if attribute is None or not attribute.is_number:
+            return True  # an unknown attribute, or a text, is reported where it is written
+        if attribute.angle is not None:
+            return any(self._angles(node))
+        return may_be_angle(str(node.tag), attribute) and linear_joint_of(node, self.editing.linking) is None
 
     def _angles(self, node: Node) -> list[bool]:
         name, subscript = attribute_and_index(self.step.field.attr)
