@@ -20,7 +20,7 @@ from mjcompose.base.diagnostic import DiagnosticError, Note
 from mjcompose.base.files import TooLarge, open_regular
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.bundle.bundle import Location
-from mjcompose.text.evaluate import evaluate, names
+from mjcompose.text.evaluate import Inserted, names
 from mjcompose.text.expression import CONSTANTS, FUNCTIONS, ExpressionError, Value, kind as value_kind, parse
 
 _FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
@@ -230,10 +230,10 @@ class Condition:
     def __init__(self, text: str) -> None:
         self.text = text
         try:
-            self._tree = parse(text)
+            self._expression = Inserted(0, text, parse(text))
         except ExpressionError as error:
             raise self._fault(error) from error
-        self._names = {each.name for each in names(self._tree)} - {*CONSTANTS, *FUNCTIONS}
+        self._names = {each.name for each in names(self._expression.tree)} - {*CONSTANTS, *FUNCTIONS}
         self._known: dict[str, None] = {}
         self.lacking: dict[str, int] = {}
         self.count = 0
@@ -248,7 +248,7 @@ class Condition:
                 self.lacking[name] = self.lacking.get(name, 0) + 1
             return False
         try:
-            value = evaluate(self._tree, values)
+            value = self._expression.value(values)
         except ExpressionError as error:
             raise self._fault(error) from error
         if not isinstance(value, bool):
