@@ -436,6 +436,7 @@ def test_places_that_mean_angles_of_a_joint(place: str, unit: str, angle: str, f
     np.testing.assert_allclose(measured(found), (-radians, radians), atol=1e-12)
 
 
+CABLE = "add: [{to: link, site: {name: x}}, {to: world, site: {name: y, pos: [0, 0, 1]}}]\ntendon: {cable: {type: spatial, path: [{site: x}, {site: y}]}}\n"
 WITHOUT_ANGLES = {
     "pos": "add: [{to: link, site: {name: s, pos: [T, 0, 0]}}]",
     "time step": "option: {timestep: T}",
@@ -450,6 +451,12 @@ WITHOUT_ANGLES = {
     "motor": "actuator: {n: {type: motor, joint: a, ctrlrange: [0, T]}}",
     "servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b, ctrlrange: [0, T]}}",
     "edited servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b}}\nedit: [{select: {actuator: n}, set: {ctrlrange: [0, T]}}]",
+    "sensor of a servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b}}\nsensor: {s: {type: actuatorpos, actuator: n, noise: T}}",
+    "servo of a tendon": CABLE + "actuator: {n: {type: position, tendon: cable, ctrlrange: [0, T]}}",
+    "control of a servo of a tendon": CABLE + "actuator: {n: {type: position, tendon: cable}}\nkeyframe: {k: {ctrl: {n: T}}}",
+    "sensor of a tendon": CABLE + "sensor: {s: {type: tendonpos, tendon: cable, cutoff: T}}",
+    "range of a tendon": CABLE + "edit: [{select: {tendon: cable}, set: {range: [0, T]}}]",
+    "equality of slides": "add: [{to: link, joint: {name: b, type: slide}}]\nequality: {e: {type: joint, joint1: b, polycoef: [T, 0, 0, 0, 0]}}",
     "sensor of a force": "sensor: {s: {type: force, site: x, cutoff: T}}\nadd: [{to: link, site: {name: x}}]",
     "sensor of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nsensor: {s: {type: jointpos, joint: b, cutoff: T}}",
     "key of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nkeyframe: {k: {qpos: {b: T}}}",

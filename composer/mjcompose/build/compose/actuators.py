@@ -17,6 +17,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.sink import Sink
+from mjcompose.build.compose.lengths import why_a_length
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Measure
 from mjcompose.link.unit_keys import without_keys
@@ -244,7 +245,6 @@ _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmot
 """The controls of these actuators are never positions or velocities of a joint."""
 _OF_FORCE = ("motor", "damper", "cylinder", "muscle", "adhesion")
 _FORCE = "force"
-_LINEAR = ("slide", "free")
 _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 
@@ -291,9 +291,8 @@ class ControlUnits:
         return tuple((scale, words.get(scale.quantity)) for scale in scales)
 
     def may_be_angles(self, actuator: Node) -> bool:
-        """Return whether the controls of an actuator may be angles: not if they are forces, or it moves a slide."""
-        joint = actuator.get("joint") or actuator.get("jointinparent")
-        if actuator.tag in _OF_FORCE or self.joints.get(str(joint)) in _LINEAR:
+        """Return whether the controls of an actuator may be angles: not if they are forces or lengths."""
+        if actuator.tag in _OF_FORCE or why_a_length(actuator, self.linking) is not None:
             return False
         control = None if actuator.tag in _UNLIKE else self._control(actuator)
         if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.elements import ElementBuilder, Reference
+from mjcompose.build.compose.lengths import why_a_length
 from mjcompose.build.plan.plan import AttachPart
 from mjcompose.language.value import is_angular, no_angle
 from mjcompose.link import numbers
@@ -22,7 +23,7 @@ from mjcompose.tree.edit import resolves, unresolved
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import DECLARES, naming_table, own_references, word
-from mjcompose.tree.select import name_of, section_of
+from mjcompose.tree.select import name_of
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
@@ -46,37 +47,15 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
     making.of_classes.clear()
 
 
-_JOINT_OF = ("joint", "jointinparent", "joint1")
-"""The attributes by which actuators, sensors and equalities name the joint whose numbers they have."""
-_LINEAR = ("slide", "free")
-
-
 def check_angles_of_targets(linking: Linking, making: ElementBuilder) -> None:
-    """Report angles of elements whose joint has none: controls, readings and margins of a slide are lengths."""
+    """Report angles of elements that have none: controls and readings of slides and spatial tendons are lengths."""
     for node, attribute, angle, span in making.of_targets:
-        if (kind := linear_joint_of(node, linking)) is not None:
+        if (why := why_a_length(node, linking)) is not None:
             name = name_of(node)
             called = f"{node.tag} `{name}`" if name else f"a `{node.tag}`"
-            subject = called if section_of(node) == "worldbody" else f"{called}, whose joint is a {kind},"
-            making.refuse_angle(no_angle(f"`{attribute.name}` of {subject}", angle, ()), span)
+            fault = no_angle(f"`{attribute.name}` of {called}, {why},", angle, ())
+            making.refuse_angle(fault, span)
     making.of_targets.clear()
-
-
-def linear_joint_of(node: Node, linking: Linking) -> str | None:
-    """Return the type of the joint of an element if it is a slide or a free joint, whose numbers are not angles."""
-    joint = _joint_of(node, linking)
-    kind = None if joint is None else joint_type(joint, linking.base.classes)
-    return kind if kind in _LINEAR else None
-
-
-def _joint_of(node: Node, linking: Linking) -> Node | None:
-    """Return the joint that gives the numbers of an element their unit; None for an element of a class."""
-    if section_of(node) == "default":
-        return None
-    if node.tag == "joint" and section_of(node) == "worldbody":
-        return node
-    named = next((str(name) for each in _JOINT_OF if (name := node.get(each))), None)
-    return None if named is None else linking.names.find("joint", named)
 
 
 def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[Node]:

@@ -14,8 +14,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
-from mjcompose.build.compose.checks import linear_joint_of
 from mjcompose.build.compose.editing import Count, Editing, cost_of_draws, select_counted
+from mjcompose.build.compose.lengths import why_a_length
 from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
@@ -276,14 +276,14 @@ class _FieldDraws(Struct, frozen=False):
         return Angle(next((each for each in numbers if each), 0.0), distribution.unit)
 
     def _takes_angles(self, node: Node) -> bool:
-        """Return whether the attribute of an element is an angle, or may be one by the joint to which it belongs."""
+        """Return whether the attribute of an element is an angle, or may be one by its joint or tendon."""
         name, _ = attribute_and_index(self.step.field.attr)
         attribute = kind_of(node).attributes.get(name)
         if attribute is None or not attribute.is_number:
             return True  # an unknown attribute, or a text, is reported where it is written
         if attribute.angle is not None:
             return any(self._angles(node))
-        return may_be_angle(str(node.tag), attribute) and linear_joint_of(node, self.editing.linking) is None
+        return may_be_angle(str(node.tag), attribute) and why_a_length(node, self.editing.linking) is None
 
     def _angles(self, node: Node) -> list[bool]:
         name, subscript = attribute_and_index(self.step.field.attr)
