@@ -49,6 +49,12 @@ def test_what_it_writes(source: str, span: Span, fix: Fix, result: str) -> None:
         ("x: tpi\n", Span("a.yaml", 1, 4, 2, 1), Fix("tip", "tpi")),
         ("x: tpi\n", None, Fix("tip", "tpi")),
         ("x: tpi\n", at(1, 4, 7), None),
+        ("x: ${t}\n", at(1, 4, 8), Fix("10deg")),
+        ("x: [${t}, 2]\n", at(1, 4, 13), Fix("[10deg, 2deg]")),
+        ("x: |-\n  0.1 0.1\n", at(1, 4, 6), Fix("[0.1, 0.1]")),
+        ('x: "0.1\n  0.1"\n', at(1, 4, 8), Fix("[0.1, 0.1]")),
+        ("x: 0.1\n  0.1\ny: 1\n", at(1, 4, 7), Fix("[0.1, 0.1]")),
+        ("{x: 1, y: 2}\n", at(1, 8, 9), Fix("x", "y")),
     ],
 )
 def test_what_does_not_fit_is_left(source: str, span: Span | None, fix: Fix | None) -> None:

@@ -309,36 +309,20 @@ class Fixing(Struct, frozen=False):
     def carry_out(self, models: Iterable[Judged]) -> list[Diagnostic]:
         """Apply the fixes that fit and do not overlap; return their diagnostics."""
         edits: dict[Path, dict[Edit, Diagnostic]] = {}
-        for (path, edit), diagnostic in self._agreed(models).items():
-            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
-                break
-            if not any(edit.meets(other) for other in edits.get(path, ())):
-                edits.setdefault(path, {})[edit] = diagnostic
-        for path, chosen in edits.items():
-            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
-            self.now[path] = mark + applied(_decoded(self.text(path)), chosen).encode()
-        return [diagnostic for chosen in edits.values() for diagnostic in chosen.values()]
-
-    def _agreed(self, models: Iterable[Judged]) -> dict[tuple[Path, Edit], Diagnostic]:
-        """Return the fixes that fit. If two models propose different texts for a place, neither is returned."""
-        proposed: dict[tuple[Path, Edit], Diagnostic] = {}
-        texts: dict[tuple[Path, int, int], set[str]] = {}
         for diagnostic in (each for model in models for each in model.found):
             span = place_of(diagnostic)
             if span is None or _identity(diagnostic) in self.useless:
                 continue
             path = Path(os.path.normpath(self.context.folder / span.file))
+            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
+                break
             edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not self.door.sees(path):
-                self.outside[path] = None
-            elif edit is not None:
-                proposed.setdefault((path, edit), diagnostic)
-                texts.setdefault((path, edit.start, edit.end), set()).add(edit.text)
-        return {
-            (path, edit): diagnostic
-            for (path, edit), diagnostic in proposed.items()
-            if len(texts[path, edit.start, edit.end]) == 1
-        }
+            if edit is not None and not any(edit.meets(other) for other in edits.get(path, ())):
+                edits.setdefault(path, {})[edit] = diagnostic
+        for path, chosen in edits.items():
+            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
+            self.now[path] = mark + applied(_decoded(self.text(path)), chosen).encode()
+        return [diagnostic for chosen in edits.values() for diagnostic in chosen.values()]
 
     def text(self, path: Path) -> bytes:
         if path not in self.now:
