@@ -210,6 +210,8 @@ def test_a_program_starts_in_an_empty_folder_of_ours(tmp_path: Path, monkeypatch
     assert Path(folder) == processes.empty_folder() and mode == "dr-x------"
     with Process(["pwd"], stdout=PIPE, folder=WorkFolder(tmp_path, "this test")) as process:
         assert Path(process.finish(seconds=20, most=1000)[0].decode().strip()) == tmp_path
+    with pytest.raises(TypeError, match="WorkFolder"):
+        Process(["pwd"], cwd=tmp_path)
 
 
 @posix

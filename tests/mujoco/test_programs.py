@@ -139,6 +139,39 @@ def test_a_program_of_another_user_is_refused(tmp_path: Path, environment: dict[
     os.chown(tmp_path / path, 12345, -1, follow_symlinks=False)
     with pytest.raises(ProgramError, match="belongs to another user"):
         programs.python_in(VERSION, environment)
+    if path == "programs":
+        with pytest.raises(ProgramError, match="nothing is installed into .* belongs to another user"):
+            programs.install("3.12.0", environment, lambda words: None)
+    else:
+        assert install(environment), "a program that is not trusted is installed again"
+        assert programs.python_in(VERSION, environment).exists()
+
+
+@posix
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root gives files to others")
+@pytest.mark.parametrize(
+    ("owner", "group", "mode", "why"),
+    [
+        (12345, -1, 0o755, "belongs to another user"),
+        (-1, 12345, 0o775, "others may write to"),
+        (-1, 12345, 0o755, None),
+    ],
+)
+def test_the_program_behind_a_link_is_root_s_or_the_user_s(
+    tmp_path: Path, environment: dict[str, str], owner: int, group: int, mode: int, why: str | None
+) -> None:
+    install(environment)
+    python = tmp_path / "programs" / "mujoco-3.13.0" / "bin" / "python"
+    python.unlink()
+    python.symlink_to(tmp_path / "real")
+    (tmp_path / "real").write_text("#!/bin/sh\n")
+    (tmp_path / "real").chmod(mode)
+    os.chown(tmp_path / "real", owner, group)
+    if why is None:
+        assert programs.python_in(VERSION, environment) == python
+        return
+    with pytest.raises(ProgramError, match=why):
+        programs.python_in(VERSION, environment)
 
 
 @posix

@@ -75,6 +75,8 @@ class Process(subprocess.Popen[Any]):
         self._life: int | None = None
         environment = without_current_folder(os.environ if env is None else env)
         command = [_located(command[0], environment), *command[1:]]
+        if "cwd" in options:
+            raise TypeError("name the folder and the reason for it, as a WorkFolder")
         options = {"stdin": DEVNULL, **options, "env": environment}
         options["cwd"] = empty_folder() if folder is None else folder.path
         if not _POSIX:

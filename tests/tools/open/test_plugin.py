@@ -134,6 +134,7 @@ def test_an_error_is_one_line(tmp_path: Path, site: Path) -> None:
         ("kill -9 $$", "mjcompose has stopped without an answer"),
         ("echo 'one reason'; echo 'and another'; exit 1", "one reason"),
         ("echo 'not a model'", "not a model"),
+        ('echo "$PWD $*"', "/ -P -m mjcompose.tools.open.recipe cell.yaml /"),
         ("printf '<mujoco'; exit 1", "<mujoco"),
     ],
 )
