@@ -197,3 +197,19 @@ matrix: {axes: {arm: [old, new]}}
     recipe.write_text(text, encoding="utf-8")
     found = fix(recipe, Context(environment={}, folder=tmp_path))
     assert not found.files and found.left
+
+
+def test_a_model_without_the_fault_keeps_its_files(tmp_path: Path) -> None:
+    """One arm has both names, so the fix of the other cell would silently move its sensor to another joint."""
+    (tmp_path / "two.xml").write_text(ARM.replace("right_elbow", "left_elbw"), encoding="utf-8")
+    (tmp_path / "one.xml").write_text(ARM, encoding="utf-8")
+    recipe = tmp_path / "recipe.yaml"
+    text = """recipe: 1
+params: {arm: {default: one}}
+base: ./${arm}.xml
+sensor: {s: {type: jointpos, joint: left_elbw}}
+matrix: {axes: {arm: [one, two]}}
+"""
+    recipe.write_text(text, encoding="utf-8")
+    found = fix(recipe, Context(environment={}, folder=tmp_path))
+    assert not found.files and [each.code for each in found.left if each.severity is Severity.ERROR] == ["unknown-name"]
