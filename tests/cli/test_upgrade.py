@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from cli.shell import run
@@ -51,9 +52,13 @@ def test_differences_with_their_causes(folder: Path, monkeypatch: MonkeyPatch) -
         "  joint b: 0.5 rad apart in `hold home`, from 0.1 s on",
         "    perhaps: m.xml:4:5: margins: they add",
         "  joint c: 0.1 rad apart in `hold home`, from 0.1 s on",
-        "    cause: no line of the model; MuJoCo compiles, solves or collides differently",
+        "    cause: no line of the model; MuJoCo solves or collides differently",
         "  the simulation diverges in `drop`",
     ]
+    compiled = replace(found, inertias=("link", "hand"))
+    monkeypatch.setattr(module, "upgrade", lambda *_: compiled)
+    lines = run("upgrade", "m.xml", "--from", "3.8").stdout.splitlines()
+    assert "    cause: no line of the model; MuJoCo compiles another mass or inertia of `link`, `hand`" in lines
     data = json.loads(run("upgrade", "m.xml", "--from", "3.8", "--output-format", "json").stdout)
     assert data["moved"][0]["causes"] == [{"change": "gap", "at": "m.xml:3:7", "edit": "wrote `gap`"}]
     assert [each["name"] for each in data["moved"]] == ["a", "b", "c"]

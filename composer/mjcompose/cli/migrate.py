@@ -228,9 +228,19 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
     data = {
         "model": options.model, "from": found.before, "to": found.after, "trials": list(found.trials),
         "moved": [each.data() for each in found.moved], "diverged": list(found.diverged),
+        "inertias": list(found.inertias),
     }  # fmt: skip
     code = FINDINGS if found.moved or found.diverged else 0
     return Answer(as_lines(_motions(options, found)), data, code=code, is_outcome=True)
+
+
+def _unlike(found: Upgrade) -> str:
+    """Return what MuJoCo does differently if no line of the model causes a difference."""
+    if not found.inertias:
+        return "solves or collides differently"
+    listed = ", ".join(f"`{name}`" for name in found.inertias[:_SHOWN])
+    more = f" and {len(found.inertias) - _SHOWN} more" if len(found.inertias) > _SHOWN else ""
+    return f"compiles another mass or inertia of {listed}{more}"
 
 
 def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:
@@ -247,6 +257,6 @@ def _motions(options: UpgradeOptions, found: Upgrade) -> Iterator[str]:
         for meaning in each.suspects:
             yield f"    perhaps: {meaning.span or options.model}: {meaning.change}: {meaning.message}"
         if not each.steps and not each.suspects:
-            yield "    cause: no line of the model; MuJoCo compiles, solves or collides differently"
+            yield f"    cause: no line of the model; MuJoCo {_unlike(found)}"
     for trial in found.diverged:
         yield f"  the simulation diverges in `{trial}`"

@@ -143,6 +143,7 @@ def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]
     said["joints"] = [[_name(mujoco, model, "JOINT", number=n), int(model.jnt_type[n]), int(model.jnt_qposadr[n])]
                       for n in range(model.njnt)]  # fmt: skip
     said["bodies"] = [_name(mujoco, model, "BODY", number=n) for n in range(model.nbody)]
+    arrays["inertias"] = [[model.body_mass[n], *model.body_inertia[n], *model.body_ipos[n]] for n in range(model.nbody)]
     return arrays
 
 

@@ -145,6 +145,19 @@ class Motion(Struct):
         return cls(answer, out, float(asked["seconds"]))
 
 
+_ALIKE = 1e-6
+
+
+def other_inertias(before: Motion, after: Motion) -> list[str]:
+    """Return the bodies whose mass, inertia or center of mass the two versions compile differently."""
+    import numpy as np
+
+    with np.load(before.arrays, allow_pickle=False) as one, np.load(after.arrays, allow_pickle=False) as other:
+        here = dict(zip(before.answer["bodies"], one["inertias"], strict=True))
+        there = dict(zip(after.answer["bodies"], other["inertias"], strict=True))
+    return [name for name, row in here.items() if not np.allclose(row, there[name], rtol=_ALIKE, atol=_ALIKE * 1e-3)]
+
+
 def differences(before: Motion, after: Motion, signal: str, tolerance: float) -> list[Moved]:
     """Return the joints (`qpos`) or bodies (`xpos`) that are farther apart than the tolerance, the farthest first.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.mujoco.environments import TRIALS, Motion, Other, differences, this_python
+from mjcompose.mujoco.environments import TRIALS, Motion, Other, differences, other_inertias, this_python
 from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.migrate import installed
@@ -66,6 +66,15 @@ def test_what_differs_is_ranked_with_its_unit(tmp_path: Path) -> None:
     bodies = differences(one, other, signal="xpos", tolerance=1e-4)
     assert {each.name for each in bodies} == {"slide"}  # the others turn about their own origin
     assert differences(one, one, signal="xpos", tolerance=0) == []
+
+
+def test_bodies_with_other_inertias_are_named(tmp_path: Path) -> None:
+    one = of_model(tmp_path, MODEL)
+    assert other_inertias(one, one) == []
+    heavier = of_model(tmp_path, MODEL.replace('size=".05 .04 .03"', 'size=".05 .04 .0301"'), "n")
+    assert other_inertias(one, heavier) == ["box"]
+    shifted = of_model(tmp_path, MODEL.replace('pos=".1 0 0"', 'pos="0 .1 0"'), "o")
+    assert other_inertias(one, shifted) == ["ball"]
 
 
 def test_models_with_other_joints_are_not_compared(tmp_path: Path) -> None:

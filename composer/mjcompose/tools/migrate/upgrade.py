@@ -8,7 +8,7 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.scratch import scratch
-from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, RejectedError, differences
+from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, RejectedError, differences, other_inertias
 from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate import migrate
@@ -59,6 +59,7 @@ class Upgrade(Struct):
     trials: tuple[str, ...]
     moved: tuple[Caused, ...]
     diverged: tuple[str, ...] = ()
+    inertias: tuple[str, ...] = ()
 
 
 def upgrade(request: Request, context: Context, progress: Callable[[str], None]) -> Upgrade | None:
@@ -76,6 +77,7 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
             one, other = trials.motion(model, before), trials.motion(model, after)
             moved = differences(one, other, signal="qpos", tolerance=request.tolerance)
             causes = tuple(trials.causes(one, moved, before, after=after)) if moved else ()
+            inertias = tuple(other_inertias(one, other))
     except (ProgramError, OSError) as error:
         help = getattr(error, "help", None)
         if isinstance(error, RejectedError):
@@ -84,7 +86,7 @@ def upgrade(request: Request, context: Context, progress: Callable[[str], None])
         return None
     names = tuple(one.answer["trials"])
     diverged = (each for each in names if each in (*one.answer["diverged"], *other.answer["diverged"]))
-    return Upgrade(before, after, names, moved=causes, diverged=tuple(diverged))
+    return Upgrade(before, after, names, moved=causes, diverged=tuple(diverged), inertias=inertias)
 
 
 class _Trials:
