@@ -244,7 +244,11 @@ PLACES: dict[str, Place] = {
 }  # fmt: skip
 OTHER = 0.125
 FROM_BARE = ("set", "set of a part", "class")
-VALUES = {"deg": ("20deg", math.radians(20)), "rad": ("0.35rad", 0.35), "none": (0.3, None)}
+VALUES: Mapping[str, tuple[Any, Any]] = {
+    "deg": ("20deg", math.radians(20)),
+    "rad": ("0.35rad", 0.35),
+    "none": (0.3, None),
+}
 ANGLES = {"none": None, "degree": "degree", "radian": "radian"}
 FORMS = (
     "${t}",
@@ -402,7 +406,7 @@ def test_draws_of_attributes(unit: str, angle: str | None, folder: Path) -> None
 
 SERVO = """<mujoco model="servo"><compiler angle="{}"/><worldbody><body name="link"><joint name="a" axis="0 1 0" {}/>
 <geom size=".1"/></body></worldbody><actuator><position name="m" joint="a" kp="1" ctrlrange="-9 9"/></actuator></mujoco>"""
-OTHERS = {
+OTHERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
     "control": ("actuator: {n: {type: position, joint: a, kp: 1, ctrlrange: [M, T]}}", lambda m: m.actuator_ctrlrange[1]),
     "set of a control": ("edit: [{select: {actuator: m}, set: {ctrlrange: [M, T]}}]", lambda m: m.actuator_ctrlrange[0]),
     "one number of a control": ("edit: [{select: {actuator: m}, set: {'ctrlrange[0]': M, 'ctrlrange[1]': T}}]", lambda m: m.actuator_ctrlrange[0]),

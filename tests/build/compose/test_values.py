@@ -46,6 +46,16 @@ def test_a_name_of_both_is_an_error_everywhere(radian: Case, edit: str) -> None:
     assert "write `params.armature` for the parameter, or `element.armature` for the attribute" in radian.said
 
 
+def test_an_attribute_that_only_others_of_the_family_have(radian: Case) -> None:
+    """A condition on it selects none of the elements without it, also if a parameter has its name."""
+    motor = "actuator: {drive: {type: motor, joint: elbow}, hold: {type: position, joint: elbow, kp: 77}}\n"
+    model = radian.edited(
+        "{select: {actuator: '**', where: '${element.kp == params.kp}'}, expect: 1, set: {group: 3}}",
+        head=f"params: {{kp: 77}}\n{motor}",
+    )
+    assert (model.actuator("hold").group[0], model.actuator("drive").group[0]) == (3, 0)
+
+
 def test_names_by_parent_and_index(radian: Case) -> None:
     model = radian.edited("{select: {geom: '**', parent: {body: tray}}, rename: '${parent}_g${index}'}")
     assert {"tray_g0", "tray_g1"} <= set(names(model, "geom"))

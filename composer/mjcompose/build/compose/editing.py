@@ -30,7 +30,7 @@ from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import PARAMETERS, ExpressionError, Value
+from mjcompose.text.expression import ELEMENT, PARAMETERS, ExpressionError, Name, Value
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import Classes, text_in_effect
 from mjcompose.tree.cost import written
@@ -331,7 +331,9 @@ def _expression_holds(values: Values, selector: Selector, condition: str) -> boo
     """Return the value of a condition `${…}` for an element. Raises `UnusableValue` if it is not a boolean."""
     editing = values.editing
     # It may use an attribute that other elements of the family can have, but not this one.
-    missing = _attributes_in(condition) - editing.scope.keys() - kind_of(values.node).attributes.keys()
+    own = kind_of(values.node).attributes
+    names = [each for each in _names_in(condition) if each.space == ELEMENT or each.name not in editing.scope]
+    missing = {each.name for each in names if each.name not in own}
     if not missing.isdisjoint(_attributes_of(selector.tag)):
         return False
     found = values.evaluated(condition, values.at)
@@ -356,13 +358,12 @@ def _has_value(values: Values, selection: Selection, key: str, wanted: object) -
 
 
 @lru_cache(maxsize=64)
-def _attributes_in(condition: str) -> frozenset[str]:
+def _names_in(condition: str) -> tuple[Name, ...]:
     """Return the names in a condition that may be attributes. Its errors are reported when it is evaluated."""
     try:
-        names = [each for each in Template.parse(condition).names() if each.space != PARAMETERS]
+        return tuple(each for each in Template.parse(condition).names() if each.space != PARAMETERS)
     except ExpressionError:
-        return frozenset()
-    return frozenset(each.name for each in names)
+        return ()
 
 
 @cache
