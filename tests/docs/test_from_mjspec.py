@@ -1,4 +1,8 @@
-"""docs/how-to/from_mjspec.md: each program makes the model of its recipe, and has as many lines as the page says."""
+"""docs/how-to/from_mjspec.md: each program makes the model of its recipe, and has as many lines as the page says.
+
+The recipe of robosuite's `Lift` is built with small files in the places of robosuite's; `make foreign` builds it with
+robosuite's own, and compares it with robosuite's model.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,8 @@ import os
 import re
 import runpy
 import shutil
+import subprocess
+import sys
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
@@ -140,3 +146,95 @@ def test_the_merged_model_becomes_the_recipe(tmp_path: Path, monkeypatch: pytest
     )  # fmt: skip
     assert found is not None and found.outcome is not None and found.outcome.same
     assert yaml.safe_load(found.text) == yaml.safe_load((ROOT / recipe).read_text())
+
+
+LIFT = re.search(r'^```yaml title="lift.yaml"\n(.*?)^```', PAGE, re.DOTALL | re.MULTILINE)[1]  # type: ignore[index]
+LIMBS = {
+    "panda": ("joint2", "joint4", "joint6", "joint7"),
+    "sawyer": ("right_j1", "right_j3", "right_j5", "right_j6"),
+    "ur5e": (
+        "shoulder_pan_joint",
+        "shoulder_lift_joint",
+        "elbow_joint",
+        "wrist_1_joint",
+        "wrist_2_joint",
+        "wrist_3_joint",
+    ),
+}
+"""The joints that the recipe's keyframe names. They stand here in robots of a chain of bodies."""
+VISUAL = '<geom type="box" size="0.4 0.4 0.4" contype="0" conaffinity="0" group="1"{}/>'
+ARENA = f"""<mujoco><worldbody><camera name="frontview"/><body name="table" pos="0 0 0.4">
+  <geom name="table_collision" type="box" size="0.4 0.4 0.4"/>{VISUAL.format(' name="table_visual"')}
+  <site name="table_top" pos="0 0 0.4"/>
+  {"".join(f'<geom name="table_leg{leg}_visual" type="cylinder" size="0.05 0.1" group="1"/>' for leg in range(1, 5))}
+  </body></worldbody></mujoco>"""
+MOUNT = """<mujoco><worldbody><body name="base" pos="0 0 -0.922"><geom name="foot" size="0.1" pos="0 0 -0.5"/></body></worldbody>
+  </mujoco>"""
+GRIPPER = f"""<mujoco><asset><mesh name="robotiq_arg2f_base_link" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>
+  <mesh name="robotiq_arg2f_base_link" file="meshes/robotiq_85_gripper/robotiq_arg2f_base_link_vis.stl"/></asset>
+  <worldbody><body name="palm"><geom size="0.02"/>{VISUAL.format("")}<body name="finger">
+  <joint name="finger" range="0 0.7"/><geom size="0.01"/></body></body></worldbody></mujoco>"""
+
+
+def robot_of(joints: tuple[str, ...]) -> str:
+    """A chain of one body for each joint; the second joint has settings of its own."""
+    own = ' damping="0.001" frictionloss="0.01"'
+    inner = '<body name="right_hand" pos="0 0 0.1"/>'
+    for index, joint in reversed(list(enumerate(joints))):
+        inner = f"""<body name="link{index}" pos="0 0 0.1"><joint name="{joint}" range="-3 3"{own if index == 1 else ""}/>
+          <geom size="0.05"/>{inner}</body>"""
+    return f'<mujoco><compiler angle="radian"/><worldbody><body name="base">{inner}</body></worldbody></mujoco>'
+
+
+def write_package(folder: Path) -> None:
+    """A package `robosuite` with small files in the places of the large ones."""
+    assets = folder / "robosuite" / "models" / "assets"
+    files = {"arenas/table_arena.xml": ARENA, "bases/rethink_mount.xml": MOUNT}
+    files |= {f"robots/{robot}/robot.xml": robot_of(joints) for robot, joints in LIMBS.items()}
+    once = re.sub(r"<mesh name=\S+ file=.*?/>", "", GRIPPER)
+    files |= {f"grippers/{name}.xml": once for name in ("panda_gripper", "rethink_gripper")}
+    files["grippers/robotiq_gripper_85.xml"] = GRIPPER
+    for name, text in files.items():
+        path = assets / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    (folder / "robosuite" / "__init__.py").touch()
+
+
+def built(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """`mjcompose build lift.yaml` in a folder with the package; the parts have no license."""
+    (folder / "lift.yaml").write_text(f"{LIFT}allow: [license-missing]\n", encoding="utf-8")
+    command = [sys.executable, "-m", "mjcompose", "build", "lift.yaml", *words]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+@pytest.mark.parametrize(
+    ("robot", "gripper"), [("panda", "panda_gripper"), ("sawyer", "rethink_gripper"), ("ur5e", "robotiq_gripper_85")]
+)
+def test_the_recipe_of_lift_does_what_robosuite_does(robot: str, gripper: str, tmp_path: Path) -> None:
+    write_package(tmp_path)
+    ran = built(tmp_path, "--set", f"robot={robot}", "--set", f"gripper={gripper}", "-o", "out/")
+    assert ran.returncode == 0, ran.stderr
+    (path,) = tmp_path.rglob("model.xml")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    # A table of 0.8 × 0.8 × 0.05 m whose top is at 0.8 m; what one only sees has no mass.
+    assert data.site("table_top").xpos == pytest.approx([0, 0, 0.8])
+    assert model.body("table").mass[0] == pytest.approx(1000 * 0.8 * 0.8 * 0.05)
+    assert model.body("gripper0_right_palm").mass[0] == pytest.approx(1000 * 4 / 3 * np.pi * 0.02**3)
+    # The first body of the mount is 1 cm above the robot's base, which is at 0.912 m.
+    assert data.body("robot0_base").xpos == pytest.approx([-0.56, 0, 0.912])
+    assert data.body("fixed_mount0_base").xpos == pytest.approx([-0.56, 0, 0.922])
+    for index, joint in enumerate(LIMBS[robot]):
+        dof = model.joint(f"robot0_{joint}").dofadr[0]
+        assert model.dof_armature[dof] == pytest.approx(5 / (index + 1))
+        assert model.dof_damping[dof] == pytest.approx(0.001 if index == 1 else 0.1)
+        assert model.dof_frictionloss[dof] == pytest.approx(0.01 if index == 1 else 0.1)
+    assert model.joint("gripper0_right_finger").range == pytest.approx([0, 0.7])
+    assert data.body("cube_main").xpos == pytest.approx([0, 0, 0.821])
+    assert (model.opt.impratio, model.opt.density, model.opt.viscosity) == (20, 1.2, 2e-5)

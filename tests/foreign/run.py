@@ -2,7 +2,7 @@
 
 dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`. Every MJCF model in the tests and data of packages
 about MuJoCo is read, written and compiled; the suites' models are also composed, each twice, turned and tilted, and
-robosuite's own compositions are made again. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
+robosuite's own compositions are made again from its files, also by the recipe of the page on moving from robosuite. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
 run fails where anything else differs. The packages come from PyPI, by pip or uv, into a folder that is kept; one that
 cannot be had is skipped, with the reason.
 """
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -27,7 +28,7 @@ sys.path[:0] = [str(HERE.parent), str(ROOT)]
 
 from fidelity import isolated  # noqa: E402
 from fidelity.summary import between_markers  # noqa: E402
-from foreign import merging, outcomes, rewriting, strings, turned  # noqa: E402
+from foreign import lift, merging, outcomes, rewriting, strings, turned  # noqa: E402
 from foreign.fetching import Unavailable, fetched, pins  # noqa: E402
 from foreign.strings import Source, Verdict  # noqa: E402
 
@@ -156,7 +157,17 @@ def _compositions(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]
         merging.judge, [merging.Merging(robot, folder) for robot in robots], failed=merging.failed, workers=_cores()
     )
     verdicts = sorted(running, key=lambda each: each.id)
-    yield (f"{title}: {len(verdicts)} robots, {_counted(verdicts)[1]} equal by name", strings.surprises(verdicts, {}))
+    refused = {
+        place: why for place, why in strings.intended("merged").items() if place in {each.id for each in verdicts}
+    }
+    row = f"{title}: {len(verdicts)} robots, {_counted(verdicts)[1]} equal by name and after 1 s of motion"
+    yield row, strings.surprises(verdicts, refused)
+    with tempfile.TemporaryDirectory() as place:
+        cells = _spread(lift.build_all(folder, Path(place)), options.sample)
+        running = isolated.each(lift.judge, cells, failed=lift.failed, workers=_cores())
+        verdicts = sorted(running, key=lambda each: each.id)
+    row = f"robosuite {_pinned('robosuite')}, the recipe of the page: {len(verdicts)} cells, {_counted(verdicts)[1]} are robosuite's model, and move as it does"
+    yield row, strings.surprises(verdicts, {})
 
 
 def _judged(judge: Callable[[Source], Verdict], sources: Sequence[Source]) -> list[Verdict]:

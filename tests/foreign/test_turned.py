@@ -1,12 +1,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
-from xml.etree import ElementTree
 
-import mujoco
 import pytest
-from foreign import merging, run, strings
+from foreign import run, strings
 from foreign.strings import Source, Verdict
 from foreign.turned import judge
 
@@ -60,34 +57,6 @@ def test_lines_of_models_out_of_the_sample_are_not_asked_for() -> None:
 
 
 def test_every_listed_place_has_a_package() -> None:
-    for kind in ("group", "turned"):
+    for kind in ("group", "turned", "merged"):
         places = strings.intended(kind)
         assert places and {place.partition("/")[0] for place in places} <= run.MODELS.keys()
-
-
-ROBOT = """<mujoco model="robot"><compiler angle="radian"/><worldbody><body name="hand"><geom size="0.1" mass="1"/>%s
-  </body></worldbody></mujoco>"""
-FINGER = '<body name="finger"><joint name="j" range="0 1.5"/><geom size="0.1"/></body>'
-GRIPPER = f"""<mujoco model="gripper"><asset><material name="skin"/><material name="skin" rgba="1 0 0 1"/></asset>
-  <worldbody>{FINGER}</worldbody></mujoco>"""
-
-
-def _part(text: str) -> SimpleNamespace:
-    return SimpleNamespace(root=ElementTree.fromstring(text))
-
-
-@pytest.mark.parametrize(
-    ("merged", "said"), [(FINGER, ""), (FINGER.replace("1.5", "1.6"), "joint `j`: `jnt_range` is [0.0, 1.5]")]
-)
-def test_what_is_merged_is_compared_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, merged: str, said: str
-) -> None:
-    robot = _part(ROBOT % "")
-    (tmp_path / "robot.xml").write_bytes(ElementTree.tostring(robot.root))
-    merging._write(_part(GRIPPER), robot, tmp_path / "gripper.xml")
-    recipe = tmp_path / "recipe.yaml"
-    recipe.write_text("recipe: 1\nbase: ./robot.xml\nattach: {g: {model: ./gripper.xml, body: hand, prefix: ''}}\n")
-    model = mujoco.MjModel.from_xml_string(ROBOT % merged)
-    monkeypatch.setattr(merging, "_merged", lambda *given: (model, recipe))
-    verdict = merging.judge(merging.Merging("Arm", tmp_path))
-    assert verdict.id == "robosuite/Arm" and verdict.said.startswith(said) and bool(said) == bool(verdict.said)
