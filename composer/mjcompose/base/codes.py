@@ -77,6 +77,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "keyframe-wrong": "a keyframe of the compiled model has a wrong number",
         "not-held": "no control holds the pose of a key",
         "scale-of-zero": "`scale` multiplies zero",
+        "without-effect": "a value of the recipe changes nothing in the simulation",
         "stiff-actuator": "a servo is stiffer at its joint than any drive",
     },
     "Sources and lock": {

@@ -186,6 +186,10 @@ class Build(Struct, frozen=False):
             check_stiffness(composed.model, compiled.index, plan.span, sink=context.sink)
         with context.timed("keys"):
             check_kept_keys(composed.model, composed.keys, session, sink=context.sink)
+        if composed.model.origins.values:
+            from mjcompose.build.verify.frictions import check_frictions  # few recipes change frictions
+
+            check_frictions(composed.model, session, sink=context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 Checks(

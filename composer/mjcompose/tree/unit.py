@@ -152,6 +152,21 @@ def _with_sources(numbers: Iterable[Number], change: Callable[[KeySource], KeySo
     return [number._replace(source=changed[id(number.source)]) for number in numbers]
 
 
+class RecipeValue(Struct):
+    """A value that a recipe gives an element: by an edit, a draw or an addition.
+
+    `before` is the text that was in effect. A draw is of the numbers from `start` on, between `low` and `high`.
+    """
+
+    attribute: str
+    span: Span
+    way: Literal["edit", "draw", "add"]
+    before: str | None = None
+    start: int = 0
+    low: float = 0.0
+    high: float = 0.0
+
+
 Place = Callable[[str | None], Span]
 """Returns the place of an element in a recipe, or with an attribute's name the place of its value."""
 
@@ -165,8 +180,8 @@ class Origins(Struct, frozen=False):
     the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
     edit. `keys` has the layout of keys that differ from their file. `unread` has faults that MuJoCo ignores in the
     files themselves, by file, line and attribute (None: the element). `delays` has the actuators whose `nsample`
-    follows from their `delay` and the time step, with the text of `nsample` at that time. `size` is the bytes of all
-    files.
+    follows from their `delay` and the time step, with the text of `nsample` at that time. `values` has
+    the values of recipes, which may have no effect. `size` is the bytes of all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
@@ -176,6 +191,7 @@ class Origins(Struct, frozen=False):
     keys: dict[Node, KeyRecord] = field(default_factory=dict)
     unread: set[tuple[str, int | None, str | None]] = field(default_factory=set)
     delays: dict[Node, str] = field(default_factory=dict)
+    values: dict[Node, list[RecipeValue]] = field(default_factory=dict)
     size: int = 0
 
     def own(self, element: Node, owner: str | Span | Place) -> None:
@@ -230,13 +246,13 @@ class Origins(Struct, frozen=False):
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""
-        for name in ("owners", "texts", "settings", "renamed", "keys", "unread", "delays"):
+        for name in ("owners", "texts", "settings", "renamed", "keys", "unread", "delays", "values"):
             getattr(self, name).update(getattr(other, name))
 
     def carried(self, old: Node, new: Node) -> Origins:
         """Return the same data for `new`, a deep copy of `old`."""
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
-        names = ("owners", "settings", "renamed", "keys", "delays")
+        names = ("owners", "settings", "renamed", "keys", "delays", "values")
         tables = [(getattr(self, name), getattr(found, name)) for name in names]
         for node, twin in zip(old.iter(), new.iter(), strict=True) if any(known for known, _ in tables) else ():
             for known, kept in tables:

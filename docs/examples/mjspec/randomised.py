@@ -46,6 +46,7 @@ def drawn(sample, motors):
 def bake(spec, draws, motors):
     for i in range(3):
         for geom in spec.body(f"cube{i}/cube").geoms:
+            geom.priority = 2
             geom.friction[0] = draws[f"friction[cube{i}]"]
             geom.mass *= draws[f"mass[cube{i}]"]
     for name in motors:

@@ -15,6 +15,7 @@ from mjcompose.base.rotation import IDENTITY_QUAT, Pose, quat_from_axisangle, qu
 from mjcompose.base.suggest import did_you_mean, exists_note, renaming
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.compose.checks import check_class
+from mjcompose.build.compose.effects import note_added
 from mjcompose.build.compose.elements import ElementBuilder, joint_attributes, make_node, pose_number, turned
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, of_part
@@ -357,6 +358,9 @@ def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> N
     _check_scale(step, holder, linking, making=making)
     holder.append(node)
     _check_mass(step, node, linking, making=making)
+    body = next((each for each in (holder, *holder.iterancestors()) if each.tag == "body"), None)
+    if body not in linking.notes.inertia_written:  # that is reported already
+        note_added(node, making.span_of, making.origins)
 
 
 def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:

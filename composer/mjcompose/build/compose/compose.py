@@ -39,6 +39,7 @@ from mjcompose.build.compose.checks import (
 from mjcompose.build.compose.collisions import Exclusions, set_collisions
 from mjcompose.build.compose.compiler import check_assumed, note_rules_of_base
 from mjcompose.build.compose.editing import EditCost
+from mjcompose.build.compose.effects import report_without_effect
 from mjcompose.build.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.build.compose.interface import order_elements
 from mjcompose.build.compose.keyframe import hold_poses, write_keyframes
@@ -152,6 +153,7 @@ class Composer:
         self.notes_parts = self.notes_parts or plan.selects_parts
         if (composed := self._compose(plan, True)) is None or self.context.sink.has_errors:
             return None
+        report_without_effect(composed.model, self.context.sink)
         shapes = () if self.workshop is None else tuple(self.workshop.shapes_in(composed.model.root))
         shapes += tuple(shape for each in self.inner for shape in each.shapes)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)

@@ -22,6 +22,7 @@ from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, exists_note, renaming, with_article
 from mjcompose.build.compose.actuators import ActuatorModel
+from mjcompose.build.compose.effects import may_be_idle
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.values import UnusableValue, Values, matches_value
 from mjcompose.language.datasheets import Sheet
@@ -40,6 +41,7 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is_regular, matcher, paths_of
 from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
+from mjcompose.tree.unit import RecipeValue
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
 # evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.
@@ -212,6 +214,17 @@ class Editing:
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         return self.linking.span(self.linking.base, node, attribute)
+
+    def note_value(self, node: Node, attribute: str, at: Path, value: RecipeValue | None = None) -> None:
+        """Record a value of the recipe, which may turn out to have no effect."""
+        if not may_be_idle(node, attribute):
+            return
+        if value is None:
+            before = self.effective(node, attribute) if attribute == "friction" else None
+            value = RecipeValue(attribute, self.span(at), "edit", before)
+        values = self.making.origins.values.setdefault(node, [])
+        if all((each.span, each.attribute) != (value.span, attribute) for each in values):
+            values.append(value)
 
     def write(self, node: Node, places: Mapping[str, Path]) -> None:
         """Record where the new values of attributes are in the recipe."""

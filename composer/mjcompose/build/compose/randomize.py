@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import field
@@ -22,8 +23,10 @@ from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change, report_only_zeros, zero_attributes
 from mjcompose.language.assign import MASS
 from mjcompose.language.value import attribute_and_index, must_not_be_negative, no_angle
+from mjcompose.link import numbers
 from mjcompose.text.expression import Angle, Value
 from mjcompose.tree.select import kind_of, name_of, numbered, parent_of
+from mjcompose.tree.unit import RecipeValue
 from mjcompose.tree.values import is_in_degrees, may_be_angle
 
 
@@ -40,6 +43,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     zeros = zero_attributes(editing, nodes, (entry.attr,)) if entry.operation == "scale" else []
     try:
         for index, node in enumerate(nodes):
+            draws.note(node)
             if step.sample:
                 draw = draws.write(node, index)  # elements of a body or part share draws
                 shared = (draw.element, draw.attribute, draw.value)
@@ -61,6 +65,24 @@ class _FieldDraws(Struct, frozen=False):
     editing: Editing
     masses: Masses
     numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
+
+    def note(self, node: Node) -> None:
+        """Record the draw of an attribute, which may have no effect, with the range of its first number."""
+        entry = self.step.field
+        name, subscript = attribute_and_index(entry.attr)
+        if name not in kind_of(node).attributes:
+            return
+        at = (*entry.at, "attr")
+        before = self.editing.effective(node, name)
+        span = self.editing.span(at)
+        ends = [each for each in entry.distribution.extremes(0) if math.isfinite(each)]
+        start = subscript or 0
+        now = numbers.read(before)[start : start + 1] if before and kind_of(node).attributes[name].is_number else []
+        if entry.operation != "set" and now:
+            ends = [each * now[0] if entry.operation == "scale" else each + now[0] for each in ends]
+        low, high = (min(ends), max(ends)) if ends else (-math.inf, math.inf)
+        value = RecipeValue(name, span, "draw", before, start=start, low=low, high=high)
+        self.editing.note_value(node, name, at, value)
 
     def write(self, node: Node, index: int) -> Drawn:
         """Write the sample's draw onto an element, and return it as in the manifest."""

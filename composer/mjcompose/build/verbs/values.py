@@ -96,6 +96,7 @@ def compute(
     check_without_ends(values, attribute, at)
     if attribute.is_interval:
         editing.making.intervals[node, attribute.name] = editing.span(at)
+    editing.note_value(node, attribute.name, at)
     editing.write(node, {attribute.name: at})
     with editing.writing(node, attribute):
         replace(node, {attribute.name: to_text(attribute, result)})
@@ -174,6 +175,8 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
     editing, node = values.editing, values.node
     read = _read(values, attribute, written, at=at)
     check_without_ends(values, attribute, at)
+    if written is not None:
+        editing.note_value(node, attribute.name, at)
     element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
     making = editing.making
     making.made[node] = element
