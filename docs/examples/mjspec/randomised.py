@@ -23,6 +23,8 @@ def nominal():
     for i in range(3):
         cube = mujoco.MjSpec.from_file("recipes/models/props/cube.xml")
         frame = spec.worldbody.add_frame(pos=[0.5, -0.1 + 0.1 * i, 0.75])
+        for geom in cube.geoms:
+            geom.priority = 2
         spec.attach(cube, prefix=f"cube{i}/", frame=frame)
     spec.worldbody.add_camera(name="overhead", pos=[0.6, 0, 1.8])
     return spec, motors
@@ -46,7 +48,6 @@ def drawn(sample, motors):
 def bake(spec, draws, motors):
     for i in range(3):
         for geom in spec.body(f"cube{i}/cube").geoms:
-            geom.priority = 2
             geom.friction[0] = draws[f"friction[cube{i}]"]
             geom.mass *= draws[f"mass[cube{i}]"]
     for name in motors:

@@ -417,7 +417,7 @@ def hold_poses(
 ) -> None:  # fmt: skip
     """Write the controls, and the activations of filters and integrators, of every key that holds its pose.
 
-    Keys of nested recipes that balance forces are balanced anew, because the forces follow from the whole model. Only
+    Keys of nested recipes that balance forces are balanced again, because the forces follow from the whole model. Only
     if the model `is_whole`, it matters whether forces are left.
     """
     layout = linking.keys.final_layout
