@@ -17,7 +17,7 @@ WORLD = """<worldbody><body name="rail" pos="0 0 2"><joint name="swing" axis="1 
 <replicate count="2" sep="_"><replicate count="2" offset="0 .5 0"><body name="lamp"><joint name="turn"/>
   <geom name="bulb" size=".05"/><site name="ring"/></body></replicate></replicate></worldbody>"""
 LAMPS = f'<mujoco model="lamps">{WORLD}</mujoco>'
-COPIES = [f"{number}_{row}" for number in (0, 1) for row in (0, 1)]
+COPIES = [f"{number}_{row}" for row in (0, 1) for number in (0, 1)]
 SECTIONS = {
     "weld": ("equality", "{type: weld, body1: lamp, body2: rail}", "eq"),
     "weld backwards": ("equality", "{type: weld, body1: rail, body2: lamp}", "eq"),
@@ -97,6 +97,7 @@ def test_a_nested_recipe_brings_its_copies(tmp_path: Path) -> None:
     assert sorted(names(model, "equality")) == sorted(f"{part}/link{end}" for part in "ab" for end in COPIES)
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_keys_and_the_interface_name_the_copies(tmp_path: Path) -> None:
     recipe = """base: ./lamps.xml
 actuator: {pull: {type: motor, site: ring, refsite: hook}, swing: {type: motor, joint: swing}}
@@ -123,3 +124,25 @@ def test_python_refuses_what_a_file_loses() -> None:
     model = mjcf.from_xml_string(text)
     with pytest.raises(mjcf.MjcfError, match="not-as-written"):
         model.compile_model()
+
+
+SENSORS = {
+    "framepos": '<framepos name="s" objtype="site" objname="ring" reftype="body" refname="rail"/>',
+    "distance": '<distance name="s" geom1="beam" geom2="bulb"/>',
+    "contact": '<contact name="s" geom1="bulb" body2="rail"/>',
+    "jointpos": '<jointpos name="s" joint="turn"/>',
+}
+
+
+@pytest.mark.parametrize("sensor", SENSORS.values(), ids=SENSORS.keys())
+def test_the_interface_lists_the_copies_of_a_sensor(tmp_path: Path, sensor: str) -> None:
+    """However the sensor refers to something inside: by an attribute, or by a type and a name."""
+    text = LAMPS.replace("</mujoco>", f'<sensor>{sensor}<jointvel name="own" joint="swing"/></sensor></mujoco>')
+    listed = ", ".join(["own", *(f"s{end}" for end in COPIES)])
+    found, context = built(tmp_path, f"base: ./lamps.xml\ninterface: {{sensor: [{listed}]}}\n", lamps=text)
+    assert not context.sink.has_errors, context.sink.errors
+    assert names(compiled(found), "sensor") == listed.split(", ")
+    _, context = built(tmp_path, "base: ./lamps.xml\ninterface: {sensor: [own, s]}\n", lamps=text)
+    assert [(each.code, each.message) for each in context.sink.errors] == [
+        ("unknown-name", "the sensor `s` does not exist")
+    ]

@@ -382,7 +382,7 @@ def test_a_world_that_cannot_be_named_is_an_error(
     workshop: Workshop, base: str, place: AttachmentPlace, words: str
 ) -> None:
     text = TOP.format(gravity="0 0 0", joint=HINGE, equality=EQUALITIES[8])
-    (fault,) = workshop.link(base, Piece(text, place=place)).linking.sink.diagnostics
+    (fault,) = workshop.link(base, Piece(text, place=place)).linking.sink.errors
     assert fault.code == "attach-place" and words in fault.message and fault.span is not None
 
 
