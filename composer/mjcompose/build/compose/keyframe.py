@@ -477,7 +477,7 @@ class _PoseHolder(Struct):
         from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
 
         columns, sink = self.columns(), self.making.sink
-        question = {
+        question: dict[str, Any] = {
             "key": self.index, **{way: [at for at, source in columns.items() if source.hold == way] for way in WAYS},
         }  # fmt: skip
         answer = engine.call(session, hold, [FINISHED], argument=question)

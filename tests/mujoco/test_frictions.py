@@ -8,7 +8,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.verify.frictions import thresholds
+from mjcompose.mujoco.frictions import thresholds
 
 STACK = """
 <mujoco><option timestep="0.002"/><worldbody>
