@@ -18,13 +18,14 @@ if __name__ == "__main__":
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.targets.export import export
-from mjcompose.targets.judge import FEATURES, differences, facts_of, questions
+from mjcompose.targets.judge import FEATURES, asked_of, by_actuator, differences, facts_of, without_lost
 from mjcompose.targets.read_back import READERS, Reader, placed, read_back
-from mjcompose.targets.table import READ_BACK, TARGETS
+from mjcompose.targets.table import READ_BACK, TARGETS, outcomes_of
 from mjcompose.targets.target import Loss, Outcome
 from targets.environments import is_ready, python_of
 from targets.models import PROBES
 
+POSES = 50
 READ_WITH: dict[str, Reader] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
 
 
@@ -48,7 +49,7 @@ def read_in(consumer: str, model: Path, folder: Path) -> Found | str:
     if any(each.refused for each in losses):
         return next(each.why for each in losses if each.refused)
     truth = mujoco.MjModel.from_xml_path(str(model))
-    asked = questions(truth)
+    asked = without_lost(asked_of(mujoco, truth, POSES), losses)
     facts = read_back(reader, str(python_of(reader.program)), placed(out, made["model"]), asked)
     assert not isinstance(facts, str), facts
     mine = facts_of(mujoco, truth, asked)
@@ -58,13 +59,15 @@ def read_in(consumer: str, model: Path, folder: Path) -> Found | str:
     found = list(differences(mujoco, truth, facts, asked, losses, single=reader.single))
     lost = frozenset(each.feature for each in losses if not each.otherwise)
     wrong = {each.feature for each in found}
-    same = _compared(mine, facts, {(each.feature, each.name) for each in losses})
+    same = _compared(mine, facts, {(each.feature, each.name) for each in losses if not each.otherwise})
     return Found([each.message for each in found], frozenset(same - wrong), lost, str(facts["version"]))
 
 
 def _compared(truth: dict[str, Any], facts: dict[str, Any], lost: set[tuple[str, str]]) -> set[str]:
     """The features of which something that is not zero was compared and was not lost."""
-    found = {name for name in ("shapes", "motion") if name in facts} | {"inertia", "poses"}
+    found = {name for name in ("shapes", "motion", "driven") if name in facts} | {"inertia", "poses"}
+    found |= {"forces"} if any(facts.get("forces", {}).values()) else set()
+    facts = by_actuator(truth, facts)
     for kind in ("joints", "actuators"):
         for name, read in facts[kind].items():
             mine = truth[kind].get(name, {})
@@ -84,7 +87,7 @@ def row(consumer: str) -> dict[str, Any]:
         if not isinstance(found, str):
             assert not found.differences, (consumer, name, found.differences)
             same, lost, version = same | found.same, lost | found.lost, found.version
-    outcomes = {each.feature: each.outcome for each in TARGETS[consumer.partition(" ")[0]].limits}
+    outcomes = outcomes_of(TARGETS[consumer.partition(" ")[0]])
     # What is lost in part and was not compared is not known.
     lost = {each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")}
     words = {(True, False): "same", (True, True): "partly", (False, True): "lost"}

@@ -6,11 +6,11 @@ import math
 
 import mujoco
 import pytest
-from mjcompose.targets.judge import differences, facts_of, questions
-from mjcompose.targets.target import Loss
+from mjcompose.targets.judge import asked_of, differences, drives_of, facts_of, questions, without_lost
+from mjcompose.targets.target import Loss, Outcome
 from targets.models import PROBE
 
-ASKED = questions(mujoco.MjModel.from_xml_string(PROBE), 3)
+ASKED = asked_of(mujoco, mujoco.MjModel.from_xml_string(PROBE), 3)
 
 
 def told(*losses: Loss, text: str = PROBE, single: bool = False, **changed: float) -> list[str]:
@@ -41,6 +41,9 @@ def told(*losses: Loss, text: str = PROBE, single: bool = False, **changed: floa
         ("actuator_ctrlrange", "the greatest force of the actuator `a1` is -12 18, not -12 15"),
         ("actuator_forcerange", "the greatest force of the actuator `a2` is -7 7, not -3.5 3.5"),
         ("geom_type", "there are 1 geoms of the type `box`, not 5"),
+        ("actuator_ctrlrange", "the range of the control of the actuator `a2` is -2 2, not -1 1"),
+        ("actuator_gear", "under full control the force of the joint `j4` is "),
+        ("actuator_gainprm", "after 0.2 s of motion under control the joint `j"),
         ("qpos_spring", "after 0.2 s of motion the joint `j3` is at "),
     ],
 )
@@ -114,3 +117,57 @@ def test_a_joint_that_is_missing() -> None:
     assert found == [
         "the body `b2` is missing", "the joint `j2` is missing", "the actuator `a5` is missing",
     ]  # fmt: skip
+
+
+DRIVEN = """<mujoco><worldbody>
+  <body name="a"><joint name="a" axis="0 1 0" damping="1"/><geom size=".1" pos=".2 0 0"/></body>
+  <body name="b" pos="1 0 0"><joint name="b" type="slide" axis="0 0 1" damping="1"/><geom size=".1"/></body></worldbody>
+  <actuator>
+    <motor name="motor" joint="a" gear="-3" ctrlrange="-1 2"/>
+    <position name="servo" joint="b" gear="4" kp="5" kv=".5" ctrlrange="-2 2"/>
+    <general name="lag" joint="a" dyntype="filter" dynprm="0.1"/>
+  </actuator></mujoco>"""
+
+
+def test_full_control_is_that_of_the_joint() -> None:
+    model = mujoco.MjModel.from_xml_string(DRIVEN)
+    drives = drives_of(mujoco, model, questions(model, 0))["drives"]
+    assert {name: (each["input"], each["full"]["at_joint"]) for name, each in drives.items()} == {
+        "motor": ("force", -6), "servo": ("position", 0.5),
+    }  # fmt: skip
+    forces = facts_of(mujoco, model, asked_of(mujoco, model, 0))["forces"]
+    assert forces == {"a": pytest.approx(-6), "b": pytest.approx(4 * 5 * 2)}
+
+
+@pytest.mark.parametrize(
+    ("loss", "left"),
+    [
+        (Loss("actuators", "actuator", 0, "motor", "motor"), {"servo"}),
+        (Loss("gears", "actuator", 1, "position", "servo", what="`gear`"), {"motor"}),
+        (Loss("gears", "actuator", 1, "position", "servo", outcome=Outcome.WRITTEN), {"motor", "servo"}),
+        (Loss("effort", "joint", 0, "joint", "a"), {"servo"}),
+        (Loss("gains", "actuator", 1, "position", "servo", what="`kv`"), {"motor", "servo"}),
+    ],
+)
+def test_lost_actuators_do_not_drive(loss: Loss, left: set[str]) -> None:
+    model = mujoco.MjModel.from_xml_string(DRIVEN)
+    asked = without_lost(asked_of(mujoco, model, 0), [loss])
+    assert set(asked["drives"]) == left
+    forces = facts_of(mujoco, model, asked)["forces"]
+    assert {name for name, force in forces.items() if force} == {{"motor": "a", "servo": "b"}[each] for each in left}
+
+
+def test_a_gain_that_is_written_otherwise_is_compared() -> None:
+    """A gear that a target writes into the gains is no excuse for other gains."""
+    loss = Loss("gears", "actuator", 3, "position", "a4", outcome=Outcome.WRITTEN)
+    assert any("`kp`) of the actuator `a4`" in each for each in told(loss, actuator_gear=2.0))
+
+
+def test_a_motion_that_depends_on_the_step_is_not_compared() -> None:
+    """A servo that is too stiff for its step moves otherwise in each program; its forces are still compared."""
+    model = mujoco.MjModel.from_xml_string(DRIVEN.replace('kp="5"', 'kp="1e8"'))
+    asked = asked_of(mujoco, model, 0)
+    assert not asked["eases"]
+    facts = facts_of(mujoco, model, asked)
+    assert facts["forces"]["b"] == pytest.approx(4 * 1e8 * 2) and "driven" not in facts
+    assert asked_of(mujoco, mujoco.MjModel.from_xml_string(DRIVEN), 0)["eases"]

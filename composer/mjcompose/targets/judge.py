@@ -21,13 +21,14 @@ SECONDS = 0.2
 """The motion from the home key."""
 FEATURES = {
     "range": "limits", "damping": "damping", "friction": "friction", "armature": "armature", "stiffness": "springs",
-    "effort": "effort", "force": "effort", "joint": "actuators", "kp": "gains", "kd": "gains", "com": "inertia",
-    "shapes": "shapes", "poses": "poses", "motion": "motion",
+    "effort": "effort", "force": "effort", "joint": "actuators", "kp": "gains", "kd": "gains",
+    "control": "control ranges", "com": "inertia", "shapes": "shapes", "poses": "poses", "motion": "motion",
+    "forces": "forces", "driven": "driven",
 }  # fmt: skip
 """The compared quantity, by its word in the facts."""
 _WORDS = {
     "range": "limits", "friction": "dry friction", "effort": "greatest force", "force": "greatest force",
-    "kp": "stiffness (`kp`)", "kd": "damping (`kv`)",
+    "kp": "stiffness (`kp`)", "kd": "damping (`kv`)", "control": "range of the control",
 }  # fmt: skip
 _ERASED = {
     "damping": ("dof_damping", "dof_dampingpoly"),
@@ -54,9 +55,10 @@ class Difference(Struct):
     message: str
 
 
-def asked_of(_mujoco: object, model: Any, count: int) -> Facts:
+def asked_of(mujoco: Any, model: Any, count: int) -> Facts:
     """Return the questions for a consumer. It is called by `mjcompose.mujoco.engine.call`."""
-    return questions(model, count)
+    asked = questions(model, count)
+    return asked | drives_of(mujoco, model, asked)
 
 
 def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
@@ -120,6 +122,105 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
     }  # fmt: skip
 
 
+_SHARES = (1.0, 0.25, 0.05, 0.01)
+_SMOOTH = 0.002
+"""Relative to the longest way: with half the step, a motion that is compared ends at most this far away."""
+_NONE, _AFFINE = 0, 1  # mjBIAS_NONE, mjBIAS_AFFINE, and also mjGAIN_FIXED, mjDYN_NONE, mjTRN_JOINT
+
+
+def drives_of(mujoco: Any, model: Any, asked: Facts) -> Facts:
+    """Return the `drives`, motors and servos of joints by name, with their full and their eased controls.
+
+    Full control is the upper end of its range. A motion under full control may be so violent that each integrator makes
+    another one of it; the eased controls are the largest share that MuJoCo follows with half the step, too. `eases`
+    says whether there is one.
+    """
+    drives: Facts = {}
+    for number in range(model.nu):
+        name, drive = model.actuator(number).name, _drive(model, number)
+        if name and drive is not None:
+            drives[name] = drive
+    found: Facts = {"drives": drives, "eases": False}
+    for share in _SHARES if asked["seconds"] else ():
+        for name, drive in drives.items():
+            drive["eased"] = _controls(model, model.actuator(name).id, drive["input"], asked["home"], share=share)
+        _, once = _driven(mujoco, model, asked | found)
+        _, twice = _driven(mujoco, model, asked | found, halved=True)
+        way = max([abs(end - asked["home"]["joints"][name][0]) for name, end in twice.items()], default=0.0)
+        if max([abs(once[name] - end) for name, end in twice.items()], default=0.0) <= _SMOOTH * max(way, 0.01):
+            found["eases"] = True
+            break
+    for name, drive in drives.items():
+        drive["full"] = _controls(model, model.actuator(name).id, drive["input"], asked["home"])
+    return found
+
+
+def _drive(model: Any, number: int) -> Facts | None:
+    """Return the joint and the input of a motor or a servo of a hinge or a slide, or None for other actuators."""
+    joint = int(model.actuator_trnid[number][0])
+    words = ("trntype", "dyntype", "gaintype")
+    is_simple = not any(int(getattr(model, f"actuator_{word}")[number]) for word in words)
+    delays = getattr(model, "actuator_delay", None)
+    if not is_simple or not model.actuator_gear[number][0] or (delays is not None and delays[number]):
+        return None
+    kind, name = int(model.jnt_type[joint]), model.joint(joint).name
+    if kind not in (programs.SLIDE, programs.HINGE) or not name or model.jnt_actgravcomp[joint]:
+        return None
+    gain, bias = float(model.actuator_gainprm[number][0]), model.actuator_biasprm[number][:3].tolist()
+    if int(model.actuator_biastype[number]) == _NONE:
+        return {"joint": name, "input": "force"} if gain else None
+    if int(model.actuator_biastype[number]) != _AFFINE or bias[0]:
+        return None
+    if gain and bias[1] == -gain:
+        return {"joint": name, "input": "position"}
+    return {"joint": name, "input": "velocity"} if gain and bias == [0, 0, -gain] else None
+
+
+def _controls(model: Any, number: int, word: str, home: Facts, share: float = 1.0) -> Facts:
+    """Return a share of the full control, and what it is at the joint, counted from the pose `home`."""
+    gear, gain = float(model.actuator_gear[number][0]), float(model.actuator_gainprm[number][0])
+    at_joint = gain * gear if word == "force" else 1 / gear
+    full = float(model.actuator_ctrlrange[number][1]) if model.actuator_ctrllimited[number] else 0.5 / abs(at_joint)
+    start = 0.0
+    if word == "position":
+        start = home["joints"][model.joint(int(model.actuator_trnid[number][0])).name][0] / at_joint
+    control = start + share * (full - start)
+    if model.actuator_ctrllimited[number]:
+        control = float(np.clip(control, *model.actuator_ctrlrange[number]))
+    return {"control": control, "at_joint": control * at_joint}
+
+
+def _driven(
+    mujoco: Any, model: Any, asked: Facts, *, halved: bool = False
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the forces of the joints at home under full controls, and where they end under eased ones."""
+    only = programs.with_drives(model, asked["drives"])
+    only.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    only.opt.timestep = programs.STEP / (2 if halved else 1)
+    data = mujoco.MjData(only)
+    data.qpos = programs.qpos(model, asked["home"])
+    for name, drive in asked["drives"].items():
+        data.ctrl[model.actuator(name).id] = drive.get("full", drive["eased"])["control"]
+    mujoco.mj_forward(only, data)
+    dofs = {name: int(model.joint(name).dofadr[0]) for name in asked["home"]["joints"]}
+    forces = {name: float(data.qfrc_actuator[dof]) for name, dof in dofs.items()}
+    for name, drive in asked["drives"].items():
+        data.ctrl[model.actuator(name).id] = drive["eased"]["control"]
+    for _ in range(round(asked["seconds"] / only.opt.timestep)):
+        mujoco.mj_step(only, data)
+    return forces, {name: float(data.qpos[int(model.joint(name).qposadr[0])]) for name in asked["home"]["joints"]}
+
+
+def without_lost(asked: Facts, losses: Iterable[Loss]) -> Facts:
+    """Return the questions without the drives that a target does not have, or not with all of their force."""
+    lost = {(loss.feature, loss.name) for loss in losses if not loss.otherwise}
+    drives = {
+        name: drive for name, drive in asked.get("drives", {}).items()
+        if not {("actuators", name), ("gears", name), ("effort", name), ("effort", drive["joint"])} & lost
+    }  # fmt: skip
+    return {**asked, "drives": drives}
+
+
 def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ()) -> Facts:
     """Return the facts of a compiled model, as consumers write them, with the end of the motion after the losses."""
 
@@ -142,6 +243,9 @@ def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ())
 
     read = programs.of_mujoco(None, model, lambda name: getattr(model, name), placed=placed, moved=moved)
     found: Facts = programs.answered(asked, *read)
+    if asked.get("drives"):
+        found["forces"], ends = _driven(mujoco, _erased(model, losses), asked)
+        found |= {"driven": ends} if asked["eases"] else {}
     return found
 
 
@@ -151,6 +255,8 @@ def _erased(model: Any, losses: Sequence[Loss]) -> Any:
     for loss in losses:
         if loss.feature == "computing":
             model.opt.density, model.opt.viscosity = 0, 0
+        if loss.feature == "gains" and loss.kind == "actuator":
+            model.actuator_biasprm[loss.number][2] = 0
         for array in _ERASED.get(loss.feature, ()):
             values = getattr(model, array, None)
             if values is None or loss.kind != _KIND_OF.get(array.partition("_")[0]):
@@ -171,13 +277,15 @@ def differences(
     `single` allows for a consumer that computes in single precision.
     """
     truth = facts_of(mujoco, model, asked, losses=[*losses, *_unmoved(model, facts.get("without", ()))])
-    lost = {(loss.feature, loss.name) for loss in losses}
+    lost = {(loss.feature, loss.name) for loss in losses if not loss.otherwise}
+    facts = by_actuator(truth, facts)
     composite = bool(facts.get("composite"))
     yield from _masses(mujoco, model, facts, tolerance=2e-6 if single else 1e-9)
     for kind in ("joint", "actuator"):
         for name, mine in truth[f"{kind}s"].items():
             read = facts[f"{kind}s"].get(name)
-            if read is None and (kind == "joint" or (facts["actuators"] and ("actuators", name) not in lost)):
+            is_read = bool(facts["actuators"] or "commands" in facts)
+            if read is None and (kind == "joint" or (is_read and ("actuators", name) not in lost)):
                 yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
             if read is not None:
                 yield from _attributes(kind, name, mine, read=read, lost=lost, tolerance=1e-5 if single else 1e-9)
@@ -185,7 +293,32 @@ def differences(
         yield from _shapes(model, truth["shapes"], facts["shapes"], losses=losses)
     yield from _poses(truth["poses"], facts["poses"], composite, tolerance=1e-4 if single else 1e-9)
     if "motion" in facts and "motion" in truth:
-        yield from _motions(truth["motion"], facts["motion"], asked["home"]["joints"])
+        yield from _motions(truth["motion"], facts["motion"], asked["home"]["joints"], "motion")
+    if "forces" in facts and "forces" in truth:
+        yield from _forces(truth["forces"], facts["forces"], tolerance=1e-5 if single else 1e-9)
+    if "driven" in facts and "driven" in truth:
+        yield from _motions(truth["driven"], facts["driven"], asked["home"]["joints"], "driven")
+
+
+def by_actuator(truth: Facts, facts: Facts) -> Facts:
+    """Return the facts with the commands of joints, which a URDF has, under the names of their actuators."""
+    commands = {
+        joint: {word: value for word, value in command.items() if word != "input"}
+        for joint, command in facts.get("commands", {}).items()
+    }
+    by_name = {
+        name: {"joint": mine["joint"], **commands[mine["joint"]]}
+        for name, mine in truth["actuators"].items()
+        if mine["joint"] in commands
+    }
+    return {**facts, "actuators": {**facts["actuators"], **by_name}}
+
+
+def _forces(mine: dict[str, float], read: dict[str, float], tolerance: float) -> Iterator[Difference]:
+    for name, force in mine.items():
+        if name in read and abs(read[name] - force) > tolerance * max(1.0, abs(force)):
+            message = f"under full control the force of the joint `{name}` is {_shown(read[name])}, not {_shown(force)}"
+            yield Difference("forces", "joint", name, message=message)
 
 
 def _attributes(
@@ -284,14 +417,15 @@ def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolera
         yield Difference("poses", "body", where, message=f"the pose of `{where}` is up to {worst:.3g} off")
 
 
-def _motions(mine: dict[str, float], read: dict[str, float], start: Facts) -> Iterator[Difference]:
+def _motions(mine: dict[str, float], read: dict[str, float], start: Facts, feature: str) -> Iterator[Difference]:
     way = max([abs(end - start[name][0]) for name, end in mine.items() if name in start], default=0.0)
     off = {name: abs(read[name] - end) for name, end in mine.items() if name in read}
     name = max(off, key=lambda each: off[each] if np.isfinite(off[each]) else np.inf, default="")
     if off and not off[name] <= _MOVED * max(way, 0.01):
         ends = f"{_shown(read[name])}, not at {_shown(mine[name])}"
-        message = f"after {SECONDS:g} s of motion the joint `{name}` is at {ends}"
-        yield Difference("motion", "joint", name, message=message)
+        how = "motion" if feature == "motion" else "motion under control"
+        message = f"after {SECONDS:g} s of {how} the joint `{name}` is at {ends}"
+        yield Difference(feature, "joint", name, message=message)
 
 
 def _shown(value: Any) -> str:

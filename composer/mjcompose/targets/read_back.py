@@ -23,7 +23,7 @@ from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
-from mjcompose.targets.judge import asked_of, judged, motion_of
+from mjcompose.targets.judge import asked_of, judged, motion_of, without_lost
 from mjcompose.targets.names import CONSUMERS, READ_IN
 from mjcompose.targets.readers.shared import facts as facts_module
 from mjcompose.targets.table import TARGETS
@@ -171,7 +171,8 @@ def _about(
         written = f"MuJoCo reads the plain text of the model back as a different model: {written['differences'][0]}"
     if isinstance(written, str):
         return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
-    lacked = [loss for each in written["losses"] if not (loss := Loss(**each)).otherwise]
+    every = [Loss(**each) for each in written["losses"]]
+    lacked = [loss for loss in every if not loss.otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
     losses: list[Fault] = []
@@ -185,6 +186,7 @@ def _about(
     if refused is not None:
         facts = f"{refused.shown}: {refused.why}"
     else:
+        questions = without_lost(questions, every)
         facts = read_back(reader, python, placed(folder / "out", written["model"]), questions=questions)
     if isinstance(facts, str):
         return [Fault(_FAILED, f"`{name}` does not read the model: {facts}")], None
@@ -210,7 +212,7 @@ def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], 
         written = exported(work.bundle, name, folder, session=work.session)
         if not answer.ok or isinstance(written, str):
             return Fault(_FAILED, f"`{name}` gets no model: {answer.error if not answer.ok else written}")
-        questions = {**answer.value, "seconds": seconds}
+        questions = {**answer.value, "seconds": seconds, "drives": {}}
         facts = read_back(READERS[name], python, placed(folder / "out", written["model"]), questions=questions)
     if isinstance(facts, str):
         return Fault(_FAILED, f"`{name}` does not read the model: {facts}")

@@ -217,6 +217,9 @@ COMPARED: Mapping[str, str] = {
     "gains": "gains of servos",
     "shapes": "number of geoms of each type",
     "motion": "0.2 s of motion from the key `home`",
+    "control ranges": "ranges of controls at the joints",
+    "forces": "forces of the joints under full control",
+    "driven": "0.2 s of motion under control",
 }
 """The words for quantities that are compared when a model is read back, by name."""
 
@@ -243,7 +246,7 @@ _CELLS: Mapping[Outcome, str] = {
 def features() -> str:
     """Return the table with a row for each feature that some target does not support. Other cells are empty."""
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
-    outcomes = {name: _outcomes(target) for name, target in TARGETS.items()}
+    outcomes = {name: outcomes_of(target) for name, target in TARGETS.items()}
     for feature, words in FEATURES.items():
         cells = [outcomes[name].get(feature, Outcome.KEPT) for name in TARGETS]
         if set(cells) != {Outcome.KEPT}:
@@ -251,7 +254,7 @@ def features() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _outcomes(target: Target) -> Mapping[str, Outcome]:
+def outcomes_of(target: Target) -> Mapping[str, Outcome]:
     """Return the outcome of each feature: the worst one, if several limits are about it."""
     found: dict[str, Outcome] = {}
     for limit in target.limits:

@@ -3,7 +3,7 @@
 from importlib.metadata import version
 
 import numpy as np
-from facts import count, ends, facts, fallen, inertia
+from facts import count, ends, facts, fallen, inertia, torque
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
@@ -84,7 +84,46 @@ def read(file):
             return q + plant.MapVelocityToQDot(context, way)
 
         start = plant.GetPositions(context)
-        end = fallen(start, steps, np.diag(damping), dynamics=dynamics, moved=advanced)
+        matrix = np.diag(damping)
+        end = fallen(start, steps, len(damping), lambda q, v: matrix, dynamics=dynamics, moved=advanced)
         return {name: end[joint.position_start()] for name, joint in single.items()}
 
-    return found, placed, moved
+    def driven(asked, steps):
+        stand(asked["home"])
+        of_joints = np.zeros(plant.num_velocities())
+        for joint in joints.values():
+            start = joint.velocity_start()
+            of_joints[start : start + joint.num_velocities()] = joint.default_damping_vector()
+
+        def forces(q, v, which):
+            """Return the forces of all servos and motors, and their damping."""
+            tau, damping = np.zeros(len(of_joints)), np.zeros(len(of_joints))
+            for name, drive in asked["drives"].items():
+                if (about := found["actuators"].get(name)) is not None:
+                    joint, at = single[drive["joint"]], single[drive["joint"]].velocity_start()
+                    most = about["effort"][1] if about["effort"] is not None else None
+                    force, resistance = torque(drive, which, about, q[joint.position_start()], v[at], most)
+                    tau[at], damping[at] = tau[at] + force, damping[at] + resistance
+            return tau, damping
+
+        def dynamics(q, v):
+            plant.SetPositions(context, q)
+            plant.SetVelocities(context, v)
+            force = plant.CalcGravityGeneralizedForces(context) - plant.CalcBiasTerm(context) - of_joints * v
+            return plant.CalcMassMatrix(context), force + forces(q, v, "eased")[0]
+
+        def resisting(q, v):
+            return np.diag(of_joints + forces(q, v, "eased")[1])
+
+        def advanced(q, way):
+            return q + plant.MapVelocityToQDot(context, way)
+
+        start = plant.GetPositions(context)
+        first, _ = forces(start, np.zeros(len(of_joints)), "full")
+        end = fallen(start, steps, len(of_joints), resisting, dynamics=dynamics, moved=advanced)
+        return (
+            {name: first[joint.velocity_start()] for name, joint in single.items()},
+            {name: end[joint.position_start()] for name, joint in single.items()},
+        )
+
+    return found, placed, moved, driven

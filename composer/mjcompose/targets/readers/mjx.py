@@ -1,5 +1,6 @@
 """Facts of a model as MJX reads it."""
 
+import copy
 from importlib.metadata import version
 
 import jax
@@ -20,13 +21,23 @@ def read(file):
         return moved.xpos, moved.xmat
 
     def moved(start, steps):
-        free = mjx.put_model(without_forces(mujoco, model))
-        step, at = jax.jit(mjx.step), mjx.make_data(model).replace(qpos=jp.array(start))
+        without = without_forces(mujoco, copy.copy(model))
+        free = mjx.put_model(without)
+        step, at = jax.jit(mjx.step), mjx.make_data(without).replace(qpos=jp.array(start))
         for _ in range(steps):
             at = step(free, at)
         return at.qpos
 
+    def driven(only, start, full, eased, steps):
+        put = mjx.put_model(only)
+        still = mjx.make_data(only).replace(qpos=jp.array(start))
+        forces = mjx.forward(put, still.replace(ctrl=jp.array(full))).qfrc_actuator
+        step, at = jax.jit(mjx.step), still.replace(ctrl=jp.array(eased))
+        for _ in range(steps):
+            at = step(put, at)
+        return forces, at.qpos
+
     def array(name):
         return np.array(getattr(on_device, name))
 
-    return of_mujoco(version("mujoco-mjx"), model, array, placed=placed, moved=moved)
+    return of_mujoco(version("mujoco-mjx"), model, array, placed=placed, moved=moved, driven=driven)

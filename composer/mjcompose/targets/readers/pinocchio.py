@@ -2,7 +2,8 @@
 
 import numpy as np
 import pinocchio as pin
-from facts import count, ends, facts, fallen, inertia
+from facts import count, ends, facts, fallen, inertia, torque
+from ros2_control import commands
 
 SHAPES = {
     "Halfspace": "plane", "Plane": "plane", "Sphere": "sphere", "Capsule": "capsule", "Ellipsoid": "ellipsoid",
@@ -44,6 +45,7 @@ def read(file):
             found["joints"][names[number]] = dynamics_of(joint, limited=False)
     if urdf:
         del found["shapes"]
+        found["commands"] = commands(file)
     else:
         kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
         shapes = [each for kind in kinds for each in pin.buildGeomFromMJCF(model, file, kind).geometryObjects]
@@ -81,9 +83,43 @@ def read(file):
         def advanced(q, way):
             return pin.integrate(model, q, way)
 
-        end = fallen(standing(asked["home"]), steps, damping, dynamics=dynamics, moved=advanced)
+        start = standing(asked["home"])
+        end = fallen(start, steps, model.nv, lambda q, v: damping, dynamics=dynamics, moved=advanced)
         single = ((names[at], model.joints[at]) for at in range(1, model.njoints) if model.joints[at].nv == 1)
         ats = {name: end[joint.idx_q : joint.idx_q + joint.nq] for name, joint in single}
         return {name: at[0] if len(at) == 1 else np.arctan2(at[1], at[0]) for name, at in ats.items()}
 
-    return found, placed, moved
+    def driven(asked, steps):
+        of = {name: model.joints[names.index(name)] for name in found["commands"] if name in names}
+
+        def forces(q, v, which):
+            """Return the forces of all servos and motors, and their damping."""
+            tau, damping = np.zeros(model.nv), np.zeros(model.nv)
+            for drive in asked["drives"].values():
+                if (name := drive["joint"]) in of:
+                    at, dof = of[name].idx_q, of[name].idx_v
+                    angle = q[at] if of[name].nq == 1 else np.arctan2(q[at + 1], q[at])
+                    most = found["joints"][name]["force"]
+                    tau[dof], damping[dof] = torque(drive, which, found["commands"][name], angle, v[dof], most)
+            return tau, damping
+
+        def dynamics(q, v):
+            mass = pin.crba(model, data, q)
+            force = forces(q, v, "eased")[0] - pin.nonLinearEffects(model, data, q, v) - model.damping * v
+            return np.triu(mass) + np.triu(mass, 1).T, force
+
+        def resisting(q, v):
+            return np.diag(model.damping + forces(q, v, "eased")[1])
+
+        def advanced(q, way):
+            return pin.integrate(model, q, way)
+
+        start = standing(asked["home"])
+        first, _ = forces(start, np.zeros(model.nv), "full")
+        end = fallen(start, steps, model.nv, resisting, dynamics=dynamics, moved=advanced)
+        single = {names[at]: model.joints[at] for at in range(1, model.njoints) if model.joints[at].nv == 1}
+        ats = {name: end[joint.idx_q : joint.idx_q + joint.nq] for name, joint in single.items()}
+        ends_of = {name: at[0] if len(at) == 1 else np.arctan2(at[1], at[0]) for name, at in ats.items()}
+        return {name: first[joint.idx_v] for name, joint in single.items()}, ends_of
+
+    return found, placed, moved, driven if urdf else None

@@ -1,5 +1,6 @@
 """Facts of a model as MuJoCo Warp reads it."""
 
+import copy
 from importlib.metadata import version
 
 import mujoco
@@ -29,10 +30,25 @@ def read(file):
         return data.xpos.numpy(), data.xmat.numpy()
 
     def moved(start, steps):
-        free, data = mjw.put_model(without_forces(mujoco, model)), mjw.make_data(model)
+        free, data = mjw.put_model(without_forces(mujoco, copy.copy(model))), mjw.make_data(model)
         data.qpos = wp.array(start[None], dtype=float)
         for _ in range(steps):
             mjw.step(free, data)
         return data.qpos.numpy()[0]
 
-    return of_mujoco(version("mujoco-warp"), model, array, placed=placed, moved=moved)
+    def driven(only, start, full, eased, steps):
+        put = mjw.put_model(only)
+
+        def at_start(controls):
+            data = mjw.make_data(only)
+            data.qpos = wp.array(start[None], dtype=float)
+            data.ctrl = wp.array(controls[None], dtype=float)
+            return data
+
+        still, data = at_start(full), at_start(eased)
+        mjw.forward(put, still)
+        for _ in range(steps):
+            mjw.step(put, data)
+        return still.qfrc_actuator.numpy()[0], data.qpos.numpy()[0]
+
+    return of_mujoco(version("mujoco-warp"), model, array, placed=placed, moved=moved, driven=driven)

@@ -2,11 +2,14 @@
 
 A reader has a function `read`, which takes the path of the model. It returns the facts without poses, and two
 functions: `placed` yields the position and the rotation matrix of each body by name for poses, and `moved` returns the
-joint positions after some steps from the pose `home`, or None. The facts of MuJoCo are here too, for simulators that
+joint positions after some steps from the pose `home`, or None. A reader of a program with actuators has a third one:
+`driven` returns the forces of the joints at home under the `full` controls of the questions, and the joint positions
+after some steps under the `eased` ones. The facts of MuJoCo are here too, for simulators that
 are made from a `mujoco.MjModel`; `composer/mjcompose/targets/judge.py` compares other programs with them. The names are
 MuJoCo's.
 """
 
+import copy
 import json
 import runpy
 import sys
@@ -19,7 +22,8 @@ FREE, BALL, SLIDE, HINGE = range(4)
 _JOINT, _FIXED, _NO_DYNAMICS, _AFFINE = 0, 0, 0, 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
 STEP = 0.0005
 """The length of a step of a motion, in seconds."""
-_FORCE_FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY", "mjDSBL_ACTUATION")
+_FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY")
+_FORCE_FREE = (*_FREE, "mjDSBL_ACTUATION")
 SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 
 
@@ -31,7 +35,7 @@ def main(reader, model, questions, out):
         json.dump(found, file)
 
 
-def answered(asked: Any, found: Any, placed: Any, moved: Any) -> Any:
+def answered(asked: Any, found: Any, placed: Any, moved: Any, driven: Any = None) -> Any:
     """Return the facts with the poses and the motion of the questions."""
     found["poses"] = [
         {name: [np.asarray(at).tolist(), np.asarray(turned).tolist()] for name, (at, turned) in bodies.items()}
@@ -39,6 +43,15 @@ def answered(asked: Any, found: Any, placed: Any, moved: Any) -> Any:
     ]
     if asked["seconds"] and (end := moved(asked, round(asked["seconds"] / STEP))) is not None:
         found["motion"] = {name: float(value) for name, value in end.items()}
+    if (
+        driven is not None
+        and asked.get("drives")
+        and (result := driven(asked, round(asked["seconds"] / STEP))) is not None
+    ):
+        forces, ends_driven = result
+        found["forces"] = {name: float(value) for name, value in forces.items()}
+        if asked["eases"]:
+            found["driven"] = {name: float(value) for name, value in ends_driven.items()}
     return found
 
 
@@ -72,25 +85,42 @@ def rotation(quat: Any) -> Any:
     ])  # fmt: skip
 
 
-def fallen(q, steps, damping, dynamics, moved):
+def fallen(q, steps, size, damping, dynamics, moved):
     """Return the positions after some steps from rest that treat `damping` implicitly.
 
-    `dynamics(q, v)` gives the mass matrix and the force, and `moved(q, way)` gives the positions after a displacement.
+    There are `size` velocities. `damping(q, v)` gives a matrix, `dynamics(q, v)` the mass matrix and the force, and
+    `moved(q, way)` the positions after a displacement.
     """
-    v = np.zeros(len(damping))
+    v = np.zeros(size)
     for _ in range(steps):
         mass, force = dynamics(q, v)
-        v = v + STEP * np.linalg.solve(mass + STEP * damping, force)
+        v = v + STEP * np.linalg.solve(mass + STEP * damping(q, v), force)
         q = moved(q, STEP * v)
     return q
 
 
-def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any) -> Any:
+def torque(drive: Any, which: str, about: Any, q: float, v: float, most: Any = None) -> Any:
+    """Return the force of a motor or a servo at its joint at `q` and `v`, at most `most`, and its damping there.
+
+    A servo at its greatest force does not damp. `about` has the gains `kp` and `kd` and the range of the `control` that
+    a program has read.
+    """
+    value, kp, kd = drive[which]["at_joint"], about["kp"], about["kd"]
+    if about.get("control") is not None:
+        value = float(np.clip(value, *about["control"]))
+    error = {"force": value, "position": kp * (value - q) - kd * v, "velocity": kd * (value - v)}[drive["input"]]
+    if most is not None and abs(error) > most:
+        return float(np.clip(error, -most, most)), 0.0
+    return error, 0.0 if drive["input"] == "force" else kd
+
+
+def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any, driven: Any = None) -> Any:
     """Return the same as `read`, for a simulator that is made from a `mujoco.MjModel`.
 
     `array(name)` is an array of the simulator's model. `placed(qpos)` gives the positions and the matrices of all
     bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)`
-    gives the joint positions after a motion.
+    gives the joint positions after a motion. `driven(model, qpos, full, eased, steps)` gives the forces of all degrees
+    of freedom at first, `(nv,)`, and the joint positions after a motion.
     """
     bodies = [(number, name) for number in range(1, model.nbody) if (name := model.body(number).name)]
     joints = [
@@ -108,7 +138,20 @@ def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any) -> 
         end = np.asarray(moved(qpos(model, asked["home"]), steps))
         return {name: end[at] for name, at in joints}
 
-    return {"version": version, **numbers(model, array)}, all_placed, all_moved
+    def all_driven(asked, steps):
+        controls = [np.zeros(model.nu), np.zeros(model.nu)]
+        for name, drive in asked["drives"].items():
+            for which, control in zip(("full", "eased"), controls):
+                control[model.actuator(name).id] = drive[which]["control"]
+        only = with_drives(model, asked["drives"])
+        forces, end = driven(only, qpos(model, asked["home"]), *controls, steps)
+        forces, end = np.asarray(forces), np.asarray(end)
+        return {name: forces[model.jnt_dofadr[model.joint(name).id]] for name, _ in joints}, {
+            name: end[at] for name, at in joints
+        }
+
+    read = {"version": version, **numbers(model, array)}
+    return read, all_placed, all_moved, all_driven if driven is not None else None
 
 
 def numbers(model: Any, array: Any) -> Any:
@@ -149,6 +192,21 @@ def without_forces(mujoco: Any, model: Any) -> Any:
     for flag in _FORCE_FREE:
         model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, flag))
     model.opt.timestep = STEP
+    return model
+
+
+def with_drives(model: Any, drives: Any) -> Any:
+    """Return a copy of a model without contacts, limits, constraints, and actuators other than these."""
+    import mujoco  # programs that are no simulators of MuJoCo's models do not have it
+
+    model = copy.copy(model)
+    for flag in _FREE:
+        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, flag))
+    model.opt.timestep = STEP
+    for number in range(model.nu):
+        if model.actuator(number).name not in drives:
+            model.actuator_gainprm[number] = 0
+            model.actuator_biasprm[number] = 0
     return model
 
 
@@ -199,6 +257,11 @@ def actuator(model, array, number):
     if model.actuator_ctrllimited[number] and not affine:
         control = np.sort(np.asarray(array("actuator_ctrlrange")[number], dtype=float) * gain[0])
         ends = np.clip(ends, *control)
+    if model.actuator_ctrllimited[number] and gear:
+        at_joint = gain[0] * gear if not affine else 1 / gear
+        found["control"] = np.sort(np.asarray(array("actuator_ctrlrange")[number], dtype=float) * at_joint).tolist()
+    elif gear:
+        found["control"] = None
     ends = np.sort(ends * gear) if gear else ends
     found["effort"] = [float(each) if np.isfinite(each) else None for each in ends]
     return found
