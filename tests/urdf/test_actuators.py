@@ -218,3 +218,41 @@ def test_a_continuous_joint_gives_its_servo_no_range(reader: Reader) -> None:
             control(*(commanded(name, "position", inside=gains) for name in ("shoulder", "elbow"))),
         )
         assert [each.get("ctrlrange") for each in actuators(reader("r.urdf", text))] == [None, "-1 1.5"]
+
+
+@pytest.mark.parametrize(
+    ("part", "what"),
+    [
+        (control(commanded("elbow", "position", inside='<param name="kp">9</param><param name="ki">2</param>')),
+         "ros2_control/param"),
+        (control(commanded("elbow", "effort"), commanded("shoulder", "effort", inside='<param name="mimic">elbow</param>')),
+         "ros2_control/param mimic"),
+        (control(commanded("elbow", "effort"), '<transmission name="t"><joint name="elbow"><mechanical_reduction>30'
+                 "</mechanical_reduction></joint></transmission>"), "ros2_control/transmission"),
+        (2 * '<transmission name="t" type="x/SimpleTransmission"><joint name="elbow"/><actuator name="a"/></transmission>',
+         "transmission"),
+        ('<gazebo reference="wrist"><mu1>0.3</mu1></gazebo>', "gazebo"),
+    ],
+    ids=["other gains", "mimicry of ros2_control", "reduction of ros2_control", "second transmission", "gazebo of nothing"],
+)  # fmt: skip
+def test_what_controls_say_and_the_model_lacks(reader: Reader, part: str, what: str) -> None:
+    reading = reader("r.urdf", robot(*ARM, part))
+    read(reading)
+    rows = [row for row in reading.rows if row.why and row.what == what]
+    assert [row.count for row in rows] == [1], reading.rows
+
+
+def test_a_reduction_of_one_and_known_gains_are_no_loss(reader: Reader) -> None:
+    gains = '<param name="kp">9</param><param name="kd">2</param>'
+    one = '<transmission><joint name="elbow"><mechanical_reduction>1.0</mechanical_reduction></joint></transmission>'
+    reading = reader("r.urdf", robot(*ARM, control(commanded("elbow", "position", inside=gains), one)))
+    read(reading)
+    assert not [row for row in reading.rows if row.why and not row.is_minor]
+
+
+def test_limits_of_a_continuous_joint_are_told(reader: Reader) -> None:
+    limit = '<limit lower="-1" upper="1" effort="3" velocity="2"/>'
+    turns = joint("elbow", "upper", "fore", limit, kind="continuous")
+    reading = reader("r.urdf", robot(*ARM[:4], turns))
+    read(reading)
+    assert [row.count for row in reading.rows if row.what == "joint/limit lower"] == [1]

@@ -207,7 +207,7 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
 
 
 def _of_reading(sink: Sink) -> Iterator[Diagnostic]:
-    """Yield the warnings about the elements and meshes of a URDF. No other command shows those of a file alone."""
+    """Yield the warnings about the elements and meshes of a URDF, which no other command shows for a file alone."""
     for each in sink.sorted():
         if each.severity is Severity.WARNING and each.code in _ABOUT_URDF:
             yield each

@@ -52,8 +52,7 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
             _unknown(drive, list(joints), robot, sink=sink)
         elif joints[drive.joint].find("mimic") is not None:
             read.setdefault(row, "nothing: an equality moves the joint")
-        elif drive.joint in made:
-            drives.setdefault(drive.joint, drive)
+        elif drive.joint in made and drives.setdefault(drive.joint, drive) is drive:
             read[row] = "actuator"
     for name, drive in drives.items():
         element = _element(drive, joints[name])
@@ -256,11 +255,14 @@ _UNREAD = {
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
     "gazebo/plugin": "a program of Gazebo",
     "gazebo/implicitSpringDamper": "a setting of Gazebo's integrator; MuJoCo's damping is implicit",
-    "transmission": "mjcompose reads only a SimpleTransmission of one moving joint",
+    "transmission": "mjcompose reads only the first SimpleTransmission of a moving joint",
     "transmission/mechanicalReduction": "actuators command the joint; to command the motor, write `gear`",
     "gazebo/provideFeedback": "a setting of Gazebo's joints",
     "gazebo/dampingFactor": "a damping of velocities, which MuJoCo does not have",
     "ros2_control": "parts that command no joint: sensors, states, hardware",
+    "ros2_control/param": "a setting of the hardware, or a gain that MuJoCo's servos do not have",
+    "ros2_control/param mimic": "write `<mimic>` in the `<joint>` of the robot",
+    "ros2_control/transmission": "actuators command the joint; to command the motor, write `gear`",
     "sensor": "a sensor; write it in `sensor` of the recipe",
     "link/collision_checking": "a setting of another program",
 }
@@ -287,6 +289,7 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
         became = known.get(element) or _READ.get(what, "")
         return what, element, became, "" if became else _UNREAD.get(what, "MJCF has no words for it")
 
+    names = {None, *(each.get("name") for each in root.iterchildren("link", "joint"))}
     for child in root.iterchildren("*"):
         tag = written_name(child)
         if tag in ("link", "joint"):
@@ -301,18 +304,40 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
                     yield what, inner, *(("geom that touches nothing", "") if keeps_visuals else ("", why))
                 elif inner in known or name not in _OF_LINKS_AND_JOINTS:
                     yield fate(what, inner)
+                if (
+                    what == "joint/limit"
+                    and child.get("type") == "continuous"
+                    and {"lower", "upper"} & set(inner.keys())
+                ):
+                    yield "joint/limit lower", inner, "", "a continuous joint has no limits"
                 if what == "joint/limit" and 0 < (parse(inner.get("velocity")) or 0) < 1e6:
                     yield "joint/limit velocity", inner, "", "MuJoCo does not limit the velocity of joints"
+        elif tag == "gazebo" and child.get("reference") not in names:
+            yield "gazebo", child, "", f"no link or joint is called `{child.get('reference')}`"
         elif tag == "gazebo" and child not in known:
             yield from (fate(f"gazebo/{written_name(inner)}", inner) for inner in child.iterchildren("*"))
         elif tag != "material" or child in known:
             yield fate(tag, child)
+            if tag == "ros2_control":
+                yield from _fates_of_control(child)
             for reduction in child.iter("mechanicalReduction") if child in known else ():
                 if reduction.text and parse(reduction.text) != 1:
                     yield fate("transmission/mechanicalReduction", reduction)
     for texture in root.iter("texture"):
         why = "MuJoCo reads no textures of URDF" if keeps_visuals else "MuJoCo omits the visuals that have it"
         yield "material/texture", texture, known.get(texture, ""), "" if texture in known else why
+
+
+def _fates_of_control(control: Node) -> Iterator[Fate]:
+    """Yield what a `<ros2_control>` says of its joints and is not in their actuators."""
+    for param in control.iterfind("joint/param"):
+        name = param.get("name")
+        if name == "mimic" or name not in (*_KP, *_KD, *_KV, "multiplier", "offset"):
+            what = "ros2_control/param mimic" if name == "mimic" else "ros2_control/param"
+            yield what, param, "", _UNREAD[what]
+    for reduction in control.iterfind("transmission//mechanical_reduction"):
+        if parse(reduction.text) != 1:
+            yield "ros2_control/transmission", reduction, "", _UNREAD["ros2_control/transmission"]
 
 
 def note_unread(rows: tuple[ReadRow, ...], unit: Unit, sink: Sink) -> None:

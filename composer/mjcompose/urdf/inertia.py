@@ -72,7 +72,7 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
 def report(robot: Robot, sink: Sink, notes: tuple[Note, ...], *, is_refused: bool) -> None:
     """Report impossible inertias: all, if MuJoCo has refused one, otherwise those of links that joints move.
 
-    MuJoCo does not look at the inertia of what it fuses with the world.
+    MuJoCo does not look at the inertia of a link that it fuses with the world.
     """
     moving = {end_of(joint, "child") for joint in robot.root.iterchildren("joint") if joint.get("type") != "fixed"}
     for bad in bad_inertias(robot):

@@ -30,7 +30,8 @@ def read(file):
         return data.xpos.numpy(), data.xmat.numpy()
 
     def moved(start, steps):
-        free, data = mjw.put_model(without_forces(mujoco, copy.copy(model))), mjw.make_data(model)
+        without = without_forces(mujoco, copy.copy(model))
+        free, data = mjw.put_model(without), mjw.make_data(without)
         data.qpos = wp.array(start[None], dtype=float)
         for _ in range(steps):
             mjw.step(free, data)

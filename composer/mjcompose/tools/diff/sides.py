@@ -145,7 +145,7 @@ class Operand(Struct):
     """A or B. `context` collects its own diagnostics and has the folder that displayed paths start from.
 
     For a git revision, `files` is the folder with its files. `given` is the model for which `path` is a recipe that
-    mjcompose wrote, which nobody wants to see.
+    mjcompose wrote; no message shows it.
     """
 
     label: str
