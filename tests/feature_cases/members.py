@@ -15,6 +15,8 @@ from mjcompose.base.rotation import Pose, normalize
 from mjcompose.mujoco.match import AT_ORIGIN, Mount
 
 PLACES = ("site", "body", "frame")
+WHOLE = "whole-"
+"""Begins the name of the file that has the `compiler` of a part in it, next to the file that the recipe names."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def _members(recipe: Path, prefix: str, place: Place, keys: tuple[str, ...] | No
         if isinstance(base, str):
             base = {"model": base}
         own = None if _drops_keys(base) else keys
-        yield from _source(recipe.parent / base["model"], prefix, place, own)
+        yield from _source(_file(recipe, base), prefix, place, own)
     for name, part in (given.get("attach") or {}).items():
         inner = part.get("prefix", name)
         inner += separator if inner else ""
@@ -73,8 +75,13 @@ def _members(recipe: Path, prefix: str, place: Place, keys: tuple[str, ...] | No
         kept = None if keys is None or _drops_keys(part) else apart + keys
         where = _place(recipe, given, part, prefix, prefix + inner, place)
         added = frozenset(prefix + inner + each["name"] for each in part.get("joint", ()) if isinstance(each, dict))
-        for member in _source(recipe.parent / part["model"], prefix + inner, where, kept):
+        for member in _source(_file(recipe, part), prefix + inner, where, kept):
             yield Member(member.prefix, member.file, member.place, member.keys, member.added | added)
+
+
+def _file(recipe: Path, part: dict[str, Any]) -> Path:
+    file = recipe.parent / part["model"]
+    return file.with_name(f"{WHOLE}{file.name}") if "compiler" in part else file
 
 
 def _drops_keys(part: dict[str, Any]) -> bool:
@@ -118,7 +125,8 @@ def _holder_of_frame(recipe: Path, given: Mapping[str, Any], name: str) -> tuple
     No key for the base, no body for the world.
     """
     separator = given.get("separator", "/")
-    models = [("", "", given.get("base"))]
+    base = given.get("base")
+    models = [("", "", base["model"] if isinstance(base, dict) else base)]
     models += [(key, f"{key}{separator}", part["model"]) for key, part in (given.get("attach") or {}).items()]
     for key, prefix, model in models:
         if not isinstance(model, str) or not model.endswith(".xml"):

@@ -8,7 +8,9 @@ from random import Random
 from typing import Any
 
 import yaml
+from feature_cases.members import WHOLE
 from hypothesis import strategies as st
+from lxml import etree
 from properties.elements import Maker
 from properties.models import Model, models
 
@@ -45,11 +47,10 @@ def _recipe(draw: Any, random: Random, files: dict[str, str], stem: str, *, nest
     """Write a recipe and its sources; a nested one has one part and no floating ones."""
     make = Maker(random, "")
     base = draw(models(floating=not nested))
-    files[f"{stem}base.xml"] = base.text
     recipe: dict[str, Any] = {
         "recipe": 1,
         "angle": make.pick(("degree", "radian")),
-        "base": f"./{stem}base.xml",
+        "base": _source(make, files, f"{stem}base.xml", base.text),
         "attach": {},
     }
     if make.chance(30):
@@ -72,8 +73,7 @@ def _recipe(draw: Any, random: Random, files: dict[str, str], stem: str, *, nest
             part["model"] = f"./{stem}{key}-recipe.yaml"
         else:
             own = draw(models(floating=floating))
-            files[f"{stem}{key}.xml"] = own.text
-            part["model"] = f"./{stem}{key}.xml"
+            part |= _source(make, files, f"{stem}{key}.xml", own.text)
             hosts.append((f"{key}/", own))
         _offset(make, part, recipe)
         if not floating and make.chance(15):
@@ -89,6 +89,27 @@ def _recipe(draw: Any, random: Random, files: dict[str, str], stem: str, *, nest
         recipe["attach"][key] = part
     files[f"{stem}recipe.yaml"] = yaml.safe_dump(recipe, sort_keys=False)
     return base
+
+
+def _source(make: Maker, files: dict[str, str], name: str, text: str) -> dict[str, Any]:
+    """Write the file of a part; sometimes without its `<compiler>`, whose attributes the recipe then gives."""
+    root = etree.fromstring(text)
+    compilers = root.findall("compiler")
+    written = {str(key): str(value) for each in compilers for key, value in each.items()}
+    if not written or not make.chance(30):
+        files[name] = text
+        return {"model": f"./{name}"}
+    for each in compilers:
+        root.remove(each)
+    files[name] = etree.tostring(root).decode()
+    files[f"{WHOLE}{name}"] = text
+    return {"model": f"./{name}", "compiler": {key: _value(value) for key, value in written.items()}}
+
+
+def _value(text: str) -> Any:
+    """Return an attribute's value as YAML reads it; several numbers are a list."""
+    values = [yaml.safe_load(each) for each in text.split()]
+    return values[0] if len(values) == 1 else values
 
 
 def _offset(make: Maker, part: dict[str, Any], recipe: dict[str, Any]) -> None:

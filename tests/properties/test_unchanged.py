@@ -33,6 +33,7 @@ REFUSED = (
     "would multiply",
     "keyframes of a model with this `<replicate>`",
     "would take another gain",
+    "MuJoCo drops the `<",
 )
 """What a replicate takes for replicated by a fault of MuJoCo's, and actuators of several top-level defaults."""
 
