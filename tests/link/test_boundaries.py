@@ -146,3 +146,20 @@ def test_the_interface_lists_the_copies_of_a_sensor(tmp_path: Path, sensor: str)
     assert [(each.code, each.message) for each in context.sink.errors] == [
         ("unknown-name", "the sensor `s` does not exist")
     ]
+
+
+def test_python_writes_the_copies_of_an_attached_model() -> None:
+    """The world of an attached model becomes a body, which is outside of its replicates."""
+    outer = mjcf.from_xml_string(
+        '<mujoco model="o"><worldbody><body name="bar"><joint name="j"/><geom size=".1"/><site name="s"/></body></worldbody></mujoco>'
+    )
+    inner = mjcf.from_xml_string(LAMPS)
+    outer.find("site", "s").attach(inner)
+    outer.equality.add("weld", name="across", body1=inner.find("body", "lamp"), body2=outer.find("body", "bar"))
+    inner.equality.add("weld", name="within", body1="lamp", body2="rail")
+    inner.equality.add("connect", name="world", body1="lamp", anchor=[0, 0, 0])
+    model = outer.compile_model().model
+    expected = [f"{name}{end}" for name in ("across", "lamps/within", "lamps/world") for end in COPIES]
+    assert sorted(names(model, "equality")) == sorted(expected)
+    holders = {model.equality(at).name[:12]: model.body(int(model.eq_obj2id[at])).name for at in range(model.neq)}
+    assert set(holders.values()) == {"bar", "lamps/rail"}
