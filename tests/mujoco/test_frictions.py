@@ -35,7 +35,7 @@ def used(model: mujoco.MjModel, other: str, number: int) -> float | None:
 @pytest.mark.parametrize("settings", list(itertools.product((3, 6), (0, 2), (3, 4), (0, 1))))
 def test_a_friction_acts_from_its_threshold_on(settings: tuple[int, ...], number: int) -> None:
     model = mujoco.MjModel.from_xml_string(STACK.format(*settings))
-    question = [[{"place": ("low", "low", 0), "number": number, "drawn": []}]]
+    question = {"entries": [[{"place": ("low", "low", 0), "number": number}]], "drawn": []}
     ((found,),) = thresholds(mujoco, model, question)
     assert {each["partner"] for each in found} == {"`floor`", "`high`"}
     low = model.geom("low").id
@@ -52,5 +52,5 @@ def test_a_friction_acts_from_its_threshold_on(settings: tuple[int, ...], number
 def test_a_partner_whose_friction_is_drawn_too_is_no_partner() -> None:
     model = mujoco.MjModel.from_xml_string(STACK.format(3, 0, 3, 0))
     places = [("low", "low", 0), ("", "high", 0)]
-    ((found,),) = thresholds(mujoco, model, [[{"place": places[0], "number": 0, "drawn": places}]])
+    ((found,),) = thresholds(mujoco, model, {"entries": [[{"place": places[0], "number": 0}]], "drawn": places})
     assert [each["partner"] for each in found] == ["`floor`"]

@@ -18,18 +18,24 @@ LEAST_CONDIM = (1, 4, 6)
 """By number of `friction`: the least `condim` of a contact that uses it."""
 
 
-def thresholds(mujoco: Any, model: Model, asked: list[list[dict[str, Any]]]) -> list[list[list[dict[str, Any]]]]:
-    """Return for each geom of each entry the thresholds by partner. Runs under `mjcompose.mujoco.engine.call`."""
+def thresholds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[list[list[dict[str, Any]]]]:
+    """Return for each geom of each entry the thresholds by partner. Runs under `mjcompose.mujoco.engine.call`.
+
+    `asked` has the `entries`, each geom with its `place` and the `number` of its friction, and the places of all geoms
+    whose friction is `drawn`.
+    """
     collisions = _Collisions(mujoco, model)
-    return [[list(_of_geom(mujoco, model, collisions, each)) for each in entry] for entry in asked]
+    drawn = {_id(mujoco, model, place) for place in asked["drawn"]}
+    return [[list(_of_geom(mujoco, model, collisions, each, drawn)) for each in entry] for entry in asked["entries"]]
 
 
-def _of_geom(mujoco: Any, model: Model, collisions: _Collisions, asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def _of_geom(
+    mujoco: Any, model: Model, collisions: _Collisions, asked: Mapping[str, Any], drawn: set[int | None]
+) -> Iterator[dict[str, Any]]:
     geom = _id(mujoco, model, asked["place"])
     if geom is None:
         return
     number = asked["number"]
-    drawn = {_id(mujoco, model, place) for place in asked["drawn"]}
     called = names(model, "geom")
     for other in collisions.partners(geom):
         if other in drawn:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import field
 
 from lxml.etree import _Element as Node
 
@@ -26,6 +27,8 @@ from mjcompose.tree.unit import RecipeValue, Unit
 
 _FRICTION = "friction"
 _SHOWN = 3
+_MOST = 50
+"""Of more geoms in a draw, the first are judged. An edit of more geoms is not: it rarely has an effect on none."""
 _NOTE = "of two geoms in contact, MuJoCo uses the friction of the higher `priority`, or else the larger friction"
 
 
@@ -48,11 +51,13 @@ def check_frictions(model: Unit, session: engine.Session, sink: Sink) -> None:
                     entries.setdefault(value.span, []).append((node, value))
     if not entries:
         return
-    drawn = [_place(node) for found in entries.values() for node, value in found if value.way == "draw"]
-    question = [
-        [{"place": _place(node), "number": value.start, "drawn": drawn} for node, value in found]
-        for found in entries.values()
-    ]
+    places = _Places()
+    drawn = [places.of(node) for found in entries.values() for node, value in found if value.way == "draw"]
+    entries = {
+        span: found[:_MOST] for span, found in entries.items() if len(found) <= _MOST or found[0][1].way == "draw"
+    }
+    asked = [[{"place": places.of(node), "number": value.start} for node, value in found] for found in entries.values()]
+    question = {"entries": asked, "drawn": drawn}
     answer = engine.call(session, thresholds, [WHOLE], argument=question)
     if not answer.ok:
         return
@@ -64,11 +69,18 @@ def check_frictions(model: Unit, session: engine.Session, sink: Sink) -> None:
             _check_edit(found, partners, span, sink)
 
 
-def _place(geom: Node) -> tuple[str, str, int]:
-    """Return the name of a geom, the name of its body, and its number there."""
-    body = next(geom.iterancestors("body", "worldbody"))
-    called = "world" if body.tag == "worldbody" else str(name_of(body) or "")
-    return str(name_of(geom) or ""), called, own(body, "geom").index(geom)
+class _Places(Struct):
+    """Finds geoms in the compiled model: by name, or by body and number there."""
+
+    numbers: dict[Node, dict[Node, int]] = field(default_factory=dict)
+
+    def of(self, geom: Node) -> tuple[str, str, int]:
+        """Return the name of a geom, the name of its body, and its number there."""
+        body = next(geom.iterancestors("body", "worldbody"))
+        if body not in self.numbers:
+            self.numbers[body] = {each: at for at, each in enumerate(own(body, "geom"))}
+        called = "world" if body.tag == "worldbody" else str(name_of(body) or "")
+        return str(name_of(geom) or ""), called, self.numbers[body][geom]
 
 
 def _check_draw(
