@@ -152,7 +152,9 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     error = fail("menagerie:robotiq_2f85")
     assert error.code == "source-not-found"
     assert "`mujoco-menagerie`, which is not installed" in error.message
-    assert error.help == 'run `pip install "mjcompose[menagerie]"`'
+    assert error.help == 'run `pip install "mjcompose[menagerie]"`' and not error.notes
+    (note,) = fail("menagerie:robotiq_2f85", MENAGERIE_ROOT="/robots").notes
+    assert note.startswith("`MENAGERIE_ROOT` names the folder of the robots")
 
 
 @needs_library

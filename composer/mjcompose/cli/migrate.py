@@ -235,7 +235,7 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
 
 
 def _unlike(found: Upgrade) -> str:
-    """Return what MuJoCo does differently if no line of the model causes a difference."""
+    """Return the words for a difference that no line of the model causes."""
     if not found.inertias:
         return "solves or collides differently"
     listed = ", ".join(f"`{name}`" for name in found.inertias[:_SHOWN])
