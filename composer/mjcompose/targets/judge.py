@@ -177,7 +177,7 @@ def _drive(model: Any, number: int) -> Facts | None:
 
 
 def _controls(model: Any, number: int, word: str, home: Facts, share: float = 1.0) -> Facts:
-    """Return a share of the full control, and what it is at the joint, counted from the pose `home`."""
+    """Return a share of the full control from the pose `home` on, and the same at the joint."""
     gear, gain = float(model.actuator_gear[number][0]), float(model.actuator_gainprm[number][0])
     at_joint = gain * gear if word == "force" else 1 / gear
     full = float(model.actuator_ctrlrange[number][1]) if model.actuator_ctrllimited[number] else 0.5 / abs(at_joint)

@@ -329,7 +329,7 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
 
 
 def _fates_of_control(control: Node) -> Iterator[Fate]:
-    """Yield what a `<ros2_control>` says of its joints and is not in their actuators."""
+    """Yield the parts of a `<ros2_control>` that are not in the actuators of its joints."""
     for param in control.iterfind("joint/param"):
         name = param.get("name")
         if name == "mimic" or name not in (*_KP, *_KD, *_KV, "multiplier", "offset"):

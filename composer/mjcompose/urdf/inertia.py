@@ -169,7 +169,7 @@ def _axes(roll: float, pitch: float, yaw: float) -> numpy.ndarray:
     about_x = numpy.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
     about_y = numpy.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
     about_z = numpy.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
+    return numpy.asarray(about_z @ about_y @ about_x)
 
 
 def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:

@@ -36,7 +36,7 @@ def complete_limits(robot: Robot) -> None:
     """
     for unlimited in list(unlimited_joints(robot.root)):
         for end in _ENDS if unlimited.element.tag == "limit" else ():
-            robot.changed |= unlimited.element.attrib.pop(end, None) is not None
+            robot.changed |= bool(unlimited.element.attrib.pop(end, ""))
     for _, limit in _limits(robot.root):
         missing = [end for end in _ENDS if limit is not None and limit.get(end) is None]
         if limit is not None and len(missing) == 1:

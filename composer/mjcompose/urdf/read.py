@@ -73,11 +73,11 @@ class UrdfReader(Struct, frozen=False):
             return None
         self._report_unread(robot)
         for setting, value in self.source.compiler:
-            written = robot.setting(setting)
-            if written is None:
+            own = robot.setting(setting)
+            if own is None:
                 robot.set(setting, value)
-            elif written.split() != value.split():
-                message = f'`{setting}` here has no effect: `{robot.unit.file}` writes `{setting}="{written}"` itself'
+            elif own.split() != value.split():
+                message = f'`{setting}` here has no effect: `{robot.unit.file}` writes `{setting}="{own}"` itself'
                 self.sink.warning("compiler-unused", message, self.asked, help=f"remove `{setting}` from `compiler`")
         choices = self.source.urdf
         for setting, choice in (("discardvisual", choices.visuals), ("fusestatic", choices.fixed)):

@@ -1,4 +1,4 @@
-"""What `<ros2_control>` of a URDF commands, by joint, as a ROS system reads it: at the joints, without any gear."""
+"""The commands of joints in `<ros2_control>` of a URDF, as a ROS system reads them: at the joints, without a gear."""
 
 from xml.etree import ElementTree
 
