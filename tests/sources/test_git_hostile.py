@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from ipaddress import ip_address
 from pathlib import Path
@@ -384,3 +385,93 @@ def test_objects_that_are_borrowed_from_another_repository(robots: Any, tmp_path
     (tmp_path / "into").mkdir()
     _, path = check_out("HEAD", clone / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
     assert path.read_text() == MODEL
+
+
+@posix
+def test_a_clone_that_borrows_its_objects_is_no_bomb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The size of a bomb is compared with all objects that git reads, wherever they lie."""
+    monkeypatch.setattr("mjcompose.sources.web_archive.SMALL", 1000)
+    lender = tmp_path / "lender"
+    git = ["git", "-c", "user.name=x", "-c", "user.email=x@y", "-C", str(lender)]
+    subprocess.run(["git", "init", "-q", lender], check=True)
+    (lender / "arm.xml").write_text(MODEL)
+    (lender / "noise.bin").write_bytes(os.urandom(100_000))
+    subprocess.run([*git, "add", "."], check=True)
+    subprocess.run([*git, "commit", "-qm", "one"], check=True)
+    previous = lender
+    for name in ("first", "second"):
+        subprocess.run(["git", "clone", "-q", "--shared", previous, tmp_path / name], check=True)
+        previous = tmp_path / name
+        (tmp_path / f"{name}-files").mkdir()
+        _, path = check_out("HEAD", previous / "arm.xml", tmp_path / f"{name}-files", dict(os.environ))
+        assert path.read_text() == MODEL
+    (lender / "noise.bin").write_bytes(bytes(1_000_000))
+    subprocess.run([*git, "commit", "-qam", "two"], check=True)
+    subprocess.run(["git", "-C", tmp_path / "first", "pull", "-q"], check=True)
+    monkeypatch.setattr("mjcompose.sources.git_command._PARTS_OF_OBJECTS", ())
+    (tmp_path / "bomb").mkdir()
+    with pytest.raises(RevisionError, match="as only bombs do"):
+        check_out("HEAD", tmp_path / "first" / "arm.xml", tmp_path / "bomb", dict(os.environ))
+
+
+@posix
+@pytest.mark.parametrize("name", ["config", "HEAD", "packed-refs", "objects", "info"])
+def test_a_pipe_in_a_received_repository_keeps_nobody_waiting(
+    robots: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(git_command, "_MOST_SILENCE", 1.0)
+    settings = Path(robots.folder) / ".git"
+    place = settings / name
+    if name == "packed-refs":
+        branch = (
+            settings / subprocess.check_output(["git", "-C", robots.folder, "symbolic-ref", "HEAD"], text=True).strip()
+        )
+        branch.unlink()
+    if name == "objects":
+        blob = subprocess.check_output(["git", "-C", robots.folder, "rev-parse", "HEAD:arm/arm.xml"], text=True).strip()
+        place = settings / "objects" / blob[:2] / blob[2:]
+    if name == "info":  # of another repository, from which this one borrows
+        other = tmp_path / "other" / "pack"
+        other.mkdir(parents=True)
+        (settings / "objects" / "info").mkdir(exist_ok=True)
+        (settings / "objects" / "info" / "alternates").write_text(f"{other.parent}\n")
+        blob = subprocess.check_output(["git", "-C", robots.folder, "rev-parse", "HEAD:arm/arm.xml"], text=True).strip()
+        (settings / "objects" / blob[:2] / blob[2:]).unlink()
+        place = other.parent / blob[:2] / blob[2:]
+        place.parent.mkdir()
+    place.unlink(missing_ok=True)
+    os.mkfifo(place)
+    (tmp_path / "into").mkdir()
+    begun = time.monotonic()
+    with pytest.raises(RevisionError, match="git has not answered for 1 seconds"):
+        check_out("HEAD", Path(robots.folder) / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    assert time.monotonic() - begun < 20
+
+
+@posix
+@pytest.mark.parametrize("place", ["other", "/", "..", "arm"])
+def test_a_repository_that_says_its_files_are_elsewhere(robots: Any, tmp_path: Path, place: str) -> None:
+    """Files of the work tree would be read for those of the revision."""
+    (tmp_path / "other").mkdir()
+    folder = Path(robots.folder)
+    to = {"other": tmp_path / "other", "arm": folder / "arm"}.get(place, place)
+    subprocess.run(["git", "-C", folder, "config", "core.worktree", to], check=True)
+    (folder / "arm" / "arm.xml").write_text(MODEL.replace("0.1", "0.2"))
+    (tmp_path / "into").mkdir()
+    try:
+        _, path = check_out("HEAD", folder / "arm" / "arm.xml", tmp_path / "into", dict(os.environ))
+    except RevisionError as error:
+        assert "says that its files are in" in str(error)
+    else:
+        assert not path.exists() or path.read_text() == MODEL
+
+
+@posix
+def test_git_finds_no_repository_around_its_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The folder for temporary files may be in a repository."""
+    subprocess.run(["git", "init", "-q", tmp_path], check=True)
+    subprocess.run(["git", "-C", tmp_path, "config", "core.sshCommand", "theirs"], check=True)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("mjcompose.base.processes._emptied", {})
+    with pytest.raises(GitFailure):
+        Git(dict(os.environ), quiet).run("config", "--get", "core.sshCommand")

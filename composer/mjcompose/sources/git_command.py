@@ -16,16 +16,19 @@ from pathlib import Path
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import DEVNULL, PIPE, Process, program
 from mjcompose.base.scratch import scratch
-from mjcompose.sources.blobs import files_below
 from mjcompose.sources.fetching import Silence, patience, waiting
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.web_archive import Unsafe, check, check_name
 
 _TRIES = 3
 _PAUSE = 0.5
+_LOOK_AGAIN = 0.1
+_MOST_SILENCE = 15.0
+"""Seconds that git may take for its next words about a repository on this disk. A pipe in `.git` keeps it waiting."""
 _MOST_OUTPUT = 64 * 1024**2
 _MOST_WORDS = 64 * 1024
 _PASSING = re.compile(
@@ -46,6 +49,10 @@ class GitFailure(Exception):
     def __init__(self, said: str) -> None:
         super().__init__(said)
         self.said = said
+
+
+class GitSilence(GitFailure):
+    """git did not answer in time."""
 
 
 class Git(Struct):
@@ -105,7 +112,7 @@ class Git(Struct):
         own = {**_place(folder), "GIT_ALLOW_PROTOCOL": _protocols(arguments)}
         if any(word.startswith("ssh://") for word in arguments):
             own |= self._impatient_ssh()
-        with self._process(arguments, own) as process:
+        with self._process(arguments, own, silence=math.inf) as process:
             return _output_of(process)
 
     @contextmanager
@@ -118,7 +125,9 @@ class Git(Struct):
             yield process
 
     @contextmanager
-    def _process(self, arguments: tuple[str, ...], place: Mapping[str, str], *, asked: bool = False) -> Iterator[Any]:
+    def _process(
+        self, arguments: tuple[str, ...], place: Mapping[str, str], *, asked: bool = False, silence: float | None = None
+    ) -> Iterator[Any]:  # fmt: skip
         limits = in_force()
         own = self._variables(place)
         with (
@@ -133,25 +142,35 @@ class Git(Struct):
                 env=own,
             ) as process,
         ):
-            is_late = threading.Event()
+            assert process.stdout is not None
+            output = process.stdout = _Output(process.stdout)
+            has_ended = threading.Event()
+            reasons: list[str] = []
 
-            def stop() -> None:
-                is_late.set()
-                process.end()
+            def watch() -> None:
+                most_silence = _MOST_SILENCE if silence is None else silence
+                end = time.monotonic() + self.limit
+                while not has_ended.wait(_LOOK_AGAIN):
+                    if time.monotonic() > end:
+                        reasons.append(f"git took longer than {self.limit:g} seconds")
+                    elif output.silence > most_silence:
+                        reasons.append(f"git has not answered for {most_silence:g} seconds")
+                    else:
+                        continue
+                    process.end()
+                    return
 
-            timer = threading.Timer(self.limit, stop)
-            timer.daemon = True
-            timer.start()
+            threading.Thread(target=watch, daemon=True).start()
             try:
                 yield process
                 if process.stdin is not None:
                     process.stdin.close()
                 status = process.wait()
             finally:
-                timer.cancel()
+                has_ended.set()
                 process.end()
-            if is_late.is_set():
-                raise GitFailure(f"git took longer than {self.limit:g} seconds")
+            if reasons:
+                raise GitSilence(reasons[0])
             if status:
                 words.seek(0)
                 said = words.read(_MOST_WORDS).decode("utf-8", "replace").strip()
@@ -196,6 +215,41 @@ class Git(Struct):
             return self.run("config", "--get", name).decode("utf-8", "surrogateescape").strip()
         except GitFailure:
             return ""
+
+
+class _Output:
+    """The output of git, and the seconds that a reader has waited for its next bytes."""
+
+    def __init__(self, pipe: Any) -> None:
+        self._pipe = pipe
+        self._begun = math.inf
+
+    @property
+    def silence(self) -> float:
+        return max(0.0, time.monotonic() - self._begun)
+
+    @contextmanager
+    def _waiting(self) -> Iterator[Any]:
+        self._begun = time.monotonic()
+        try:
+            yield self._pipe
+        finally:
+            self._begun = math.inf
+
+    def read(self, size: int) -> bytes:
+        with self._waiting() as pipe:
+            return bytes(pipe.read(size))
+
+    def read1(self, size: int) -> bytes:
+        with self._waiting() as pipe:
+            return bytes(pipe.read1(size))
+
+    def readline(self) -> bytes:
+        with self._waiting() as pipe:
+            return bytes(pipe.readline())
+
+    def close(self) -> None:
+        self._pipe.close()
 
 
 def _output_of(process: Any) -> bytes:
@@ -331,7 +385,7 @@ def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[st
     other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead outside
     the folder, GitFailure, and OSError.
     """
-    packed = sum(path.stat().st_size for _, path in files_below(git.objects or repository))
+    packed = sum(map(_size_of, _with_borrowed(git.objects or repository / "objects")))
     try:
         blobs = list(_listed(git, repository, commit))
         left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
@@ -352,6 +406,29 @@ def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[st
         message = f"the commit `{commit[:12]}` is refused: {fault}"
         raise SourceError("archive-refused", message, help=fault.help) from None
     return left_out
+
+
+def _with_borrowed(objects: Path) -> Iterator[Path]:
+    """Yield a folder of objects, and those from which it borrows objects: a clone may share those of another."""
+    folders = [objects]
+    for folder in folders:  # grows in the loop
+        yield folder
+        with suppress(OSError):
+            lines = read_regular(folder / "info" / "alternates", _MOST_WORDS, is_source=False).splitlines()
+            others = (Path(os.path.normpath(folder / os.fsdecode(line))) for line in lines if line)
+            folders += [other for other in others if other not in folders]
+
+
+_PARTS_OF_OBJECTS = ("pack", *(f"{number:02x}" for number in range(256)))
+
+
+def _size_of(objects: Path) -> int:
+    """Return the bytes of the files that git reads objects from in a folder."""
+    size = 0
+    for part in _PARTS_OF_OBJECTS:
+        with suppress(OSError), os.scandir(objects / part) as entries:
+            size += sum(entry.stat().st_size for entry in entries)
+    return size
 
 
 def _check(blobs: Iterable[_Blob], packed: int) -> None:

@@ -41,7 +41,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
-from mjcompose.sources.git_command import Git, GitFailure, objects_around, partial_from, write_tree
+from mjcompose.sources.git_command import Git, GitFailure, GitSilence, objects_around, partial_from, write_tree
 from mjcompose.sources.git_repository import replace_by_local
 from mjcompose.sources.reference import SourceError, Trust
 from mjcompose.tools.diff.changes import End
@@ -87,6 +87,11 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
         except SourceError as error:
             message = "the git command is not installed: revisions cannot be read"
             raise RevisionError("git-revision", message, "install git") from error
+        except GitSilence as error:
+            help = f"a file of the repository may be a pipe: `find {shlex.quote(str(near))} -type p` lists them"
+            raise RevisionError(
+                "git-revision", f"the repository around `{near}` cannot be read: {error}", help
+            ) from error
         except GitFailure as error:
             why = str(error).partition("\n")[0].removeprefix("fatal: ")
             raise RevisionError("git-revision", f"{fault}: {why}" if why else fault) from error
@@ -94,6 +99,10 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     outside = f"`{near}` is not in a git repository"
     top = Path(os.path.realpath(asked(outside, "--show-toplevel")))
     missing = f"the revision `{revision}` does not exist in the repository of `{path.name}`"
+    if not Path(os.path.realpath(near)).is_relative_to(top):
+        message = f"the repository around `{near}` says that its files are in `{top}`"
+        help = f"look at the setting `core.worktree` in the `.git` of `{near}`"
+        raise RevisionError("git-revision", message, help)
     commit = asked(missing, *"--verify --quiet --end-of-options".split(), f"{revision}^{{commit}}")
     inside = Path(os.path.relpath(os.path.realpath(near), top), path.absolute().relative_to(near))
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
@@ -122,7 +131,7 @@ def _how_to_complete(git: Git, near: Path, top: Path) -> str | None:
 
 def _beside_the_same(top: Path, into: Path) -> Path:
     """Return an empty folder below `into` with links to everything next to and around a repository."""
-    into.joinpath(*top.parts[1:]).mkdir(parents=True)
+    into.joinpath(*top.parts[1:]).mkdir(parents=True, exist_ok=True)
     left = _LINKS
     for folder in top.parents:
         with suppress(OSError), os.scandir(folder) as entries:
