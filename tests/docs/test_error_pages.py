@@ -96,10 +96,12 @@ SERVO = '<actuator><position name="elbow" joint="elbow" kp="100" kv="10" forcera
 MODELS_OF = {
     **{code: {"arm.xml": ARM.format("", SERVO)} for code in ("convert-loss", "still-referred-to")},
     "class-clash": {"arm.xml": ARM.format(CLASSES, ""), "tool.xml": ARM.format(CLASSES, "").replace('name="', 'name="t_')},
+    "compiler-unused": {"arm.xml": ARM.format('<compiler angle="degree"/>', "")},
     "keyframe-conflict": {
         "arm.xml": ARM.format("", HOME.format(1)),
         "gripper.xml": ARM.format("", HOME.format(1.5)),
     },
+    "mass-rule": {"hand.xml": ARM.format('<compiler boundmass="0.001" boundinertia="0.0001"/>', "")},
     "mirror": {"bent_arm.xml": ARM.format("", "").replace('name="link" pos="0 0 0.5"', 'name="link" pos="0 0.02 0.5"')},
     "mesh-unusable": {"arm.xml": WEIGHED},
     "name-clash": {"arm.xml": PROP.format("table", "", "")},
