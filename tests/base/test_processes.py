@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from mjcompose.base import limits
 from mjcompose.base.processes import Process
 
 posix = pytest.mark.skipif(os.name != "posix", reason="processes are looked at by their numbers and signals")
@@ -26,6 +27,7 @@ engine.compile(Path(sys.argv[1]), session=session)
 """
 SLEEPS = """
 import time
+from mjcompose.base import limits
 from mjcompose.base.processes import Process
 
 process = Process(["sh", "-c", "sleep 300 & echo $!; exec sleep 300"], stdout=-1)
@@ -118,7 +120,18 @@ def test_limits_of_data_and_of_files(tmp_path: Path) -> None:
     greedy = [sys.executable, "-c", "bytearray(1 << 30)"]
     with Process(greedy, memory=1 << 28, stderr=subprocess.PIPE) as process:
         assert process.stderr is not None and b"MemoryError" in process.stderr.read()
+    with limits.allow(memory=1 << 28), Process(greedy, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None and b"MemoryError" in process.stderr.read()
     large = [sys.executable, "-c", f"open({str(tmp_path / 'f')!r}, 'wb').write(bytes(1 << 20))"]
     with Process(large, size=1 << 16, stderr=subprocess.DEVNULL) as process:
         assert process.wait() != 0
     assert (tmp_path / "f").stat().st_size <= 1 << 16
+
+
+@posix
+def test_the_guard_imports_nothing_from_the_users_module_path(tmp_path: Path) -> None:
+    for name in ("contextlib", "select", "signal"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    with Process(["true"], env={**os.environ, "PYTHONPATH": str(tmp_path)}) as process:
+        assert process.wait() == 0
+    assert not (tmp_path / "ran").exists()

@@ -5,13 +5,23 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from mjcompose.base import runtime as deferring_module
 from mjcompose.base.processes import Pool
-from mjcompose.base.runtime import deferring, hear_signals, interruptible, patience, with_deferring
+from mjcompose.base.runtime import (
+    deferring,
+    hear_signals,
+    interruptible,
+    patience,
+    with_deferring,
+    without_current_folder,
+)
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
 
@@ -100,3 +110,28 @@ def test_a_worker_answers_for_what_it_has_done() -> None:
             pool._todo.put((number, number))
         answers = [pool._done.get(timeout=30) for _ in range(3)]
     assert answers == [(0, 1), (1, 2), (2, 3)]
+
+
+def test_modules_and_programs_are_found_in_absolute_folders_alone(tmp_path: Path) -> None:
+    """Python has made the relative entries of PYTHONPATH absolute before this process can drop them."""
+    for folder in ("here", "there"):
+        (tmp_path / folder).mkdir()
+    there = str(tmp_path / "there")
+    script = (
+        "import os, sys; from mjcompose.base.runtime import forget_current_folder; forget_current_folder();"
+        "print([path for path in sys.path if not path or os.path.realpath(path).startswith(os.path.realpath('.'))],"
+        "os.environ['PYTHONPATH'], os.environ['PYTHONSAFEPATH'], os.environ['PATH'])"
+    )
+    path = os.pathsep.join(["here", ".", "", there, "here"])
+    environment = {**os.environ, "PYTHONPATH": path, "PATH": os.pathsep.join([".", os.defpath])}
+    environment.pop("PYTHONSAFEPATH", None)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [f"['{there}']", there, "1", os.defpath]
+
+
+def test_a_program_without_a_path_does_not_search_the_current_folder() -> None:
+    """A shell without `PATH` has a default of its own, which may have the current folder."""
+    assert without_current_folder({"PATH": "bin", "HOME": "/root"}) == {"HOME": "/root", "PATH": os.defpath}

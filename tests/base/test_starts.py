@@ -349,3 +349,14 @@ def test_the_browser_is_found_in_absolute_folders_and_starts_in_an_empty_one(
     processes.open_in_browser("file:///nothing.html")
     assert (tmp_path / "ours.ran").read_text().strip() == str(processes.empty_folder())
     assert sorted(path.name for path in tmp_path.glob("*.ran")) == ["ours.ran"]
+
+
+@posix
+def test_a_file_that_is_no_program_is_passed_over(tmp_path: Path) -> None:
+    for folder, mode in (("first", 0o644), ("second", 0o755)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "tool").touch()
+        (tmp_path / folder / "tool").chmod(mode)
+    path = f"{tmp_path / 'first'}:{tmp_path / 'second'}"
+    assert program("tool", {"PATH": path}) == str(tmp_path / "second" / "tool")
+    assert program("tool", {"PATH": str(tmp_path / "first")}) is None
