@@ -200,7 +200,7 @@ class Branches:
         reference = model.qpos0[model.jnt_qposadr]
         strokes = np.abs(model.jnt_range - reference[:, None]).max(axis=1) if model.njnt else np.zeros(0)
         by_joint = np.where(model.jnt_type == int(kinds.mjJNT_SLIDE), strokes, by_joint)
-        return np.linalg.norm(model.body_pos, axis=1) + self._of_joints(by_joint)
+        return np.asarray(np.linalg.norm(model.body_pos, axis=1) + self._of_joints(by_joint))
 
     def _radii_of_geoms(self, mujoco: Any) -> np.ndarray:
         """Return the radius (m) of a ball around each body's frame that contains its geoms."""
