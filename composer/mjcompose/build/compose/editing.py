@@ -43,9 +43,10 @@ from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is
 from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
 from mjcompose.tree.unit import RecipeValue
 
-# Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, 100 characters of a condition are
-# evaluated, and 100 values are drawn, or 30 for a table. A regular expression may take 2 s, and costs 500 values.
-_LOOKS, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 100, 500, 100, 30
+# Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, and 100 values are drawn, or 30 for
+# a table. A condition takes half of that, and as much again for 100 characters. A regular expression may take 2 s, and
+# costs 500 values.
+_LOOKS, _CONDITION, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 0.5, 100, 500, 100, 30
 
 
 class EditCost(Struct, frozen=False):
@@ -331,7 +332,7 @@ def _selection(editing: Editing) -> Selection:
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
     where = selector.where
-    cost = len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
+    cost = _CONDITION + len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
     if not editing.cost.allows(cost, editing.sink, editing.span(at)):
         raise UnusableValue
     values = Values(editing, node, 0, at=at, count=lambda: selection.number(node))
