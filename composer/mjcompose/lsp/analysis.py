@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping as Entries, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING, Any
 
@@ -305,10 +305,16 @@ def repaired(lines: Sequence[str], cursor: Cursor, last: Node | None) -> Node | 
     if not any(line.strip() and not line.lstrip().startswith("#") for line in lines):
         return None
     for text in _candidates(list(lines), cursor):
-        tree = load(text, "", Sink())
+        tree = _read(text)
         if isinstance(tree, Mapping):
             return tree
     return last
+
+
+@lru_cache(maxsize=8)
+def _read(text: str) -> Node | None:
+    """Return the tree of a text, which an editor asks about several times: for a completion, a hover and so on."""
+    return load(text, "", Sink())
 
 
 def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
