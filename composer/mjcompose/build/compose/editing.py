@@ -43,9 +43,9 @@ from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is
 from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
 from mjcompose.tree.unit import RecipeValue
 
-# Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, and 100 values are drawn, or 30 for
-# a table. A condition takes half of that, and as much again for 100 characters. A regular expression may take 2 s, and
-# costs 500 values.
+# Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, and 100 values are drawn, or 30
+# for a table. A condition takes half of that, and as much again for 50 characters. A regular expression may take 2 s,
+# and costs 500 values.
 _LOOKS, _CONDITION, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 0.5, 100, 500, 100, 30
 
 
