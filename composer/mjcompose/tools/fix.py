@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+from bisect import bisect
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -48,6 +49,26 @@ class Edit(Struct):
         return self.start == other.start or (self.start < other.end and other.start < self.end)
 
 
+class _Apart:
+    """Changes of one text that do not meet, in their order; each new one is compared with its two neighbors."""
+
+    def __init__(self) -> None:
+        self.edits: dict[Edit, Diagnostic] = {}
+        self._places: list[tuple[int, int]] = []
+        self._at: dict[tuple[int, int], Edit] = {}
+
+    def add(self, edit: Edit, diagnostic: Diagnostic) -> None:
+        """Add a change, unless it meets an earlier one."""
+        place = (edit.start, edit.end)
+        number = bisect(self._places, place)
+        neighbors = (self._at[each] for each in self._places[max(number - 1, 0) : number + 1])
+        if any(edit.meets(neighbor) for neighbor in neighbors):
+            return
+        self._places.insert(number, place)
+        self._at[place] = edit
+        self.edits[edit] = diagnostic
+
+
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     """Return the change to a file's text for a diagnostic's fix, or None if there is no fix or it does not fit.
 
@@ -74,7 +95,45 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     edit = Edit(start, end, text)
     if not span.file.endswith(RECIPES):
         return edit
-    return edit if _yaml_faults(applied(source, [edit])) <= _yaml_faults(source) else None
+    start, end = _piece_to_read(source, edit)
+    before = source[start:end]
+    after = applied(before, [Edit(edit.start - start, edit.end - start, edit.text)])
+    return edit if _yaml_faults(after) <= _yaml_faults(before) else None
+
+
+def _piece_to_read(source: str, edit: Edit) -> tuple[int, int]:
+    """Return the part of a text that shows whether a change makes it wrong as YAML: the line, or all of the text.
+
+    Reading all of the text for each of many fixes would take N² time. A line is enough if the change is behind its
+    first key, and nothing on the next lines belongs to it.
+    """
+    begins = _line_starts(source)
+    number = bisect(begins, edit.start) - 1
+    start = begins[number]
+    end = begins[number + 1] if number + 1 < len(begins) else len(source)
+    whole = (0, len(source))
+    line = source[start:end]
+    indent = _indent(line)
+    head = line[: edit.start - start]
+    if edit.end > end or head.strip(" -") == "" or not line.strip():
+        return whole
+    for following in range(number + 1, len(begins)):
+        after = begins[following + 1] if following + 1 < len(begins) else len(source)
+        below = source[begins[following] : after]
+        if below.strip() and not below.lstrip().startswith("#"):
+            if _indent(below) > indent:
+                return whole
+            break
+    return (start + indent, end) if not _yaml_faults(line[indent:]) else whole
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))
+
+
+@lru_cache(maxsize=16)
+def _line_starts(source: str) -> list[int]:
+    return [0, *(found.end() for found in re.finditer(r"\r\n|\n|\r", source))]
 
 
 @lru_cache(maxsize=16)
@@ -135,7 +194,7 @@ def _bounds(span: Span, source: str, is_verbatim: bool = False) -> tuple[int, in
     last = span.end_line or span.line
     if last != span.line and not is_verbatim:
         return None
-    begins = [0, *(found.end() for found in re.finditer(r"\r\n|\n|\r", source))]
+    begins = _line_starts(source)
     if not 1 <= span.line <= last <= len(begins):
         return None
     start = begins[span.line - 1] + span.column - 1
@@ -293,7 +352,8 @@ class Fixing(Struct, frozen=False):
     def holds(self, diagnostic: Diagnostic) -> bool:
         """Return whether the fix of a diagnostic removes its fault from every model and changes nothing else."""
         before = self.found()
-        if not any(_same_fault(each, [diagnostic]) for model in before for each in model.found):
+        here = _by_place([diagnostic])
+        if not any(_same_fault(each, here) for model in before for each in model.found):
             return False
         tried = self.carry_out([Judged(None, (diagnostic,))])
         after = self.found()
@@ -308,21 +368,24 @@ class Fixing(Struct, frozen=False):
 
     def carry_out(self, models: Iterable[Judged]) -> list[Diagnostic]:
         """Apply the fixes that fit and do not overlap; return their diagnostics."""
-        edits: dict[Path, dict[Edit, Diagnostic]] = {}
+        edits: dict[Path, _Apart] = {}
+        texts: dict[Path, str] = {}
         for diagnostic in (each for model in models for each in model.found):
             span = place_of(diagnostic)
             if span is None or _identity(diagnostic) in self.useless:
                 continue
             path = Path(os.path.normpath(self.context.folder / span.file))
-            if self.at_once is not None and sum(map(len, edits.values())) == self.at_once:
+            if self.at_once is not None and sum(len(apart.edits) for apart in edits.values()) == self.at_once:
                 break
-            edit = edit_of(diagnostic, _decoded(self.text(path))) if self.is_own(path) else None
-            if edit is not None and not any(edit.meets(other) for other in edits.get(path, ())):
-                edits.setdefault(path, {})[edit] = diagnostic
-        for path, chosen in edits.items():
+            if path not in texts and self.is_own(path):
+                texts[path] = _decoded(self.text(path))
+            edit = edit_of(diagnostic, texts[path]) if path in texts else None
+            if edit is not None:
+                edits.setdefault(path, _Apart()).add(edit, diagnostic)
+        for path, apart in edits.items():
             mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
-            self.now[path] = mark + applied(_decoded(self.text(path)), chosen).encode()
-        return [diagnostic for chosen in edits.values() for diagnostic in chosen.values()]
+            self.now[path] = mark + applied(texts[path], apart.edits).encode()
+        return [diagnostic for apart in edits.values() for diagnostic in apart.edits.values()]
 
     def text(self, path: Path) -> bytes:
         if path not in self.now:
@@ -369,11 +432,12 @@ def _persisting(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Se
     """Return the identities of fixes whose faults still occur in a model; equal findings are counted."""
     later = {model.cell: model for model in after}
     useless: set[Identity] = set()
+    places = _by_place(tried)
     for model in before:
         found = Counter(map(_identity, model.found))
         still = Counter(map(_identity, later[model.cell].found)) if model.cell in later else found
         # Two models may report one place with different numbers in the message.
-        fixed = [(each, fault) for each in model.found if (fault := _same_fault(each, tried)) is not None]
+        fixed = [(each, fault) for each in model.found if (fault := _same_fault(each, places)) is not None]
         removed = Counter(_identity(each) for each, _ in fixed)
         useless |= {
             _identity(fault)
@@ -383,11 +447,21 @@ def _persisting(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Se
     return useless
 
 
-def _same_fault(diagnostic: Diagnostic, tried: Iterable[Diagnostic]) -> Diagnostic | None:
+_ByPlace = dict[tuple[str, tuple[str, int, int] | None], Diagnostic]
+"""Diagnostics by their code and the place of their fix."""
+
+
+def _by_place(tried: Iterable[Diagnostic]) -> _ByPlace:
+    places: _ByPlace = {}
+    for diagnostic in tried:
+        places.setdefault((diagnostic.code, _start(place_of(diagnostic))), diagnostic)
+    return places
+
+
+def _same_fault(diagnostic: Diagnostic, tried: _ByPlace) -> Diagnostic | None:
     """Return the diagnostic among `tried` with the same code at the same place."""
-    places = ((each, each.code == diagnostic.code and _start(place_of(each))) for each in tried)
     here = (_start(place_of(diagnostic)), _start(diagnostic.span))
-    return next((each for each, place in places if place and place in here), None)
+    return next((tried[diagnostic.code, place] for place in here if place and (diagnostic.code, place) in tried), None)
 
 
 def _merged(models: Sequence[Judged]) -> tuple[Diagnostic, ...]:
