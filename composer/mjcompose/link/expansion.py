@@ -18,11 +18,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import product
+from math import prod
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.limits import in_force
 from mjcompose.tree.names import WORLD, declaration, own_references
 
 Name = tuple[str, str]
@@ -130,7 +132,8 @@ class _Section:
         # MuJoCo 4.0 puts the copies after the rows that stay: with `<motor name="a" joint="j"/>` on a joint in
         # `<replicate count="2">` and `<motor name="z" …/>` behind it on a joint outside, the order is z, a0, a1.
         removed = [self.rows.pop(number) for number in numbers]
-        for number, suffix in enumerate(suffixes(replicate) if removed else ()):
+        ends = suffixes(replicate) if removed and _is_allowed(len(removed) * copies_of(replicate)) else []
+        for number, suffix in enumerate(ends):
             for row in removed:
                 self._append(row.copied(replicate, number, suffix, inside=inside))
         return {(_namespace(row), row.name) for row in removed if row.name}
@@ -202,8 +205,14 @@ def names_inside(root: Node, made: dict[Node, list[Name]]) -> Iterator[tuple[Nod
     for world in root.iterchildren("worldbody"):
         for replicate in inner_first(world):
             inside = list(_declared(replicate, made))
-            made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
+            ends = suffixes(replicate) if _is_allowed(max(len(inside), 1) * copies_of(replicate)) else []
+            made[replicate] = [(kind, name + end) for end in ends for kind, name in inside]
             yield replicate, inside
+
+
+def _is_allowed(copies: int) -> bool:
+    """Return whether a model with this number of copies is built at all; `check_size` reports that it makes more."""
+    return copies <= in_force().expansion
 
 
 def inner_first(top: Node) -> Iterator[Node]:
@@ -230,7 +239,7 @@ def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
 
 def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
     """Return the copies that these replicates, innermost first, make from their content, by the ends of their names."""
-    if not around:
+    if not around or not _is_allowed(prod(map(copies_of, around))):
         return {}
     copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
     return {
@@ -253,11 +262,15 @@ def name_of_holder(holder: Node | Copy) -> str:
 
 
 def suffixes(replicate: Node) -> list[str]:
-    """Return the suffixes of the names in each copy. All have as many digits as the count: ten begin at `00`."""
+    """Return the suffixes of the names in each copy, none for more copies than are allowed.
+
+    All have as many digits as the count: ten begin at `00`.
+    """
     count = copies_of(replicate)
     # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
     width = len(str(count))
-    return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
+    listed = count if _is_allowed(count) else 0
+    return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(listed)]
 
 
 def copies_of(replicate: Node) -> int:
