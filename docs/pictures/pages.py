@@ -15,11 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from PIL import Image
-from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "tools" / "view"))
-from conftest import BROWSERS, FLAGS  # noqa: E402
+sys.path.insert(0, str(ROOT / "tests"))
+from chromium import started  # noqa: E402
 
 MJCOMPOSE = [sys.executable, "-m", "mjcompose"]
 POSE = "[0.5, -0.4, 1.5, 0.4, 1.1, 0.3]"
@@ -54,12 +53,10 @@ def plotted(page: Any) -> None:
 
 
 def main() -> None:
-    program = next(filter(None, map(shutil.which, BROWSERS)))
-    with tempfile.TemporaryDirectory() as home, sync_playwright() as running:
+    with tempfile.TemporaryDirectory() as home, started() as browser:
         folder = Path(home)
         shutil.copytree(ROOT / "recipes", folder / "recipes")
         recipe = folder / "recipes" / "demo.yaml"
-        browser = running.chromium.launch(executable_path=program, headless=True, args=FLAGS)
 
         def take(name: str, address: str, act: Callable[[Any], None]) -> None:
             for theme, ending in (("light", ""), ("dark", "_dark")):
@@ -110,7 +107,6 @@ def main() -> None:
             text = text.replace(old, new)
         recipe.write_text(text)
         take("diff_page", made("diff", "recipes/before.yaml", "recipes/demo.yaml"), lambda page: None)
-        browser.close()
 
 
 if __name__ == "__main__":

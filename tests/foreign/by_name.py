@@ -34,10 +34,14 @@ _OF_BODY = {"joint", "geom", "site", "camera", "light"}
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What the comparison leaves out, as patterns of whole names: elements, and names of which there need be none."""
+    """What the comparison leaves out, as patterns of whole names: elements, and names of which there need be none.
+
+    Without `tree`, a body may have another parent and another pose there: its pose in the world counts, in motion.
+    """
 
     elements: str = "$."
     names: str = "$."
+    tree: bool = True
 
 
 def differences(first: mujoco.MjModel, second: mujoco.MjModel, left_out: LeftOut) -> Iterator[str]:
@@ -48,7 +52,10 @@ def differences(first: mujoco.MjModel, second: mujoco.MjModel, left_out: LeftOut
         for name in sorted(ours.keys() ^ theirs.keys()):
             yield f"{kind} `{name}` is only in the {'first' if name in ours else 'second'}"
         for name in sorted(ours.keys() & theirs.keys()):
-            yield from _different_fields(first, second, kind, (name, ours[name], theirs[name]))
+            named = (name, ours[name], theirs[name])
+            yield from _different_fields(first, second, kind, named, tree=left_out.tree)
+            if left_out.tree:
+                yield from _different_links(first, second, kind, named)
     for name in (
         "timestep",
         "impratio",
@@ -134,10 +141,12 @@ _PREFIX = {
 
 
 def _different_fields(
-    first: mujoco.MjModel, second: mujoco.MjModel, kind: str, named: tuple[str, int, int]
+    first: mujoco.MjModel, second: mujoco.MjModel, kind: str, named: tuple[str, int, int], *, tree: bool
 ) -> Iterator[str]:
     name, ours, theirs = named
     for attribute in _FIELDS[kind].split():
+        if kind == "body" and attribute in ("pos", "quat") and not tree:
+            continue
         # A body without mass has no place of it.
         if kind == "body" and attribute in ("ipos", "iquat") and first.body_mass[ours] == second.body_mass[theirs] == 0:
             continue
@@ -145,10 +154,9 @@ def _different_fields(
         other = _value(second, kind, attribute, theirs)
         if one.shape != other.shape or not _same(attribute, one, other):
             yield f"{kind} `{name}`: {attribute} is {one} and {other}"
-    yield from _different_links(first, second, kind, named)
     if kind == "joint":
         degrees = (name, first.jnt_dofadr[ours], second.jnt_dofadr[theirs])
-        yield from _different_fields(first, second, "dof", degrees)
+        yield from _different_fields(first, second, "dof", degrees, tree=tree)
 
 
 def _value(model: mujoco.MjModel, kind: str, attribute: str, index: int) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Other projects' tests and models, with mjcompose: `make foreign`, or `python tests/foreign/run.py`.
 
-dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`. Every MJCF model in the tests and data of packages
+dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`, and examples of ours with `dm_control.mjcf`. Every MJCF model in the tests and data of packages
 about MuJoCo is read, written and compiled; the suites' models are also composed, each twice, turned and tilted, and
 robosuite's own compositions are made again from its files, also by the recipe of the page on moving from robosuite. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
 run fails where anything else differs. The packages come from PyPI, by pip or uv, into a folder that is kept; one that
@@ -28,7 +28,7 @@ sys.path[:0] = [str(HERE.parent), str(ROOT)]
 
 from fidelity import isolated  # noqa: E402
 from fidelity.summary import between_markers  # noqa: E402
-from foreign import lift, merging, outcomes, rewriting, strings, turned  # noqa: E402
+from foreign import imports_changed, lift, merging, outcomes, rewriting, strings, turned  # noqa: E402
 from foreign.fetching import Unavailable, fetched, pins  # noqa: E402
 from foreign.strings import Source, Verdict  # noqa: E402
 
@@ -102,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _tests(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
-    """dm_control's own tests."""
+    """dm_control's own tests, and examples that need only another import."""
     title = f"dm_control {_pinned('dm_control')}, its own tests of `mjcf`"
     try:
         package = fetched("dm_control", options.cache) / "dm_control" / "mjcf"
@@ -119,6 +119,11 @@ def _tests(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
     passed = sum(outcome.passed for outcome in found)
     meant = sum(not outcome.passed for outcome in found)
     yield (f"{title}: {len(found)} run, {passed} pass, {meant} fail for {len(groups)} intended differences", told)
+    examples = [imports_changed.Example(file, (package.parents[1], absl)) for file in imports_changed.MADE]
+    running = isolated.each(imports_changed.judge, examples, failed=imports_changed.failed, workers=_cores())
+    verdicts = sorted(running, key=lambda each: each.id)
+    row = f"dm_control {_pinned('dm_control')}, the examples of the page with its import: {len(verdicts)} models, {_counted(verdicts)[1]} equal by name and after 1 s of motion"
+    yield row, strings.surprises(verdicts, {})
 
 
 def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,27 +13,17 @@ TESTS = str(Path(__file__).resolve().parents[2])
 if TESTS not in sys.path:
     sys.path.insert(0, TESTS)
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = (
-    "--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync"
-    " --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader"
-).split()
+from chromium import NoBrowser, started  # noqa: E402
 
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     """Chromium without a window, drawing on the processor."""
-    program = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if program is None:
-        pytest.skip("there is no Chromium")
     try:
-        playwright = import_module("playwright.sync_api")
-    except ImportError:
-        pytest.skip("playwright is not installed")
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=program, headless=True, args=FLAGS)
-        yield opened
-        opened.close()
+        with started() as opened:
+            yield opened
+    except NoBrowser as reason:
+        pytest.skip(str(reason))
 
 
 @pytest.fixture
