@@ -31,8 +31,9 @@ def read(file):
     def driven(only, start, full, eased, steps):
         put = mjx.put_model(only)
         still = mjx.make_data(only).replace(qpos=jp.array(start))
-        forces = mjx.forward(put, still.replace(ctrl=jp.array(full))).qfrc_actuator
         step, at = jax.jit(mjx.step), still.replace(ctrl=jp.array(eased))
+        # A step has the forces of its start.
+        forces = step(put, still.replace(ctrl=jp.array(full))).qfrc_actuator
         for _ in range(steps):
             at = step(put, at)
         return forces, at.qpos
