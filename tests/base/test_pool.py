@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -11,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from mjcompose.base.processes import Died, Pool
+from mjcompose.base.processes import Died, Helper, Pool
 
 ME = os.getpid()
 
@@ -125,3 +126,19 @@ def test_no_worker_outlives_the_pool_and_what_is_done_is_handed_out(tmp_path: Pa
     for pid in pids:
         with pytest.raises(ProcessLookupError):
             os.kill(pid, 0)
+
+
+def test_workers_start_without_the_module_path_of_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They get the module path of this process, which has dropped the folders that it must not search."""
+    (tmp_path / "pickle.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    helper = Helper()
+    try:
+        square, worker = helper.result(pickle.dumps(partial(opened, tmp_path)), 3)
+    finally:
+        helper.end()
+        helper.close()
+    assert square == 9 and worker != os.getpid()
+    assert not (tmp_path / "ran").exists()

@@ -95,6 +95,7 @@ def test_without_uv_python_and_pip_are_isolated(tmp_path: Path) -> None:
     make, install = programs._commands(tmp_path / "there", VERSION, {"PATH": str(tmp_path)})
     assert make[:4] == [sys.executable, "-I", "-m", "venv"]
     assert install[1:5] == ["-I", "-m", "pip", "install"]
+    assert "--only-binary :all:" in " ".join(install)  # a package that is built runs its own code
 
 
 @posix
@@ -154,6 +155,7 @@ def test_a_program_of_another_user_is_refused(tmp_path: Path, environment: dict[
     [
         (12345, -1, 0o755, "belongs to another user"),
         (-1, 12345, 0o775, "others may write to"),
+        (-1, 12345, 0o1775, "others may write to"),  # only in folders the bit protects files
         (-1, 12345, 0o755, None),
     ],
 )

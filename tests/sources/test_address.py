@@ -5,13 +5,22 @@ from __future__ import annotations
 import http.client
 import socket
 from contextlib import suppress
+from ipaddress import IPv6Address
 from typing import Any
 
 import pytest
 import urllib3
 from hypothesis import given, strategies as draw
 from mjcompose.sources import address
-from mjcompose.sources.address import AddressError, check_address, is_private, is_public, is_this_machine, take_apart
+from mjcompose.sources.address import (
+    AddressError,
+    check_address,
+    is_private,
+    is_public,
+    is_this_machine,
+    resolved,
+    take_apart,
+)
 from mjcompose.sources.connections import is_read_alike
 
 FAULTS = [RecursionError, MemoryError, OSError, UnicodeError]
@@ -234,3 +243,24 @@ def test_a_network_that_translates_has_public_servers(monkeypatch: pytest.Monkey
 )  # fmt: skip
 def test_this_machine(netloc: str, expected: bool) -> None:
     assert is_this_machine(netloc) == expected
+
+
+def test_only_this_machine_is_this_machine() -> None:
+    """Such a server needs no encryption, so a name that only looks like it must not count."""
+    assert all(map(is_this_machine, ("localhost", "localhost:80", "127.0.0.1", "127.8.8.8:1", "[::1]:80")))
+    others = (
+        "x.localhost",
+        "notlocalhost",
+        "localhost.example.org",
+        "LOCALHOST",
+        "me@localhost",
+        "0.0.0.0",
+        "[::]",
+        "",
+    )
+    assert not any(map(is_this_machine, others))
+
+
+def test_the_zone_of_an_address_is_dropped() -> None:
+    """The two ends of a connection are compared, and a zone is the name of an interface."""
+    assert resolved("fe80::1%eth0") == resolved("fe80::1%3") == IPv6Address("fe80::1")

@@ -475,3 +475,17 @@ def test_git_finds_no_repository_around_its_empty_folder(tmp_path: Path, monkeyp
     monkeypatch.setattr("mjcompose.base.processes._emptied", {})
     with pytest.raises(GitFailure):
         Git(dict(os.environ), quiet).run("config", "--get", "core.sshCommand")
+
+
+def test_git_gets_the_login_of_the_user_and_no_repository_from_the_environment(robots: Any) -> None:
+    """As in a hook of git, whose variables describe the repository of the hook."""
+    users = {"GIT_SSH_COMMAND": "ssh -4", "GIT_CONFIG_COUNT": "1", "GIT_CONFIG_KEY_0": "a.b", "GIT_CONFIG_VALUE_0": "c"}
+    of_a_hook = {
+        "GIT_DIR": ".git", "GIT_WORK_TREE": ".", "GIT_INDEX_FILE": "index", "GIT_OBJECT_DIRECTORY": "objects",
+        "GIT_ALTERNATE_OBJECT_DIRECTORIES": "others", "GIT_COMMON_DIR": ".git", "GIT_NAMESPACE": "theirs",
+        "GIT_CONFIG": "config", "GIT_CONFIG_PARAMETERS": "'core.sshCommand=theirs'", "GIT_TEMPLATE_DIR": "templates",
+        "GIT_EXTERNAL_DIFF": "diff", "GIT_ATTR_SOURCE": "HEAD", "GIT_ALLOW_PROTOCOL": "ext", "GIT_PAGER": "pager",
+    }  # fmt: skip
+    variables = Git({**users, **of_a_hook}, quiet)._variables({})
+    assert {name: variables.get(name) for name in users} == users
+    assert not {name for name, value in of_a_hook.items() if variables.get(name) == value}
