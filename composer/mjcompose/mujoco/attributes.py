@@ -116,7 +116,7 @@ class NameTable:
 
 @lru_cache(maxsize=2)
 def name_table(model: Model) -> NameTable:
-    """Return the names of a compiled model. Each part of a composition needs those of the whole."""
+    """Return the names of a compiled model. Each part of a composition needs the names of the whole."""
     return NameTable(model)
 
 

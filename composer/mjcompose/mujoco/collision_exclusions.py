@@ -117,9 +117,9 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> dict[str, Any]:
 
 
 class Branches:
-    """What pairs of bodies have on the two branches of the tree that lead to them from the body that carries both.
+    """Sums along the two branches of the tree that lead to a pair of bodies from the body that carries both.
 
-    Every body adds its own values to those of its parent, so the values of a branch are a difference.
+    Every body adds its own values to its parent's sum, so the sum of a branch is a difference.
     """
 
     def __init__(self, mujoco: Any, model: Any) -> None:
@@ -179,7 +179,7 @@ class Branches:
         return float(summed[one] + summed[other] - 2 * summed[self.carriers[pair]])
 
     def _summed(self, values: np.ndarray) -> np.ndarray:
-        """Return the value of each body with those of all bodies that carry it."""
+        """Return the sum of the values of each body and of all bodies that carry it."""
         summed = np.array(values, dtype=float)
         for body, parent in enumerate(self.model.body_parentid.tolist()):
             if body:

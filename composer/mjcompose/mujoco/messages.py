@@ -292,7 +292,7 @@ def unknown_attribute(element: Node, name: str, file: str | None = None, version
 
 
 _COLLIDING = {
-    "all": "remove `collision`: since 3.0, MuJoCo always does what `all` meant",
+    "all": "remove `collision`: since 3.0, MuJoCo always collides as with `all`",
     "dynamic": "remove `collision` and every `<pair>`: `dynamic` ignored pairs",
     "predefined": "remove `collision`, and every `contype` and `conaffinity`, so only pairs collide, and write\n"
     '<default><geom contype="0" conaffinity="0"/></default>',

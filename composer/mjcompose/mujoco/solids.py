@@ -38,7 +38,7 @@ def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
 
 
 class WeldedGeoms:
-    """The geoms of bodies that are fixed to each other. What all of these bodies share is computed once."""
+    """The geoms of bodies that are fixed to each other. Their common values are computed once."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any, geoms: list[int]) -> None:
         self.mujoco = mujoco

@@ -18,7 +18,7 @@ _PAIRS = 200_000
 _POINTS = 4096
 """The number of points that are looked up at once."""
 _SIZES = 12
-"""The number of classes of size. Each has triangles half as large as those of the class before."""
+"""The number of classes of size. The triangles of a class are half as large as in the class before."""
 
 
 class Surface:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
@@ -143,7 +143,8 @@ class Git(Struct):
             ) as process,
         ):
             assert process.stdout is not None
-            output = process.stdout = _Output(process.stdout)
+            output = _Output(process.stdout)
+            process.stdout = cast(IO[bytes], output)
             has_ended = threading.Event()
             reasons: list[str] = []
 

@@ -203,7 +203,7 @@ def numbered(parent: Node, tag: str) -> dict[Node, int]:
 class Selection:
     """Finds elements in one model.
 
-    `parts` has the part of each element, with `/` for nested parts; other elements belong to the base. `holds`
+    `parts` has the part of each element, with `/` for nested parts. Other elements belong to the base. `holds`
     evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`. `find` looks a name
     up in an index of the whole model; without it, the model is searched.
     """

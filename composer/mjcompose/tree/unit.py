@@ -83,7 +83,7 @@ class KeySource(Struct):
     each with the place of its attachment. Both are in order. `lost` is the first number of a key that an edit has made
     meaningless here. `joint` is the joint from whose number a control follows. `hold` is the way in which a control or
     activation holds the pose of its key, `positions` or `forces`; the forces follow from the whole model, so each
-    composition computes them anew.
+    composition computes them again.
     """
 
     kind: Kind

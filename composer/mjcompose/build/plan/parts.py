@@ -178,7 +178,7 @@ def _suspects(pieces: list[Piece], document: Mapping, given: Map[str, Node]) -> 
 
 
 class _Round:
-    """Pieces of different axes that write different things, so that none of them hides another."""
+    """Pieces of different axes that write different things: no piece hides another one."""
 
     def __init__(self) -> None:
         self.pieces: list[Piece] = []

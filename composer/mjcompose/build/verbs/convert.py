@@ -267,7 +267,7 @@ def _converted(
         is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
         gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
         if model.gear and gear != 1 and after not in ("force", "other"):
-            is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of what it moves)"
+            is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of its joint or tendon)"
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or any(name in given for name in _POSITION_LIMITS):

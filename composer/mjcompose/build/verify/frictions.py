@@ -1,7 +1,7 @@
 """Frictions that the recipe draws or sets, and the contacts in which they have no effect.
 
-Of two geoms in contact, MuJoCo 4.0 uses the parameters of the one with the higher `priority`; if the priorities are
-equal, the larger friction and the larger `condim`. The second number of `friction` needs contacts with a `condim` of 4,
+MuJoCo 4.0 uses the parameters of the geom with the higher `priority` in a contact; if the priorities are equal, it uses
+the larger friction and the larger `condim`. The second number of `friction` needs contacts with a `condim` of 4,
 and the third with 6.
 """
 
@@ -28,7 +28,7 @@ from mjcompose.tree.unit import RecipeValue, Unit
 _FRICTION = "friction"
 _SHOWN = 3
 _MOST = 50
-"""Of more geoms in a draw, the first are judged. An edit of more geoms is not: it rarely has an effect on none."""
+"""The number of geoms of a draw that are compared. An edit of more geoms is not compared: it rarely affects none."""
 _NOTE = "of two geoms in contact, MuJoCo uses the friction of the higher `priority`, or else the larger friction"
 
 

@@ -112,8 +112,8 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
         replace_by_local(root, near / asked(outside, "--git-common-dir") / "lfs" / "objects")  # of all work trees
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
-        help = _how_to_complete(git, near, top) if isinstance(error, GitFailure) else None
-        raise RevisionError("git-revision", f"{fault}: {error}", help) from error
+        how = _how_to_complete(git, near, top) if isinstance(error, GitFailure) else None
+        raise RevisionError("git-revision", f"{fault}: {error}", how) from error
     return root, root / inside
 
 
