@@ -172,11 +172,11 @@ def test_links_lead_somewhere_and_search_finds_the_words_that_people_type() -> N
     install = set[str]().union(*(words for place, words in entries.items() if place.startswith("install.html")))
     assert not [text for text in BEGINNERS if not set(text.lower().split()) <= install]
     try:
-        found = _found(ROOT / "build" / "site")
+        results = _found(ROOT / "build" / "site")
     except NoBrowser as reason:
         pytest.skip(f"everything else holds, and nobody asked the site's search: {reason}")
-    lost = {query: found[query] for query, answer in ASKED.items() if not _among(answer, found[query])}
-    assert not lost, "the page that answers is not among the first results"
+    unanswered = {query: results[query] for query, answer in ASKED.items() if not _among(answer, results[query])}
+    assert not unanswered, "the page that answers is not among the first results"
 
 
 def _search_index() -> Path:
