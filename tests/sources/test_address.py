@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import urllib3
-from hypothesis import given, strategies as draw
+from hypothesis import given, settings, strategies as draw
 from mjcompose.sources import address
 from mjcompose.sources.address import (
     AddressError,
@@ -136,6 +136,7 @@ def as_address(pieces: list[str]) -> str:
     return "https://" + "".join(pieces)
 
 
+@settings(deadline=None)
 @given(draw.lists(PIECES, max_size=12).map(as_address))
 def test_urllib3_and_http_connect_to_the_host_that_is_judged(url: str) -> None:
     """The connections themselves say where they lead: to the host that this parser has found."""

@@ -105,6 +105,7 @@ def stamped(folder: Path, **fields: object) -> dict[str, object]:
         ({"sample": -1}, '"sample": -1', "`sample`"),
         ({"target": "nope"}, '"target": "nope"', "`target`: the target `nope` does not exist"),
         ({"params": {"size": {"x": 1}}}, '"size": {', "`params/size`: a parameter is a number, a text"),
+        ({"params": {"size": [1, [2]]}}, '"size": [', "`params/size`: a parameter is a number, a text"),
         ({"read": {"cell.yaml": "x"}}, '"cell.yaml": "x"', "`read/cell.yaml`"),
         ({"more": 1}, '"more": 1', "`more` is not a key of a stamp"),
     ],
