@@ -70,6 +70,8 @@ class Written(Struct):
     least_keys: int = 0
     """The number of keys that `<size>` requests. MuJoCo adds keys without a name."""
     replicated: bool = False
+    attached: bool = False
+    """Whether MuJoCo attaches other models, whose keys it names by the prefix of their own `<attach>` alone."""
 
     @classmethod
     def of(cls, root: Node) -> Written:
@@ -84,7 +86,12 @@ class Written(Struct):
             _add_expanded(root, elements)
         elements["plugin"] = list(_plugins(root, replicated))
         return cls(
-            elements, tuple(_generated(root)), _dropped(root), least_keys=_least_keys(root), replicated=replicated
+            elements,
+            tuple(_generated(root)),
+            _dropped(root),
+            least_keys=_least_keys(root),
+            replicated=replicated,
+            attached=next(root.iter("attach"), None) is not None,
         )
 
     def faults(self, compiled: Mapping[str, Sequence[str]]) -> Iterator[Fault]:
@@ -116,12 +123,16 @@ class Written(Struct):
     def _extra(self, kind: str, extra: Counter[str]) -> Iterator[Fault]:
         by_element: dict[Node | None, list[str]] = {}
         for name in extra.elements():
-            if not self._is_generated(name):
+            if not self._is_generated(kind, name):
                 by_element.setdefault(self._origin(kind, name), []).append(name)
         for element, names in by_element.items():
             yield Fault(kind, element, tuple(dict.fromkeys(names)), len(names), is_missing=False)
 
-    def _is_generated(self, name: str) -> bool:
+    def _is_generated(self, kind: str, name: str) -> bool:
+        # MuJoCo 4.0 warns of "pending keyframes" if an attached model attaches another one: in a model with `<attach …
+        # prefix="i_"/>` of a model with `<attach … prefix="e_"/>`, the key `home` of the innermost is `e_home`.
+        if kind == "key" and self.attached:
+            return True
         return bool(self.generated) and (not name or name.startswith(self.generated))
 
     def _origin(self, kind: str, name: str) -> Node | None:

@@ -26,7 +26,7 @@ NEW = '<mujoco><worldbody>{}<frame><body><geom size=".1" castshadow="false"/></b
 def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, model: str) -> list[str]:
     """Codes and messages that are reported where a MuJoCo of that version compiled the model."""
     verdict = SimpleNamespace(
-        warnings=(), error=None, code=None, crash=None, compiled=SimpleNamespace(mujoco_version=version)
+        warnings=(), error=None, code=None, crash=None, compiled=SimpleNamespace(mujoco_version=version, names=None)
     )
     (folder / "m.xml").write_text(model)
     (folder / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
