@@ -369,7 +369,7 @@ def test_python_m_drops_the_folder_before_it_imports_anything(theirs: Folder) ->
 
 
 def test_relative_entries_of_pythonpath_are_ignored(theirs: Folder) -> None:
-    """But for what Python itself imports when it starts: `sitecustomize`, and the script of the command."""
+    """The exceptions are the modules that Python itself imports when it starts: `sitecustomize`, and the script of the command."""
     for name in ("sitecustomize", "usercustomize", "re"):
         (theirs.path / f"{name}.py").unlink()
     shutil.rmtree(theirs.path / "mjcompose")

@@ -188,7 +188,7 @@ def _repeated_assets(part: Any) -> list[dict[str, Any]]:
 
 
 def _place(gripper: Any, robot: Any, arm: str) -> list[dict[str, Any]]:
-    """Where the gripper stands on the hand, which robosuite's simulated robot writes to its first body."""
+    """The place of the gripper on the hand, which robosuite's simulated robot writes to its first body."""
     body = gripper.worldbody.find("body")
     name = body.get("name").removeprefix(gripper.naming_prefix)
     edits = []

@@ -1,10 +1,11 @@
 """Other projects' tests and models, with mjcompose: `make foreign`, or `python tests/foreign/run.py`.
 
-dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`, and examples of ours with `dm_control.mjcf`. Every MJCF model in the tests and data of packages
-about MuJoCo is read, written and compiled; the suites' models are also composed, each twice, turned and tilted, and
-robosuite's own compositions are made again from its files, also by the recipe of the page on moving from robosuite. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
-run fails where anything else differs. The packages come from PyPI, by pip or uv, into a folder that is kept; one that
-cannot be had is skipped, with the reason.
+dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`, and examples of ours with `dm_control.mjcf`. Every
+MJCF model in the tests and data of packages about MuJoCo is read, written and compiled; the suites' models are also
+composed, each twice, turned and tilted. robosuite's own compositions are made again from its files, also by the recipe
+of the page on moving from robosuite. `intended.toml` and `strings.toml` list the intended differences, and the run fails
+at any other difference. The packages come from PyPI, by pip or uv, into a folder that is kept; a package that cannot be
+had is skipped, with the reason.
 """
 
 from __future__ import annotations

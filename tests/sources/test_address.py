@@ -98,7 +98,7 @@ def test_a_name_that_cannot_be_resolved_for_another_reason_is_private(
     ],
 )  # fmt: skip
 def test_what_is_no_address(url: str) -> None:
-    if "#" not in url:  # the fragment is no part of the server
+    if "#" not in url:  # the server does not get the fragment
         assert take_apart(url) is None
         with pytest.raises(AddressError):
             check_address(url)

@@ -162,7 +162,8 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     help, fix = advised(name, known)
     if tag == "body" and (meant := OF_INERTIAL.get(name.removeprefix("body_"))) is not None:
         selector = '{inertial: "**", parent: {body: NAME}}'
-        help, fix = f"`{name}` of mjModel is `{meant}` of an `inertial`: select `{selector}`, and write `{meant}`", None
+        help = f"`{name}` of mjModel is `{meant}` of an `inertial`: select `{selector}`, and write `{meant}`"
+        fix = None
     if tag == "general" and name in ("kp", "kv"):
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` turns it into an actuator with `kp` and `kv`"
         fix = None

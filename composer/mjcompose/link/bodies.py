@@ -205,7 +205,8 @@ class _PartAttachment:
 
     def _note_copies(self) -> None:
         """Say how many copies of the part MuJoCo makes, if its place is inside of a `<replicate>`."""
-        part, place = self.part, self.part.place
+        part = self.part
+        place = self.part.place
         copies = names_of_copies(self.parent) if place.kind != "world" else []
         if len(copies) > 1:
             message = f"`{part.called}` is attached to all {len(copies)} copies of the {place.kind} `{place.name}`"

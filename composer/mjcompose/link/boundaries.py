@@ -99,7 +99,8 @@ def crossings(linking: Linking) -> None:
 
 
 def _write_out(linking: Linking, element: Node, rows: list[Row]) -> None:
-    base, holder = linking.base, element.getparent()
+    base = linking.base
+    holder = element.getparent()
     assert holder is not None
     at = holder.index(element)
     holder.remove(element)

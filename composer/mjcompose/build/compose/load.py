@@ -281,7 +281,8 @@ class InnerModels(Struct, frozen=False):
         """Put a model and its files into the contents of the unit that attaches it."""
         above = f"{ASSETS}/{portable_step(unit.label)}/models"
         own = portable_step(sub.label)
-        label, number = own, 1
+        label = own
+        number = 1
         while f"{above}/{label}.xml" in contents:
             number += 1
             label = f"{own}-{number}"

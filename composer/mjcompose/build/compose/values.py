@@ -192,7 +192,8 @@ class Values:
             else:
                 known = scope.names_in(error.space)
                 span, notes = node.span if isinstance(node, Scalar) else span, (exists_note("name", known, error.name),)
-                code, message = "unknown-name", f"{error.message} in this expression"
+                code = "unknown-name"
+                message = f"{error.message} in this expression"
                 help = did_you_mean(error.name, known)
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
 
@@ -452,14 +453,17 @@ class Masses:
         self.editing.write(inertial, dict.fromkeys(_OF_INERTIAL, at))
 
     def _scale_geom(self, geom: Node, factor: float, at: Path) -> None:
-        classes, childclass = self.editing.classes, childclass_of(geom)
+        classes = self.editing.classes
+        childclass = childclass_of(geom)
         mass = classes.effective(geom, childclass, "mass")
         # `mass="nan"` cancels the mass that a class gives: then the density counts.
         if mass is not None and not math.isnan(numbers.read(mass)[0]):
-            name, value = "mass", numbers.read(mass)[0]
+            name = "mass"
+            value = numbers.read(mass)[0]
         else:
             density = classes.effective(geom, childclass, "density")
-            name, value = "density", _DENSITY if density is None else numbers.read(density)[0]
+            name = "density"
+            value = _DENSITY if density is None else numbers.read(density)[0]
         geom.set(name, numbers.text([factor * value]))
         self.editing.write(geom, {name: at})
 

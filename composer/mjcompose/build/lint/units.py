@@ -62,7 +62,8 @@ def control_in_degrees(subject: Subject) -> Found:
             continue
         most = max(abs(float(each) / gear) for each in model.actuator_ctrlrange[control])
         reach = max(abs(float(each)) for each in model.jnt_range[joint])
-        is_large, is_small = _LEAST * reach <= most <= _MOST * reach, _LEAST * most <= reach <= _MOST * most
+        is_large = _LEAST * reach <= most <= _MOST * reach
+        is_small = _LEAST * most <= reach <= _MOST * most
         if not reach or not (is_large or is_small):
             continue
         times = most / reach if is_large else reach / most

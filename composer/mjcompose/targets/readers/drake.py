@@ -100,7 +100,8 @@ def read(file):
             tau, damping = np.zeros(len(of_joints)), np.zeros(len(of_joints))
             for name, drive in asked["drives"].items():
                 if (about := found["actuators"].get(name)) is not None:
-                    joint, at = single[drive["joint"]], single[drive["joint"]].velocity_start()
+                    joint = single[drive["joint"]]
+                    at = single[drive["joint"]].velocity_start()
                     most = about["effort"][1] if about["effort"] is not None else None
                     force, resistance = torque(drive, which, about, q[joint.position_start()], v[at], most)
                     tau[at], damping[at] = tau[at] + force, damping[at] + resistance

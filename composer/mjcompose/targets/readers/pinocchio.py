@@ -97,7 +97,8 @@ def read(file):
             tau, damping = np.zeros(model.nv), np.zeros(model.nv)
             for drive in asked["drives"].values():
                 if (name := drive["joint"]) in of:
-                    at, dof = of[name].idx_q, of[name].idx_v
+                    at = of[name].idx_q
+                    dof = of[name].idx_v
                     angle = q[at] if of[name].nq == 1 else np.arctan2(q[at + 1], q[at])
                     most = found["joints"][name]["force"]
                     tau[dof], damping[dof] = torque(drive, which, found["commands"][name], angle, v[dof], most)

@@ -105,7 +105,9 @@ def torque(drive: Any, which: str, about: Any, q: float, v: float, most: Any = N
     A servo at its greatest force does not damp. `about` has the gains `kp` and `kd` and the range of the `control` that
     a program has read.
     """
-    value, kp, kd = drive[which]["at_joint"], about["kp"], about["kd"]
+    value = drive[which]["at_joint"]
+    kp = about["kp"]
+    kd = about["kd"]
     if about.get("control") is not None:
         value = float(np.clip(value, *about["control"]))
     error = {"force": value, "position": kp * (value - q) - kd * v, "velocity": kd * (value - v)}[drive["input"]]
