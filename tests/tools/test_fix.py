@@ -7,9 +7,10 @@ import pytest
 from cases import Case, cases
 from mjcompose.base.diagnostic import Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import read_regular
+from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
-from mjcompose.tools.fix import Edit, Fixed, Fixing, Judged, applied, edit_of, exact, fix
+from mjcompose.tools.fix import Edit, Fixed, Fixing, Judged, _Apart, applied, edit_of, exact, fix
 
 
 def found(fix: Fix | None, span: Span | None) -> Diagnostic:
@@ -150,6 +151,27 @@ def test_several_rounds_and_what_remains(tmp_path: Path) -> None:
     text, found = fixed(tmp_path, "# robot\nbsae: ./arm.xml\nadd: [{to: lnk, geom: {sise: 0.1}}]\nnonsense: 1\n")
     assert text == "# robot\nrecipe: 1\nbase: ./arm.xml\nadd: [{to: link, geom: {size: 0.1}}]\nnonsense: 1\n"
     assert [each.code for each in found.left] == ["unknown-key"] and len(found.fixed) == 4
+
+
+def test_the_faults_up_to_the_limit_are_fixed_and_then_the_others(tmp_path: Path) -> None:
+    rows = "".join(f"  m{number}: {{type: motor, joint: j, geer: {number}}}\n" for number in range(7))
+    body = '<body><joint name="j"/><geom size="1"/></body>'
+    (tmp_path / "robot.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    with allow(faults=3):
+        text, result = fixed(tmp_path, f"recipe: 1\nbase: ./robot.xml\nactuator:\n{rows}")
+    assert text.count("gear:") == len(result.fixed) == 7
+    assert not [each for each in result.left if each.severity is Severity.ERROR]
+
+
+def test_changes_that_meet_are_found_among_their_neighbors() -> None:
+    apart = _Apart()
+    edits = [Edit(5, 9, "a"), Edit(0, 3, "b"), Edit(8, 12, "c"), Edit(3, 5, "d"), Edit(9, 9, "e"), Edit(5, 5, "f")]
+    for edit in edits:
+        apart.add(edit, found(None, None))
+    kept = []
+    for edit in edits:
+        kept += [] if any(edit.meets(other) for other in kept) else [edit]
+    assert list(apart.edits) == kept
 
 
 def test_line_ends_and_a_byte_order_mark_stay(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import RECIPES, read_regular, unsaved, unsaved_text
 from mjcompose.base.limits import in_force
-from mjcompose.base.sink import Sink
+from mjcompose.base.sink import Sink, TooManyFaults
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle
 from mjcompose.build.cache.cells import cells_of, choices_of, pick_text
 from mjcompose.build.plan.read import Given
@@ -233,6 +233,11 @@ class Judged(Struct):
     def has_errors(self) -> bool:
         return any(each.severity is Severity.ERROR for each in self.found)
 
+    @property
+    def is_cut_off(self) -> bool:
+        """Whether there are more faults than the limit allows to find."""
+        return any(each.code == "limit-exceeded" for each in self.found)
+
 
 class Fixed(Struct, frozen=False):
     """The result of fixing a recipe.
@@ -273,9 +278,14 @@ def models_of(
             own = replace(context, sink=Sink(), timings=[])
             name, sample = (None, 0) if cell is None else (cell.name, cell.sample)
             request = Request(recipe, given, name, sample=sample, verified=verified)
-            built = build(request, own, session=session, library=library)
+            label = None if cell is None else cell.label
+            try:
+                built = build(request, own, session=session, library=library)
+            except TooManyFaults as too_many:
+                # The faults up to the limit have fixes, too, and the next round finds the others.
+                return Judged(label, tuple(too_many.sink.sorted()))
             digest = None if built is None else _digest(built.bundle)
-            return Judged(None if cell is None else cell.label, tuple(own.sink.sorted()), digest)
+            return Judged(label, tuple(own.sink.sorted()), digest)
 
         models = [judged(None, given)]
         if not _is_readable(models[0].found):
@@ -434,6 +444,9 @@ def _persisting(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Se
     useless: set[Identity] = set()
     places = _by_place(tried)
     for model in before:
+        if model.is_cut_off:
+            useless |= _unchanged(model, places, later.get(model.cell))
+            continue
         found = Counter(map(_identity, model.found))
         still = Counter(map(_identity, later[model.cell].found)) if model.cell in later else found
         # Two models may report one place with different numbers in the message.
@@ -445,6 +458,18 @@ def _persisting(before: Sequence[Judged], tried: Sequence[Diagnostic], after: Se
             if still[_identity(each)] > found[_identity(each)] - removed[_identity(each)]
         }
     return useless
+
+
+def _unchanged(before: Judged, places: _ByPlace, after: Judged | None) -> set[Identity]:
+    """Return the identities of fixes whose faults are still at their places.
+
+    Equal findings cannot be counted if there were more than the limit: fixing some of them brings others to light.
+    """
+    left = _by_place(before.found if after is None else after.found)
+    fixed = ((each, _same_fault(each, places)) for each in before.found)
+    return {
+        _identity(fault) for each, fault in fixed if fault is not None and (each.code, _start(place_of(each))) in left
+    }
 
 
 _ByPlace = dict[tuple[str, tuple[str, int, int] | None], Diagnostic]
