@@ -51,6 +51,7 @@ READS_ITSELF = {
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/environments.py:differences
+        mujoco/environments.py:other_inertias
         tools/migrate/compare.py:_Side.of mujoco/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet mujoco/playable.py:_replaced tools/view/page.py:_played
         targets/export.py:aimed targets/read_back.py:placed targets/export.py:export

@@ -390,7 +390,9 @@ class Fixing(Struct, frozen=False):
             if path not in texts and self.is_own(path):
                 texts[path] = _decoded(self.text(path))
             edit = edit_of(diagnostic, texts[path]) if path in texts else None
-            if edit is not None:
+            if edit is not None and not self.door.sees(path):
+                self.outside[path] = None
+            elif edit is not None:
                 edits.setdefault(path, _Apart()).add(edit, diagnostic)
         for path, apart in edits.items():
             mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
