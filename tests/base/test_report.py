@@ -447,4 +447,4 @@ def test_usual_text_stays(text: str) -> None:
 
 
 def test_a_line_break_of_a_name_starts_no_line() -> None:
-    assert as_lines(["a\nb", "c\td"]) == "a␊b\nc␉d"
+    assert as_lines(["a\nb", "c\td", "e\rf"]) == "a␊b\nc␉d\ne␍f"

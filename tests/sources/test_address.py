@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import urllib3
 from hypothesis import given, settings, strategies as draw
-from mjcompose.sources import address
+from mjcompose.sources import address, connections
 from mjcompose.sources.address import (
     AddressError,
     check_address,
@@ -265,3 +265,17 @@ def test_only_this_machine_is_this_machine() -> None:
 def test_the_zone_of_an_address_is_dropped() -> None:
     """The two ends of a connection are compared, and a zone is the name of an interface."""
     assert resolved("fe80::1%eth0") == resolved("fe80::1%3") == IPv6Address("fe80::1")
+
+
+@pytest.mark.parametrize(
+    "read",
+    [{"auth": "me"}, {"port": 8443}, {"host": "other.example"}, {"scheme": "http"}],
+    ids=lambda read: next(iter(read)),
+)
+def test_an_address_that_urllib3_reads_in_another_way_is_refused(
+    monkeypatch: pytest.MonkeyPatch, read: dict[str, Any]
+) -> None:
+    url = "https://robots.example:443/arm.xml"
+    assert is_read_alike(url)
+    monkeypatch.setattr(connections, "parse_url", lambda text: urllib3.util.parse_url(text)._replace(**read))
+    assert not is_read_alike(url)

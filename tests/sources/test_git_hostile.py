@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -489,3 +490,23 @@ def test_git_gets_the_login_of_the_user_and_no_repository_from_the_environment(r
     variables = Git({**users, **of_a_hook}, quiet)._variables({})
     assert {name: variables.get(name) for name in users} == users
     assert not {name for name, value in of_a_hook.items() if variables.get(name) == value}
+
+
+def test_the_templates_of_the_user_are_not_in_a_repository_of_ours(
+    own_environment: dict[str, str], tmp_path: Path
+) -> None:
+    (tmp_path / "templates" / "hooks").mkdir(parents=True)
+    (tmp_path / "templates" / "hooks" / "post-checkout").write_text("#!/bin/sh\n")
+    settings = tmp_path / "settings"
+    settings.write_text(f"[init]\n\ttemplateDir = {(tmp_path / 'templates').as_posix()}\n")
+    Git({**os.environ, **own_environment, "GIT_CONFIG_GLOBAL": str(settings)}, quiet).create(tmp_path / "repository")
+    assert (tmp_path / "repository" / "objects").is_dir()
+    assert not (tmp_path / "repository" / "hooks").exists()
+
+
+def test_the_server_of_a_local_repository_gets_the_bounds_and_no_transport() -> None:
+    words = shlex.split(git_command.serving())
+    assert {f"{name}={value}" for name, value in git_command.NO_TRANSPORT.items()} <= set(words[: words.index("git")])
+    options = set(words[words.index("git") :])
+    for settings in (git_command._BOUNDS, git_command.CONFINED):
+        assert {f"{name}={value}" for name, value in settings.items()} <= options

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from mjcompose.build.bundle.bundle import Bundle, OutputError
 from mjcompose.build.bundle.manifest import Manifest, files_of, with_manifest
-from mjcompose.build.bundle.staging import staged_file, write_folder, write_mjb
+from mjcompose.build.bundle.staging import _put_back, staged_file, write_folder, write_mjb
 
 
 def made(text: str = "<mujoco/>", **files: bytes) -> Bundle:
@@ -274,3 +274,14 @@ def test_what_a_link_points_to_is_replaced(tmp_path: Path) -> None:
         stage.write_text("new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real").read_text() == "new"
+
+
+def test_an_older_output_is_not_put_over_a_link(tmp_path: Path) -> None:
+    left = tmp_path / f".out.tmp-{'0' * 12}"
+    (left / "old-output").mkdir(parents=True)
+    (tmp_path / "out").symlink_to(tmp_path / "nowhere")
+    _put_back(left)
+    assert (tmp_path / "out").is_symlink() and (left / "old-output").is_dir()
+    (tmp_path / "out").unlink()
+    _put_back(left)
+    assert (tmp_path / "out").is_dir() and not (left / "old-output").exists()

@@ -106,6 +106,8 @@ def stamped(folder: Path, **fields: object) -> dict[str, object]:
         ({"target": "nope"}, '"target": "nope"', "`target`: the target `nope` does not exist"),
         ({"params": {"size": {"x": 1}}}, '"size": {', "`params/size`: a parameter is a number, a text"),
         ({"params": {"size": [1, [2]]}}, '"size": [', "`params/size`: a parameter is a number, a text"),
+        ({"params": {"size": float("nan")}}, '"size": NaN', "`params/size`: a parameter is a finite number"),
+        ({"params": {"size": [1.0, float("-inf")]}}, '"size": [', "`params/size`: a parameter is a finite number"),
         ({"read": {"cell.yaml": "x"}}, '"cell.yaml": "x"', "`read/cell.yaml`"),
         ({"more": 1}, '"more": 1', "`more` is not a key of a stamp"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import replace
@@ -41,6 +42,8 @@ def _parameter(value: Any) -> Any:
     items = value if isinstance(value, list | tuple) else [value]
     if not all(each is None or isinstance(each, bool | int | float | str) for each in items):
         raise PydanticCustomError("value", "a parameter is a number, a text, a boolean or a list of them")
+    if not all(math.isfinite(each) for each in items if isinstance(each, float)):
+        raise PydanticCustomError("value", "a parameter is a finite number")
     return value
 
 
@@ -53,7 +56,7 @@ class Stamp(BaseModel):
     A stamp may come from anyone, so each field has a form, and no field is a path.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     stamp: Literal[1] = 1
     name: Name
