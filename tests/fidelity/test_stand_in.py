@@ -34,7 +34,6 @@ pytestmark = pytest.mark.skipif(not FOLDER, reason="MJCOMPOSE_CORPUS names no co
 
 FAILS = {"12-strippath", "53-size-memory-nuser", "89-two-unnamed-keys"}
 CHANGES_PARTS = {
-    "22-sensors-every-reference",  # its `refname` stays the world of the whole
     "34-flexcomp",  # what is pinned to the part's world stays behind when the part is moved
     "44-settotalmass-child",
     "47-fitaabb",

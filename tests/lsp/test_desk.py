@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -66,7 +67,9 @@ def published(folder: Path, judge: Judge, meanwhile: str) -> list[list[str]]:
             await asyncio.sleep(0.01)
         await desk.shut()
 
-    asyncio.run(edit())
+    # Another test of this process may have left a browser open, whose loop runs in this thread.
+    with ThreadPoolExecutor(1) as own_thread:
+        own_thread.submit(asyncio.run, edit()).result()
     assert not wrong, "".join(wrong)
     return found
 
