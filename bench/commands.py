@@ -1,7 +1,7 @@
 """Commands on inputs that double: the exponent of the processor time, beside that of MuJoCo's own compile.
 
-An exponent of 1 is linear. `growth_commands.svg` in `docs/pictures`, which `docs/contributing/performance.md` shows, is
-its plot. `tests/growth` counts calls on small inputs of every command; this measures seconds on large ones.
+An exponent of 1 is linear. It draws the plot `growth_commands.svg` in `docs/pictures`. `tests/growth` counts calls
+on small inputs of every command; this measures seconds on large ones.
 """
 
 from __future__ import annotations
