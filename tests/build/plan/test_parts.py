@@ -121,3 +121,8 @@ attach:
   ok: {model: ./robot.xml, body: base}
 """
     assert faults_of(text, tmp_path) == ["5: attach-cycle", "8: attach-cycle"]
+
+
+def test_a_file_name_with_nul_is_no_traceback(tmp_path: Path) -> None:
+    (tmp_path / "named.xml").write_bytes(b'<mujoco><include file="a\0b.xml"/></mujoco>')
+    assert faults_of("recipe: 1\nbase: ./named.xml\n", tmp_path) == []

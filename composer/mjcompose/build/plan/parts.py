@@ -306,7 +306,7 @@ def _reaches(path: Path, main: Path, door: Door, seen: set[Path]) -> bool:
     seen.add(path)
     try:
         data = door.read(path, in_force().xml_size)
-    except (Refused, OSError):  # reported when the model is read
+    except (Refused, OSError, ValueError):  # ValueError for a name with NUL; reported when the model is read
         return False
     names = {os.fsdecode(name) for name in _NAMED.findall(data)}
     folders = {main, path.parent}
