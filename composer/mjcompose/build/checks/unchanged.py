@@ -66,10 +66,11 @@ def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context
     """Compare each source of the part, by its name in the outermost recipe, and return the number of sources."""
     from mjcompose.build.plan.plan import of_part
 
-    separator = checks.plan.separator
-    part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
     excused = [*checks.drawn, *(array for name in check.excepted for array in arrays_of(name))]
-    sources = of_part(checks.members, part, separator)
+    if check.part:
+        sources = of_part(checks.members, recipe.part + check.part, recipe.plan.separator)
+    else:
+        sources = [member for member in checks.members if member.part.startswith(recipe.part)]
     for source in sources:
         compared = checks.comparer.compare(source, excused)
         if not compared.ok:

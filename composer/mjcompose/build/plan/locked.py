@@ -253,7 +253,7 @@ class _FileGatherer(Struct, frozen=False):
         """
         if placed.part and not plan.at:
             self._put(plan.path, [plan.path], plan.source, label=placed.part, span=placed.span)
-        label = f"{placed.part}{plan.separator}{EXTENDS}" if placed.part else EXTENDS
+        label = f"{placed.above}{EXTENDS}"
         for source, span in plan.extended:
             if placed.part or source.origin is not None:
                 self._put(source.path, [source.path, *source.licenses], source, label=label, span=placed.span or span)

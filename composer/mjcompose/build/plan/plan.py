@@ -354,7 +354,7 @@ class Plan(Struct):
 
     def walk(self, is_fixed: bool = True) -> Iterator[PlacedModel]:
         """Yield the plan, fixed in the world if `is_fixed`, then its base and parts, each followed by its contents."""
-        yield from _walk(PlacedModel(self, is_fixed_in_world=is_fixed))
+        yield from _walk(PlacedModel(self, separator=self.separator, is_fixed_in_world=is_fixed))
 
     def places(self) -> Iterator[PlacedModel]:
         """Yield the same as `walk`, then the recipes that MJCF attaches, under the names of their parts."""
@@ -363,11 +363,17 @@ class Plan(Struct):
         for place in placed:
             for plan in () if place.step is None else place.step.inner:
                 for each in plan.places():
-                    part = place.part + plan.separator + each.part if each.part else place.part
+                    part = f"{place.above}{each.part}" if each.part else place.part
                     yield replace(each, part=part, span=place.span)
 
     def plans(self) -> Iterator[Plan]:
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
+
+    @property
+    def joins_names(self) -> bool:
+        """Whether it, or a recipe in it, joins its separator to names: it gives a part a prefix."""
+        plans = (place.model for place in self.walk() if isinstance(place.model, Plan))
+        return any(part.prefix for plan in plans for part in plan.parts)
 
     def sources(self) -> Iterator[Source]:
         yield from (place.model for place in self.places() if isinstance(place.model, Source))
@@ -406,15 +412,16 @@ class PlacedModel(Struct):
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     It is the base or a part of `outer` by `step`, None for the outermost plan. `part` is its name in the outermost
-    recipe, empty for the recipe itself. `prefix` starts its names, and `keys` starts the names of its keyframes; None
-    without keyframes. `others` are longer prefixes. `is_fixed_in_world` is about the final model, and `span` is about
-    the outermost recipe.
+    recipe, empty for the recipe itself, and `separator` is between it and the name of a part in it. `prefix` starts its
+    names, and `keys` starts the names of its keyframes; None without keyframes. `others` are longer prefixes.
+    `is_fixed_in_world` is about the final model, and `span` is about the outermost recipe.
     """
 
     model: Source | Plan | None
     outer: Plan | None = None
     step: AttachPart | None = None
     part: str = ""
+    separator: str = ""
     prefix: str = ""
     others: tuple[str, ...] = ()
     keys: str | None = ""
@@ -425,19 +432,24 @@ class PlacedModel(Struct):
     def request(self) -> Attachment | None:
         return None if self.step is None else self.step.attachment
 
+    @property
+    def above(self) -> str:
+        """The start of the names of parts in it."""
+        return f"{self.part}{self.separator}" if self.part else ""
+
 
 def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
     yield placed
     plan = placed.model
     if not isinstance(plan, Plan):
         return
-    above = f"{placed.part}{plan.separator}" if placed.part else ""
     prefixed = tuple(placed.prefix + part.prefix for part in plan.parts if part.prefix)
     for part in plan.members:
         policy = part.attachment.key_policy
         keys = None if policy == "none" or placed.keys is None else placed.keys
         inner = PlacedModel(
-            part.model, plan, part, part=above + part_name(part, plan.separator), prefix=placed.prefix + part.prefix,
+            part.model, plan, part, part=placed.above + part_name(part, plan.separator), separator=plan.separator,
+            prefix=placed.prefix + part.prefix,
             others=placed.others if part is not plan.base else (*placed.others, *prefixed),
             keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
             is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),

@@ -315,8 +315,8 @@ class _Planner:
             self._no_settings(attachment, f"the recipe `{reference}`", document=document, at=at)
             values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
             plan = self.plan(source.path, inside, span, given=values, source=source)
-            if plan is not None and plan.separator != outer.separator:
-                self._separators(f"`{reference}`", plan, outer, span=span)
+            if plan is not None:
+                self._check_separator(f"`{reference}`", plan, outer, span=span)
             return plan
         if source.format != "urdf":
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
@@ -389,17 +389,21 @@ class _Planner:
         if (read := validate_what_remains(with_inherited(model, around.document), self.sink)) is None:
             return None
         recipe = read.recipe
-        if recipe.separator != around.recipe.separator:
-            self._separators("the model in place", recipe, around.recipe, span=model.span)
         others = {} if ({"angle", "eulerseq"} & model.entries.keys()) else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         loaded = _LoadedRecipe(
             recipe.name or str(at[-1]), around.path, recipe, document=read.document, concrete=around.concrete,
             angle_context=angle_context, at=(*around.at, *at, "model"),
         )  # fmt: skip
-        return self._assembled(loaded, inside)
+        plan = self._assembled(loaded, inside)
+        if plan is not None:
+            self._check_separator("the model in place", plan, around.recipe, span=model.span)
+        return plan
 
-    def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
+    def _check_separator(self, model: str, inner: Plan, outer: Recipe, span: Span) -> None:
+        """Report a nested recipe whose names mix two separators. If it gives no part a prefix, it joins none."""
+        if inner.separator == outer.separator or not inner.joins_names:
+            return
         message = f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`"
         help = f'give both the same: `separator: "{inner.separator}"`'
         self.sink.error("separator-mismatch", message, span, help=help)

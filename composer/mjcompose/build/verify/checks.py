@@ -44,9 +44,11 @@ class NestedRecipe(Struct):
         """Return the body and pose of its world in the model, taken from its base; None if the pose is unknown."""
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
-        end, name, plan = self.plan.separator, f"{self.part}{BASE}", self.plan
+        name = f"{self.part}{BASE}"
+        plan = self.plan
         while plan.base is not None and isinstance(plan.base.model, Plan):
-            plan, name = plan.base.model, f"{name}{end}{BASE}"
+            name = f"{name}{plan.separator}{BASE}"
+            plan = plan.base.model
         for member in members:
             if member.part == name and member.pose is not None:
                 return {"body": member.body, "pos": member.pose.pos, "quat": member.pose.quat}
@@ -57,8 +59,7 @@ def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
     """Yield the checks of a plan, then the checks of its nested recipes."""
     for place in plan.walk():
         if isinstance(inner := place.model, Plan):
-            part = f"{place.part}{inner.separator}" if place.part else ""
-            recipe = NestedRecipe(inner, part, place.prefix, others=place.others, keys=place.keys)
+            recipe = NestedRecipe(inner, place.above, place.prefix, others=place.others, keys=place.keys)
             yield from ((recipe, check) for check in inner.checks)
 
 
