@@ -161,10 +161,11 @@ def axes(n: int) -> Words:
     return [*_BUILD, "--no-compile"]
 
 
-@case("build: subtrees of one model", 10)
+@case("build: subtrees of one model", 30)
 def subtrees(n: int) -> Words:
-    _model(_bodies(40))
-    rows = (f"  p{number}: {{model: ./base.xml, subtree: b{number % 40}}}" for number in range(n))
+    motors = "".join(f'<motor name="m{number}" joint="j{number}"/>' for number in range(n))
+    _model(_bodies(n, _HINGE), f"<actuator>{motors}</actuator>")
+    rows = (f"  p{number}: {{model: ./base.xml, subtree: b{number}}}" for number in range(n))
     _recipe(["attach:", *rows], start="recipe: 1\n")
     return [*_BUILD, "--no-compile"]
 

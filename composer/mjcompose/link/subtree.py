@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
@@ -11,6 +12,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.link.excerpt import SECTIONS, SUPPORTING, Excerpt, Name
 from mjcompose.link.expansion import element_of
 from mjcompose.link.inertia import MEASURED, write_inertias
 from mjcompose.link.key_layout import Holder
@@ -26,7 +28,6 @@ from mjcompose.tree.select import section_of
 from mjcompose.tree.unit import KeyRecord, Number, Unit, texts
 
 _SUPPORT = ("default", "asset", "extension")
-Name = tuple[str, str]
 
 
 def drop_unneeded(unit: Unit) -> list[Name]:
@@ -100,11 +101,6 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
     return needed
 
 
-# These have no side: an element that needs one takes it.
-SUPPORTING = frozenset({"default", "mesh", "material", "texture", "hfield", "model", "instance", "key"})
-_SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
-
-
 class Side(NamedTuple):
     """Whether an element refers inside the subtree, outside, both or neither; `lacks` is the first one outside."""
 
@@ -124,15 +120,22 @@ def side_of_world(element: Node) -> str | None:
 
 
 class SideFinder:
-    """Finds the side of elements by the names that they refer to, directly or through other elements."""
+    """Finds the side of elements by the names that they refer to, directly or through other elements.
 
-    def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True) -> None:
+    `known` are further names in the world: those that are not inside are outside.
+    """
+
+    def __init__(
+        self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True,
+        known: Container[Name] = (),
+    ) -> None:  # fmt: skip
         self._unit, self._in_world = unit, in_world
         self._inside = _Names(inside)
         self._outside = _Names(outside)
+        self._known = known
         self._sides: dict[Node, Side] = {}
         self._others: dict[tuple[str, str], tuple[Node, str]] = {}
-        for section in unit.root.iterchildren(*_SECTIONS):
+        for section in unit.root.iterchildren(*SECTIONS):
             tag = str(section.tag)
             for element in section.iterchildren("*"):
                 declared = declaration(element, tag)
@@ -188,7 +191,7 @@ class SideFinder:
         key = namespace, name
         if key in self._inside.names:
             return Side(inside=True)
-        if key in self._outside.names:
+        if key in self._outside.names or key in self._known:
             side = Side(outside=True)
         elif (other := self._others.get(key)) is not None:
             side = self.of(*other)
@@ -239,24 +242,58 @@ class DroppedElement(Struct):
 
 
 class Subtree(Struct):
-    """One body of a model by its name, or None for the whole unit, and the elements that were dropped."""
+    """One body of a model by its name, or None for the whole unit, and the elements that were dropped.
+
+    `cut` are those that refer into the subtree and out of it. `list_dropped` returns all.
+    """
 
     body: str | None
-    dropped: tuple[DroppedElement, ...]
+    cut: tuple[DroppedElement, ...]
+    list_dropped: Callable[[], tuple[DroppedElement, ...]]
+
+    @classmethod
+    def of(cls, body: str | None, dropped: tuple[DroppedElement, ...]) -> Subtree:
+        return cls(body, _cut(dropped), lambda: dropped)
 
     @property
-    def cut(self) -> tuple[DroppedElement, ...]:
-        return tuple(each for each in self.dropped if each.lacks is not None)
+    def dropped(self) -> tuple[DroppedElement, ...]:
+        return self.list_dropped()
+
+    def with_dropped(self, more: tuple[DroppedElement, ...]) -> Subtree:
+        """Return the same with elements that were dropped afterwards."""
+        return Subtree(self.body, (*self.cut, *_cut(more)), lambda: (*self.dropped, *more))
+
+
+def _cut(dropped: Iterable[DroppedElement]) -> tuple[DroppedElement, ...]:
+    return tuple(each for each in dropped if each.lacks is not None)
+
+
+def take_from_excerpt(
+    excerpt: Excerpt, sink: Sink, *, span: Span | None = None, keyframes: KeyPolicy = "merge",
+    measure: Measure | None = None,
+) -> Subtree | None:  # fmt: skip
+    """Do as `take_subtree` in an excerpt of its source. The list of all dropped elements is made on request."""
+
+    def list_dropped() -> tuple[DroppedElement, ...]:
+        unit = excerpt.whole.copied()
+        subtree = take_subtree(unit, excerpt.body, Sink(), span=span, keyframes=keyframes, measure=measure)
+        return () if subtree is None else subtree.dropped
+
+    subtree = take_subtree(
+        excerpt.unit, excerpt.body, sink, span=span, keyframes=keyframes, measure=measure, known=excerpt.names
+    )
+    return None if subtree is None else replace(subtree, list_dropped=list_dropped)
 
 
 def take_subtree(
     unit: Unit, name: str, sink: Sink, *, span: Span | None = None, keyframes: KeyPolicy = "merge",
-    measure: Measure | None = None,
+    measure: Measure | None = None, known: Container[Name] = (),
 ) -> Subtree | None:  # fmt: skip
     """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.
 
     The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside the body
-    are dropped. `measure` gets the values of the whole unit that only MuJoCo knows.
+    are dropped. `measure` gets the values of the whole unit that only MuJoCo knows. `known` are names in the world of
+    the source of which the unit is an excerpt.
     """
     before = sink.error_count
     body = _find(unit, name, sink, span=span)
@@ -270,14 +307,15 @@ def take_subtree(
     inside = list(body.iter("*"))
     kept = set(inside)
     outside = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept]
-    sides = SideFinder(unit, inside, outside, in_world=next(body.iterancestors("body"), None) is None)
+    in_world = next(body.iterancestors("body"), None) is None
+    sides = SideFinder(unit, inside, outside, in_world=in_world, known=known)
     dropped = [*_named(outside), *_cut_in_the_tree(sides, unit, inside)]
     _make_root(unit, body)
     dropped += _drop_from_sections(unit, sides)
     dropped += _drop_from_keys(unit, rows)
     dropped += (DroppedElement(word(namespace), each) for namespace, each in drop_unneeded(unit))
     unit.forget_classes()
-    return Subtree(name, tuple(dropped))
+    return Subtree.of(name, tuple(dropped))
 
 
 def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
@@ -377,9 +415,9 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
         if tag in _OF_THE_WHOLE:
-            yield from _strip_section(section, looks=next(unit.root.iter("camera"), None) is not None)
+            yield from _strip_section(section, looks=unit.root.find("worldbody//camera") is not None)
             continue
-        for element in section.iterchildren("*") if tag in _SECTIONS else ():
+        for element in section.iterchildren("*") if tag in SECTIONS else ():
             if tag == "asset" and element.tag != "skin":
                 continue
             side = sides.of(element, tag)
@@ -392,7 +430,7 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
         if element not in needed:
             detach(element)
             yield dropped
-    _remove_empty_sections(unit, _SECTIONS)
+    _remove_empty_sections(unit, SECTIONS)
 
 
 def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:

@@ -251,10 +251,14 @@ class Origins(Struct, frozen=False):
 
     def carried(self, old: Node, new: Node) -> Origins:
         """Return the same data for `new`, a deep copy of `old`."""
+        return self.carried_to(zip(old.iter(), new.iter(), strict=True))
+
+    def carried_to(self, pairs: Iterable[tuple[Node, Node]]) -> Origins:
+        """Return the same data for copies; `pairs` has each node with its copy."""
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         names = ("owners", "settings", "renamed", "keys", "delays", "values")
         tables = [(getattr(self, name), getattr(found, name)) for name in names]
-        for node, twin in zip(old.iter(), new.iter(), strict=True) if any(known for known, _ in tables) else ():
+        for node, twin in pairs if any(known for known, _ in tables) else ():
             for known, kept in tables:
                 if (each := known.get(node)) is not None:
                     kept[twin] = each.copy() if isinstance(each, dict | list) else each

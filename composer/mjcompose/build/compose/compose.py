@@ -63,6 +63,7 @@ from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, Se
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
 from mjcompose.link.delays import delays
+from mjcompose.link.excerpt import Excerpt
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
@@ -409,6 +410,7 @@ class Composer:
         if wanted.model is None:
             return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
         unit: Unit | None
+        excerpt: Excerpt | None = None
         if isinstance(wanted.model, Plan):
             self.nested += 1
             try:
@@ -418,7 +420,9 @@ class Composer:
             unit = composed.model if composed else None
         else:
             span = locate(plan.document, (*wanted.at, "model"))
-            unit = self.loader.unit(wanted.model, span, wanted.is_fixed_in_world)
+            if wanted.body is not None:
+                excerpt = self.loader.excerpt(wanted.model, wanted.body, span, wanted.is_fixed_in_world)
+            unit = self.loader.unit(wanted.model, span, wanted.is_fixed_in_world) if excerpt is None else excerpt.unit
         if unit is None:
             return None
         if isinstance(wanted.model, Source):
@@ -427,7 +431,7 @@ class Composer:
         if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
             return None
         if wanted.body is not None:
-            if (subtree := wanted.take(unit, self.context.sink, self.measure)) is None:
+            if (subtree := wanted.take(unit, excerpt, self.context.sink, self.measure)) is None:
                 return None
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(wanted.at)] = subtree
@@ -437,8 +441,8 @@ class Composer:
             if (dropped := PartEdits(plan, wanted, unit, composer=self).carry_out()) is None:
                 return None
             if wanted.drops_elements:
-                known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
-                self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.dropped, *dropped))
+                known = self.subtrees.get(plan.place_of(wanted.at), Subtree.of(None, ()))
+                self.subtrees[plan.place_of(wanted.at)] = known.with_dropped(dropped)
         return unit
 
 

@@ -43,6 +43,7 @@ from mjcompose.tree.unit import Unit, Watch, element_at, nobody
 from mjcompose.tree.xml_text import write
 
 if TYPE_CHECKING:
+    from mjcompose.link.excerpt import Excerpt, ExcerptSource
     from mjcompose.link.subtree import Subtree
     from mjcompose.mujoco.convert import Converted
     from mjcompose.urdf.robot import Robot
@@ -84,23 +85,47 @@ class Loader(Struct, frozen=False):
     embed: Callable[[Unit], bool] | None = None
     parsed: dict[Key, Unit | None] = field(default_factory=dict)
     uses: Counter[Key] = field(default_factory=Counter)
+    excerpted: dict[Key, ExcerptSource | None] = field(default_factory=dict)
 
     def expect(self, model: Source, is_fixed: bool) -> None:
         self.uses[source_key(model, is_fixed)] += 1
 
     def unit(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
-        if (key := source_key(model, is_fixed)) not in self.parsed:
-            refused = self.parsed.get((*key[:-1], not key[-1]), ...) is None  # a fault of a file is reported once
-            self.parsed[key] = None if refused else self._known_or_read(key, model, span, is_fixed=is_fixed)
-        unit = self.parsed[key]
+        key = source_key(model, is_fixed)
+        unit = self._parsed(key, model, span, is_fixed=is_fixed)
         self.uses[key] -= 1
         # Linking uses a unit up.
-        if unit is not None and self.uses[key] > 0:
+        if unit is not None and (self.uses[key] > 0 or self.excerpted.get(key) is not None):
             unit = unit.copied()
         if unit is not None:
             self.watch([unit], model)
         return unit
+
+    def excerpt(self, model: Source, body: str, span: Span | None, is_fixed: bool) -> Excerpt | None:
+        """Return an excerpt with a body of a source that is needed again; None if the part needs the whole `unit`."""
+        from mjcompose.link.excerpt import ExcerptSource  # few recipes need it
+
+        key = source_key(model, is_fixed)
+        # An observer sees what is dropped.
+        if self.watch is not nobody or (self.uses[key] < 2 and key not in self.excerpted):
+            return None
+        unit = self._parsed(key, model, span, is_fixed=is_fixed)
+        if unit is None:
+            return None
+        if key not in self.excerpted:
+            self.excerpted[key] = ExcerptSource.of(unit)
+        source = self.excerpted[key]
+        excerpt = None if source is None else source.excerpt(body)
+        if excerpt is not None:
+            self.uses[key] -= 1
+        return excerpt
+
+    def _parsed(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+        if key not in self.parsed:
+            refused = self.parsed.get((*key[:-1], not key[-1]), ...) is None  # a fault of a file is reported once
+            self.parsed[key] = None if refused else self._known_or_read(key, model, span, is_fixed=is_fixed)
+        return self.parsed[key]
 
     def tables(self) -> Tables:
         return {key[:-1]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
@@ -204,12 +229,15 @@ class PartRequest(Struct):
         sink.error("selector", message, locate(document, (*self.at, "drop", needless[0].index)), help=help)
         return False
 
-    def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
+    def take(self, unit: Unit, excerpt: Excerpt | None, sink: Sink, measure: Measure | None) -> Subtree | None:
         """Reduce the unit to the body. Return None after a reported error if that is impossible."""
-        from mjcompose.link.subtree import take_subtree  # few recipes need it
+        from mjcompose.link.subtree import take_from_excerpt, take_subtree  # few recipes need it
 
         assert self.body is not None
-        subtree = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
+        if excerpt is None:
+            subtree = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
+        else:
+            subtree = take_from_excerpt(excerpt, sink, span=self.span, keyframes=self.keyframes, measure=measure)
         if subtree is not None and subtree.cut:
             alone = f"the {subtree.cut[0].called}, which reaches" if len(subtree.cut) == 1 else ""
             cut = alone or f"{len(subtree.cut)} elements that reach"
