@@ -607,3 +607,41 @@ def test_an_actuator_in_the_frame_of_the_parent_is_one_of_its_joint(tmp_path: Pa
     assert "joints with an actuator: turn" in told("{joint: {tun: 1}}")
     assert "which moves the hinge `turn`, is" in told("{servo: 1}")
     assert "write it by its joint: `ctrl: {joint: {turn: …}}`" in told("{turn: 1rad}")
+
+
+LEGS = """<mujoco><compiler angle="radian"/><worldbody>
+  <body name="FL"><joint name="FL_hip"/><joint name="FL_knee" axis="0 1 0"/><geom size=".1"/></body>
+  <body name="FR"><joint name="FR_hip"/><joint name="FR_knee" axis="0 1 0"/><geom size=".1"/></body>
+  <body name="hand" mocap="true"/></worldbody><actuator><position name="left" joint="FL_hip" kp="3"/>
+  <position name="right" joint="FR_hip" kp="3"/><position joint="FL_knee" kp="2"/>
+  <general name="slow" joint="FR_knee" dyntype="filter" dynprm="1"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("key", "vector", "expected"),
+    [
+        ("qpos: {'*_hip': 0.3, '*_knee': -0.6, FR_knee: -0.7}", "qpos", [0.3, -0.6, 0.3, -0.7]),
+        ("qvel: {'/F._(hip|knee)/': 2}", "qvel", [2, 2, 2, 2]),
+        ("mpos: {'h*': [1, 2, 3]}", "mpos", [1, 2, 3]),
+        ("act: {'sl*': 0.5}", "act", [0.5]),
+        ("ctrl: {'*t': 0.2, right: 0.1}", "ctrl", [0.2, 0.1, 0, 0]),
+        ("qpos: {'*': 0.4}, ctrl: {'*t': hold, right: 0.1}", "ctrl", [0.4, 0.1, 0, 0]),
+        ("qpos: {'*': 0.4}, ctrl: {'*t': 0.1, right: hold}", "ctrl", [0.1, 0.4, 0, 0]),
+        ("qpos: {'*': 0.4}, ctrl: {joint: {'FL_*': hold, FL_hip: 0.1}}", "ctrl", [0.1, 0, 0.4, 0]),
+        # A name counts more than a glob, also where one is an actuator and the other is a joint.
+        ("qpos: {'*': 0.4}, ctrl: {left: 0.1, joint: {'*_hip': 0.2}}", "ctrl", [0.1, 0.2, 0, 0]),
+        (
+            "qpos: {'*': 0.4}, ctrl: {joint: {'*_hip': 0.2, FL_hip: 0.3}, '*t': 0.5, right: hold}",
+            "ctrl",
+            [0.3, 0.4, 0, 0],
+        ),
+    ],
+)
+def test_globs(built: Built, key: str, vector: str, expected: list[float]) -> None:
+    model = built(f"angle: radian\nbase: ./legs.xml\nkeyframe: {{k: {{{key}}}}}\n", legs__xml=LEGS)
+    assert getattr(model.key("k"), vector) == pytest.approx(expected)
+
+
+def test_a_glob_of_activations_counts_more_than_the_hold_of_all(built: Built) -> None:
+    recipe = "angle: radian\nbase: ./legs.xml\nkeyframe: {k: {ctrl: {hold: forces}, act: {'s*': 0.5}}}\n"
+    assert built(recipe, legs__xml=LEGS).key("k").act.tolist() == [0.5]

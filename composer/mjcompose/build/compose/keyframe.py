@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import field, replace
 from typing import Any
@@ -15,6 +15,7 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
 from mjcompose.build.compose.actuators import ControlUnits
 from mjcompose.build.compose.elements import ElementBuilder, pose_number, turned
+from mjcompose.build.compose.key_names import entries_by_name, is_glob_of
 from mjcompose.build.compose.load import FINISHED, keep_finished
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
@@ -33,6 +34,7 @@ from mjcompose.text.expression import Angle
 from mjcompose.text.node import find, locate
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.names import may_be_generated, word
+from mjcompose.tree.pattern import BadPattern, is_pattern
 from mjcompose.tree.unit import Key, KeySource, Number, numbers_of, taken, texts
 
 _Holder = tuple[Node, Slot | None]
@@ -106,6 +108,35 @@ def _joint_of(actuator: Node) -> str | None:
     return actuator.get("joint") or actuator.get("jointinparent")
 
 
+class _Claim(Struct):
+    """An entry of a key for one element: numbers, or None for the control that holds the pose.
+
+    `name` is the name of the element, or of the joint that a control goes by. `path` is the place of the entry below
+    its vector, and ends in a name or a glob.
+    """
+
+    name: str
+    holder: _Holder
+    entry: Entry | None
+    path: tuple[str, ...]
+
+    @property
+    def by_joint(self) -> bool:
+        return len(self.path) > 1
+
+    @property
+    def is_glob(self) -> bool:
+        return self.path[-1] != self.name
+
+    def is_like(self, other: _Claim) -> bool:
+        """Whether both write the same."""
+        return self.entry == other.entry and self.by_joint == other.by_joint
+
+
+def _driven_note(joints: Iterable[str]) -> Note:
+    return Note(f"joints with an actuator: {', '.join(dict.fromkeys(joints)) or 'none'}")
+
+
 class _KeyWriter(Struct, frozen=False):
     step: WriteKeyframe
     linking: Linking
@@ -134,40 +165,106 @@ class _KeyWriter(Struct, frozen=False):
                 self.values.setdefault(vector, {}).update(columns)
             if recipe_key.time is None and source.time is not None:
                 self._take_time(key, source)
-        self._hold()
+        if recipe_key.controls.hold is not None:
+            for holder in self.actuators.items():
+                self._hold(holder, ("hold",))
         for vector, entries in recipe_key.values.items():
-            for name, entry in entries.items():
-                if (holder := self.holders[VECTORS[vector]].get(name)) is None:
-                    self._unknown(vector, name)
-                else:
-                    self._place(vector, name, holder, entry=entry, path=(name,))
-        for joint, entry in recipe_key.controls.joints.items():
-            if (actuator := self._of_joint(joint)) is not None:
-                self._place_at_joint(joint, actuator, entry)
+            for claim in self._settled(vector, self._claims(vector, entries)):
+                self._take(vector, claim)
         return key
 
-    def _hold(self) -> None:
-        """Reserve the controls that hold the pose. Their values are known when the key is laid out."""
-        controls = self.step.key.controls
-        held: list[tuple[_Holder, tuple[str, ...]]] = []
-        if controls.hold is not None:
-            held += (((actuator, slot), ("hold",)) for actuator, slot in self.actuators.items())
-        for path in controls.held:
-            if path[0] == JOINT and len(path) > 1:
-                holder = self._of_joint(path[1])
-            else:
-                if (holder := self.holders["actuator"].get(path[0])) is None:
-                    self._unknown("ctrl", path[0])
-            if holder is not None:
-                held.append((holder, path))
-        for (actuator, slot), path in held:
-            span, width = self._at("ctrl", *path), 1 if slot is None else slot.widths[0]
-            source = KeySource("entry", "ctrl", span=span, hold="positions" if controls.hold is None else controls.hold)
-            self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
-            self.noted.held[element_of(actuator)] = span
+    def _take(self, vector: str, claim: _Claim) -> None:
+        """Write the numbers of an element, or reserve the control that holds the pose."""
+        if claim.entry is None:
+            self._hold(claim.holder, claim.path)
+        elif claim.by_joint:
+            self._place_at_joint(claim.name, claim.holder, claim.entry, path=claim.path)
+        else:
+            self._place(vector, claim.name, claim.holder, entry=claim.entry, path=claim.path)
 
-    def _of_joint(self, joint: str) -> _Holder | None:
-        """Return the actuator that a joint name selects: the only one of the joint, or its only position servo."""
+    def _claims(self, vector: str, entries: Mapping[str, Entry]) -> list[_Claim]:
+        """Return what the entries of a vector say about each element. Report names and globs of nothing."""
+        kind = VECTORS[vector]
+        holders = self.holders[kind]
+        if vector != CTRL:
+            names = self._names(vector, (), entries, holders, kind)
+            return [_Claim(name, holders[name], entries[entry], (entry,)) for name, entry in names]
+        controls = self.step.key.controls
+        by_actuator = {path[0]: None for path in controls.held if len(path) == 1} | dict(entries)
+        by_joint = {path[1]: None for path in controls.held if len(path) > 1} | dict(controls.joints)
+        names = self._names(vector, (), by_actuator, holders, kind)
+        claims = [_Claim(name, holders[name], by_actuator[entry], (entry,)) for name, entry in names]
+        own = (node for node in self.actuators if not isinstance(node, Copy))
+        driven = dict.fromkeys(joint for node in own if (joint := _joint_of(node)))
+        for joint, entry in self._names(vector, (JOINT,), by_joint, driven, "joint with an actuator"):
+            if (actuator := self._of_joint(joint, (JOINT, entry))) is not None:
+                claims.append(_Claim(joint, actuator, by_joint[entry], (JOINT, entry)))
+        return claims
+
+    def _names(
+        self, vector: str, above: tuple[str, ...], written: Collection[str], names: Collection[str], kind: str
+    ) -> Iterator[tuple[str, str]]:
+        """Yield each name that entries set, with the entry. Report globs that fit none of the names of the kind.
+
+        The entries are written at `above`, below the vector. A name that does not exist is reported, or yielded if
+        another method reports it.
+        """
+        separator = self.linking.request.separator
+        for entry in written:
+            if not is_glob_of(entry, names):
+                if entry in names or above:
+                    yield entry, entry
+                else:
+                    self._unknown(vector, entry)
+                continue
+            try:
+                fitting = list(entries_by_name([entry], names, separator))
+            except BadPattern as error:
+                self.making.sink.error("selector", str(error), self._at(vector, *above, entry, key=True))
+                continue
+            if not fitting:
+                message = f"`{entry}` in `{vector}` fits no {kind}"
+                note = exists_note(kind, names, entry) if not above else _driven_note(names)
+                span = self._at(vector, *above, entry, key=True)
+                self.making.sink.error("selector", message, span, notes=(note,), subjects=(entry,))
+            yield from ((name, entry) for name in fitting)
+
+    def _settled(self, vector: str, claims: Sequence[_Claim]) -> list[_Claim]:
+        """Return the claims that count: names win over globs. Report globs that say different things of an element."""
+        named = {claim.holder[0] for claim in claims if not claim.is_glob}
+        by_glob: dict[Node, _Claim] = {}
+        reported: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
+        for claim in claims:
+            if not claim.is_glob or claim.holder[0] in named:
+                continue
+            other = by_glob.setdefault(claim.holder[0], claim)
+            if not claim.is_like(other) and (other.path, claim.path) not in reported:
+                reported.add((other.path, claim.path))
+                self._two_globs(vector, other, claim)
+        return [*by_glob.values(), *(claim for claim in claims if not claim.is_glob)]
+
+    def _two_globs(self, vector: str, one: _Claim, other: _Claim) -> None:
+        message = f"`{one.path[-1]}` and `{other.path[-1]}` both set `{vector}` of `{other.name}`"
+        notes = (Note("the other entry", self._at(vector, *one.path, key=True)),)
+        help = f"write `{other.name}` itself, which wins over globs"
+        span = self._at(vector, *other.path, key=True)
+        self.making.sink.error("name-clash", message, span, notes=notes, help=help, subjects=(other.name,))
+
+    def _hold(self, holder: tuple[Any, Slot | None], path: tuple[str, ...]) -> None:
+        """Reserve a control that holds the pose. Its value is known when the key is laid out."""
+        actuator, slot = holder
+        way = self.step.key.controls.hold or "positions"
+        span = self._at(CTRL, *path)
+        width = 1 if slot is None else slot.widths[0]
+        source = KeySource("entry", CTRL, span=span, hold=way)
+        self.values.setdefault(CTRL, {})[actuator] = [Number("0", source, at) for at in range(width)]
+        self.noted.held[element_of(actuator)] = span
+
+    def _of_joint(self, joint: str, path: tuple[str, ...]) -> _Holder | None:
+        """Return the actuator that a joint name selects: the only one of the joint, or its only position servo.
+
+        `path` is the place of the entry below `ctrl`.
+        """
         own = [(node, slot) for node, slot in self.actuators.items() if not isinstance(node, Copy)]
         acting = [each for each in own if joint in (each[0].get("joint"), each[0].get("jointinparent"))]
         if len(acting) > 1:
@@ -185,9 +282,9 @@ class _KeyWriter(Struct, frozen=False):
             driven = [str(end) for node, _ in own if (end := _joint_of(node))]
             exists = self.linking.names.find("joint", joint) is not None
             message = f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist"
-            notes = [Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}")]
+            notes = [_driven_note(driven)]
             help = did_you_mean(joint, driven) if not exists else "write the actuator by its name"
-        span = self._at("ctrl", JOINT, joint, key=True)
+        span = self._at(CTRL, *path, key=True)
         self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(joint,))
         return None
 
@@ -241,10 +338,9 @@ class _KeyWriter(Struct, frozen=False):
         self._refuse_angles(vector, name, holder, entry=entry, meant=meant, path=path)
         self._write(vector, node, values, path=path)
 
-    def _place_at_joint(self, joint: str, holder: _Holder, entry: Entry) -> None:
+    def _place_at_joint(self, joint: str, holder: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
         """Write the controls of the actuator of a joint, from numbers on the joint's side of the gear."""
         node, slot = holder
-        path = (JOINT, joint)
         if self.units.are_unknown:
             self._place("ctrl", joint, holder, entry=entry, path=path)
             return
@@ -252,7 +348,7 @@ class _KeyWriter(Struct, frozen=False):
             return
         scales = self.units.at_joint(node)
         if scales is None or len(scales) != len(entry):
-            self._no_quantity(joint, node)
+            self._no_quantity(joint, node, path=path)
             return
         values = []
         for value, (scale, words) in zip(entry, scales, strict=True):
@@ -260,7 +356,7 @@ class _KeyWriter(Struct, frozen=False):
                 words = f"`ctrl` of the joint `{joint}` is {words}"
                 number = self._angle("ctrl", value, words, path=path)
             else:
-                number = self._without_angle(joint, value, scale.quantity)
+                number = self._without_angle(joint, value, scale.quantity, path=path)
             values.append(scale.control(number))
         self._write("ctrl", node, values, path=path, joint=joint)
 
@@ -273,7 +369,7 @@ class _KeyWriter(Struct, frozen=False):
         row = [Number(text, source, at) for at, text in enumerate(numbers.text(values).split())]
         self.values.setdefault(vector, {})[node] = row
 
-    def _no_quantity(self, joint: str, actuator: Node) -> None:
+    def _no_quantity(self, joint: str, actuator: Node, path: tuple[str, ...]) -> None:
         """Report an actuator whose control is nothing that the joint has."""
         name = _name(actuator)
         if name:
@@ -283,12 +379,12 @@ class _KeyWriter(Struct, frozen=False):
         else:
             message = f"the control of the `{actuator.tag}` actuator of the joint `{joint}` is not {_QUANTITIES} of it"
             help = _naming([actuator], joint)
-        self.making.sink.error("wrong-type", message, self._at("ctrl", JOINT, joint), help=help, subjects=(joint,))
+        self.making.sink.error("wrong-type", message, self._at(CTRL, *path), help=help, subjects=(joint,))
 
-    def _without_angle(self, joint: str, value: Single, quantity: str) -> float:
+    def _without_angle(self, joint: str, value: Single, quantity: str, path: tuple[str, ...]) -> float:
         if isinstance(value, Angle):
             message = f"`ctrl` of the joint `{joint}` is a {quantity}, not an angle: `{shown(value)}`"
-            span = self._at("ctrl", JOINT, joint)
+            span = self._at(CTRL, *path)
             self.making.sink.error("wrong-type", message, span, help="write the number without `deg` or `rad`")
         return pose_number(value)
 
@@ -375,10 +471,9 @@ class _KeyWriter(Struct, frozen=False):
         others = [each for each in linking.names.kinds_of(name) if each != kind]
         if others and not near:
             notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
-            if drives := [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]:
-                named = " and ".join(f"`{each}`" for each in drives)
-                verb = "is the" if len(drives) == 1 else "are"
-                help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
+            help = self._of_that(kind, others[0], name)
+        elif kind == "joint" and "body" in others:
+            help = self._of_that(kind, "body", name) or help
         if kind == "actuator" and self.unnamed:
             count = len(self.unnamed)
             have = "one actuator has" if count == 1 else f"{count} actuators have"
@@ -392,6 +487,18 @@ class _KeyWriter(Struct, frozen=False):
         message = f"the {kind} `{name}` to set `{vector}` of does not exist"
         fix = None if others else renaming(name, names)
         sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,), fix=fix)
+
+    def _of_that(self, kind: str, other: str, name: str) -> str | None:
+        """Return advice on the joints of a body, or the actuators of a joint or another element, with the name."""
+        holders = self.holders[kind].items()
+        if kind == "joint" and other == "body":
+            found = [joint for joint, (node, _) in holders if _name(next(node.iterancestors("body"))) == name]
+        else:
+            found = [holder for holder, (node, _) in holders if node.get(other) == name]
+        if not found:
+            return None
+        named = " and ".join(f"`{each}`" for each in found)
+        return f"{named} {'is the' if len(found) == 1 else 'are'} {kind}{'s' * (len(found) > 1)} of that {other}"
 
 
 def _naming(actuators: Sequence[Node], name: str) -> str:
@@ -496,7 +603,9 @@ class _PoseHolder(Struct):
         values: list[float | None] = answer[vector]
         zero = KeySource("zero", vector)
         row = self._numbers(vector) or [Number("0", zero, index) for index in range(len(values))]
-        given = set() if self.step is None else set(self.step.key.values.get(vector, {}))
+        written = () if self.step is None else self.step.key.values.get(vector, {})
+        names = [_name_of(actuator) for actuator in self.layout.actuators]
+        given = entries_by_name(written, names, self.linking.request.separator)
         changed = False
         unknown: list[str] = []
         end = next_control = 0
@@ -505,7 +614,7 @@ class _PoseHolder(Struct):
             end, next_control = end + slot.widths[vector == "act"], next_control + slot.widths[0]
             if (source := columns.get(control)) is None:
                 continue
-            name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
+            name = _name_of(actuator)
             if vector == "ctrl" and (kind := answer["unlike"].get(str(control))):
                 unknown += self._unlike(name, kind, source, is_unknown=control in answer["unknown"])
             if vector == "act" and name in given:  # the recipe's own activation counts
@@ -538,6 +647,12 @@ class _PoseHolder(Struct):
             if is_unknown:
                 yield f"`{name}` ({kind})" if name else f"{kind} without a name"
             return
-        message = f"no control of `{path[-1]}` holds the pose of the key `{self.name}`: it is {kind}"
+        called = name if name and is_pattern(path[-1]) else path[-1]
+        message = f"no control of `{called}` holds the pose of the key `{self.name}`: it is {kind}"
         help = "write its control, or `ctrl: {hold: forces}`, which balances the forces in that pose"
-        self.making.sink.error("not-held", message, source.span, help=help, subjects=(path[-1],))
+        self.making.sink.error("not-held", message, source.span, help=help, subjects=(called,))
+
+
+def _name_of(actuator: Any) -> str:
+    """Return the name of an actuator of a layout, which also has copies and actuators that MuJoCo makes."""
+    return "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")

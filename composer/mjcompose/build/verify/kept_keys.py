@@ -8,17 +8,18 @@ linker's own layout of keys is not used here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
+from mjcompose.build.compose.key_names import entries_by_name
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.language.keyframe import CTRL, HOLD, JOINT, WAYS, Keyframe
@@ -287,14 +288,17 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
         for each in ranged(index, rows):
             found.setdefault((each.vector, _name(index, each)), []).append(each)
         for vector in _VECTOR_KINDS:
-            for name in _written_names(step.key, vector, index):
+            names = [name for kind, name in found if kind == vector]
+            for name, entry in _written_names(step.key, vector, names, plan.separator).items():
                 for each in found.get((vector, name), ()):
                     if not each.is_within():
-                        _report_range(plan, model, step.key, entry=(vector, name), bound=each, sink=sink)
-        for joint in step.key.controls.joints:
+                        _report_range(plan, model, step.key, entry=(vector, entry), name=name, bound=each, sink=sink)
+        driven = dict.fromkeys(joint for each in model.root.iterfind("actuator/*") for joint in _joints_of(each))
+        for joint, (entry, *_) in entries_by_name(step.key.controls.joints, driven, plan.separator).items():
             for each in found.get((CTRL, _only_actuator(model.root, joint)), ()):
                 if not each.is_within():
-                    _report_control_by_joint(plan, model, step.key, joint=joint, bound=each, index=index, sink=sink)
+                    path = (*step.key.at, CTRL, JOINT, entry)
+                    _report_control_by_joint(plan, model, path, joint=joint, bound=each, index=index, sink=sink)
 
 
 def _name(index: Index, each: Ranged) -> str:
@@ -325,25 +329,29 @@ def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
     sink.warning("stiff-actuator", f"{subject} {most:.3g} N·m/rad, gear included", span, help=help)
 
 
-def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
-    """Return the names for which the recipe sets a value in a vector; with `hold`, also all actuators."""
-    names = [*key.values.get(vector, {})]
-    if vector != CTRL:
-        return names
-    if key.controls.hold is not None:
-        names += [each.name for each in index.actuators if each.name]
-    return list(dict.fromkeys([*names, *(path[0] for path in key.controls.held if len(path) == 1)]))
+def _written_names(key: Keyframe, vector: str, names: Collection[str], separator: str) -> dict[str, str]:
+    """Return the names for which the recipe sets a value in a vector, with the entry; with `hold`, all actuators."""
+    written = [*key.values.get(vector, {})]
+    if vector == CTRL:
+        written += [path[0] for path in key.controls.held if len(path) == 1]
+    entries = {name: first for name, (first, *_) in entries_by_name(written, names, separator).items()}
+    if vector == CTRL and key.controls.hold is not None:
+        entries |= {name: name for name in names if name and name not in entries}
+    return entries
 
 
-def _report_range(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], bound: Ranged, sink: Sink) -> None:
-    (vector, name), (low, high) = entry, bound.range
+def _report_range(
+    plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str], name: str, bound: Ranged, sink: Sink
+) -> None:
+    vector, written = entry
+    low, high = bound.range
     kind = _VECTOR_KINDS[vector]
     holder, unit = _element(model.root, kind, name), bound.unit or ""
     if vector == "act" and holder is not None:
         dynamics = text_in_effect(holder, kind_of(holder), "dyntype", classes=model.classes)
         if holder.tag == "intvelocity" or dynamics == "integrator":
             unit = unit.removesuffix("/s")
-    angles = [each.unit for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
+    angles = [each.unit for each in key.values.get(vector, {}).get(written, ()) if isinstance(each, Angle)]
     bare = plan.angle_context.at((*key.at, *entry)).angle == "degree"
     in_degrees = unit.startswith("rad") and (angles[0] == "deg" if angles else bare)
     named = (unit.replace("rad", "deg") if in_degrees else unit) if unit != "1" else ""
@@ -353,21 +361,23 @@ def _report_range(plan: Plan, model: Unit, key: Keyframe, entry: tuple[str, str]
     message = f"`{vector}` of `{name}` is {value}, outside its range from {least} to {most}"
     notes = () if holder is None else (Note(f"the {kind}", model.origins.span(holder, model.file)),)
     span = locate(plan.document, (*key.at, *entry))
-    sink.warning("out-of-range", message, span, notes=notes, help=_instead(key, entry, bound))
+    sink.warning(
+        "out-of-range", message, span, notes=notes, help=_instead(key, vector, name, written=written, bound=bound)
+    )
+
+
+def _joints_of(actuator: Node) -> list[str]:
+    return [joint for end in ("joint", "jointinparent") if (joint := actuator.get(end))]
 
 
 def _only_actuator(root: Node, joint: str) -> str:
     """Return the name of the actuator of a joint, or "" if there are several."""
-    names = [
-        str(each.get("name") or "")
-        for each in root.iterfind("actuator/*")
-        if joint in (each.get("joint"), each.get("jointinparent"))
-    ]
+    names = [str(each.get("name") or "") for each in root.iterfind("actuator/*") if joint in _joints_of(each)]
     return names[0] if len(names) == 1 else ""
 
 
 def _report_control_by_joint(
-    plan: Plan, model: Unit, key: Keyframe, joint: str, bound: Ranged, index: Index, sink: Sink
+    plan: Plan, model: Unit, path: Path, joint: str, bound: Ranged, index: Index, sink: Sink
 ) -> None:
     name = _name(index, bound)
     holder = _element(model.root, "actuator", name)
@@ -375,13 +385,12 @@ def _report_control_by_joint(
     numbers = f"{bound.value:.6g}, outside its range from {low:.6g} to {high:.6g}"
     message = f"`{CTRL}` of `{name}`, which follows from the joint `{joint}`, is {numbers}"
     notes = () if holder is None else (Note("the actuator", model.origins.span(holder, model.file)),)
-    sink.warning("out-of-range", message, locate(plan.document, (*key.at, CTRL, JOINT, joint)), notes=notes)
+    sink.warning("out-of-range", message, locate(plan.document, path), notes=notes)
 
 
-def _instead(key: Keyframe, entry: tuple[str, str], bound: Ranged) -> str | None:
+def _instead(key: Keyframe, vector: str, name: str, written: str, bound: Ranged) -> str | None:
     """Return advice on a control that holds the key's pose, or None if the recipe writes the number itself."""
-    vector, name = entry
-    if vector != CTRL or key.controls.hold is None or name in key.values.get(CTRL, {}):
+    if vector != CTRL or key.controls.hold is None or written in key.values.get(CTRL, {}):
         return None
     nearest = min(max(bound.value, bound.range[0]), bound.range[1])
     unit = "rad" if bound.unit == "rad" else ""
