@@ -494,3 +494,26 @@ def test_a_flex_that_mujoco_lays_out_by_other_axes_is_reported(
         alone = mujoco.MjModel.from_xml_string(text)
         kept = compare(alone, linked.model(), prefix="part/", hung_on=Mount(None, pose), tolerance=1e-9)
         assert any(not each.why or dof == "2d" for each in kept) == bool(told)
+
+
+@pytest.mark.parametrize("mocap", [False, True])
+def test_several_free_bodies_start_at_a_place(workshop: Workshop, mocap: bool) -> None:
+    """They are put into the world where MuJoCo computes the site of the arm, and their keys move along."""
+    head, joint = ('mocap="true"', "") if mocap else ("", "<freejoint/>")
+    two = f"""<body name="a" pos="0 0 0.1" {head}>{joint}<geom size=".1"/></body>
+      <frame euler="0 0 90"><body name="b" pos="0.2 0 0" {head}>{joint}<geom size=".1"/></body></frame>"""
+    numbers = "mpos='0 0 3 0 0 4'" if mocap else "qpos='0 0 3 1 0 0 0 0 0 4 1 0 0 0'"
+    text = f"<mujoco><worldbody>{two}</worldbody><keyframe><key name='up' {numbers}/></keyframe></mujoco>"
+    piece = Piece(text, place=placed("site", "flange"), options={"by_itself": True})
+    arm = ARM.replace('<body name="link">', '<body name="link" pos="1 2 3" euler="0 90 0">')
+    model = workshop.link(arm, piece).model()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    pos = data.site("flange").xpos.copy()
+    turn = data.site("flange").xmat.reshape(3, 3).copy()
+    for name, here in (("a", [0, 0, 0.1]), ("b", [0, 0.2, 0])):
+        assert model.body(f"part/{name}").parentid == 0
+        assert data.body(f"part/{name}").xpos == pytest.approx(pos + turn @ here)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("up").id)
+    there = data.mocap_pos[-2:] if mocap else data.qpos[-14:].reshape(2, 7)[:, :3]
+    assert there == pytest.approx(np.array([pos + turn @ [0, 0, 3], pos + turn @ [0, 0, 4]]))

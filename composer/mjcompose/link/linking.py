@@ -85,10 +85,10 @@ class Part:
     """A unit, the prefix of its names (including the separator), and how it is attached to the model.
 
     `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set if
-    the part brings its own free joint or is a mocap body. It is then attached to the world, wherever its place is.
-    `mirrors` is the part whose reflected pose it has. `across` are the numbers of the world's and of the part's axis.
-    `key` is its key in the recipe. `outward` has the final names of the elements that the part refers to outside
-    itself, by the text of the reference.
+    the bodies of the part have free joints of their own, or are mocap bodies. It is then attached to the world,
+    wherever its place is. `mirrors` is the part whose reflected pose it has. `across` are the numbers of the world's
+    and of the part's axis. `key` is its key in the recipe. `outward` has the final names of the elements that the part
+    refers to outside itself, by the text of the reference.
     """
 
     unit: Unit

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Note
+from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import Pose, Quat, multiply, normalize, rotate
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
@@ -29,6 +29,8 @@ def roots(linking: Linking) -> None:
         if part.by_itself:
             continue
         bodies = [body for body in _top_level(part.unit.root) if body.tag == "body"]
+        all_free = floats_by_itself(part.unit)
+        all_mocap = floats_by_itself(part.unit, mocap=True)
         for body in bodies:
             called = f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
             for joint in list(_own_joints(body)):
@@ -37,11 +39,9 @@ def roots(linking: Linking) -> None:
                 if part.weld:
                     detach(joint)
                 else:
-                    alone = len(bodies) == 1 and floats_by_itself(part.unit)
-                    linking.notes.floating.append(Floating(part, body, joint, called=called, alone=alone))
+                    linking.notes.floating.append(Floating(part, body, joint, called=called, alone=all_free))
             if body.get("mocap") == "true":
-                alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
-                linking.notes.floating.append(Floating(part, body, None, called=called, alone=alone))
+                linking.notes.floating.append(Floating(part, body, None, called=called, alone=all_mocap))
         if part.place.kind != "world" or part.has_body:
             _note_planes(linking, part)
 
@@ -50,9 +50,13 @@ def check_roots(linking: Linking) -> None:
     """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies."""
     # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world does not count as a body:
     # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
+    by_cause: dict[tuple[Span, bool], list[Floating]] = {}
     for floating in linking.notes.floating:
         if next(floating.body.iterancestors("body"), None) is not None:
-            _report_floating(linking, floating)
+            span = floating.part.place.span or floating.part.span or _floating_span(linking, floating)
+            by_cause.setdefault((span, floating.joint is None), []).append(floating)
+    for (span, _), alike in by_cause.items():
+        _report_floating(linking, alike, span)
     for part, geom in linking.notes.planes:
         if _moves(geom):
             why = "MuJoCo allows planes only on static bodies"
@@ -64,13 +68,13 @@ def check_roots(linking: Linking) -> None:
 
 
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
-    """Return whether a unit is one body with a free joint, or with `mocap` a mocap body, and needs no other."""
+    """Return whether a unit is only bodies with free joints, or with `mocap` only mocap bodies."""
     top = list(_top_level(unit.root))
-    if len(top) != 1 or top[0].tag != "body":
+    if not top or any(element.tag != "body" for element in top):
         return False
     if mocap:
-        return top[0].get("mocap") == "true"
-    return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
+        return all(body.get("mocap") == "true" for body in top)
+    return all(any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(body)) for body in top)
 
 
 def _top_level(root: Node) -> Iterator[Node]:
@@ -92,8 +96,14 @@ def _added_by(part: Part) -> str:
     return "joint" if part.joints or part.mocap else "sense"
 
 
-def _report_floating(linking: Linking, floating: Floating) -> None:
-    part, body, joint, called, alone = floating
+def _floating_span(linking: Linking, floating: Floating) -> Span:
+    moving = floating.body if floating.joint is None else floating.joint
+    return linking.span(floating.part.unit, moving)
+
+
+def _report_floating(linking: Linking, alike: list[Floating], place: Span) -> None:
+    """Report the first of the bodies that move freely and are attached to the same place, all by joints or none."""
+    part, _, joint, called, alone = alike[0]
     omit = f"omit `{_added_by(part) if part.place.kind == 'world' else part.place.kind}`"
     if joint is None:
         code, what, note = "mocap-on-body", "mocap body", f"the mocap {called}"
@@ -112,11 +122,13 @@ def _report_floating(linking: Linking, floating: Floating) -> None:
         if part.joints or part.mocap:
             drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
             help = f"write `{drop}` so it moves only by the added `joint`, or {help.removeprefix('write ')}"
-    span = linking.span(part.unit, body if joint is None else joint)
     why = f"MuJoCo allows {'mocap bodies' if joint is None else 'free joints'} only in the world"
     message = f"`{part.called}` has a {what} at its root and cannot be attached {_place_words(part)}: {why}"
-    place, notes = part.place.span or part.span or span, (Note(note, span),)
-    linking.sink.error(code, message, place, notes=notes, help=help, subjects=(part.called,))
+    notes = [Note(note, _floating_span(linking, alike[0]))]
+    if more := len(alike) - 1:
+        notes.append(Note(f"and {more} more"))
+    subjects = tuple(dict.fromkeys(floating.part.called for floating in alike))
+    linking.sink.error(code, message, place, notes=notes, help=help, subjects=subjects)
 
 
 def _note_planes(linking: Linking, part: Part) -> None:
