@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from mjcompose.base.diagnostic import Note
 from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.bundle.manifest import from_json
 from mjcompose.build.stages import Built, Request, build
+from mjcompose.build.verify import parts
+from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Limits, Session
 from mjcompose.sources.context import Context
+from mjcompose.tree.parse import parse_file
 
 Run = Callable[[str], tuple[Built | None, list[str]]]
 
@@ -279,6 +283,32 @@ def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run:
     assert told == []
     _, told = run(f"{recipe}edit:\n  - {{select: {{geom: a/palm}}, set: {{size: [0.2]}}}}\n")
     assert told == ["recipe.yaml:5:31 part-changed"]
+
+
+def test_subtrees_of_one_source_compile_it_once(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = [f"b{number}" for number in range(5)]
+    bodies = "".join(f'<body name="{name}"><geom size=".1"/></body>' for name in names)
+    (tmp_path / "whole.xml").write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    read: list[Path] = []
+    compiled: list[int] = []
+
+    def count_read(path: Path, *words: object, **options: object) -> object:
+        read.append(path)
+        return parse_file(path, *words, **options)  # type: ignore[arg-type]
+
+    def count_compiled(folder: Path, *words: object, **options: object) -> object:
+        model = engine.compile(folder, *words, **options)  # type: ignore[arg-type]
+        compiled.append(model.sizes["nbody"])
+        return model
+
+    monkeypatch.setattr(parts, "parse_file", count_read)
+    monkeypatch.setattr(parts, "engine", SimpleNamespace(compile=count_compiled, call=engine.call))
+    attached = "".join(f"  {name}: {{model: ./whole.xml, subtree: {name}}}\n" for name in names)
+    checked = "".join(f"  {name}: {{unchanged: {{}}}}\n" for name in names)
+    built, _ = run(f"recipe: 1\nattach:\n{attached}check:\n{checked}")
+    assert built is not None
+    assert len(read) == 1
+    assert sorted(compiled) == [2, 2, 2, 2, 2, 6]
 
 
 def test_what_a_subtree_leaves_behind_may_have_acted_on_it(tmp_path: Path, run: Run) -> None:

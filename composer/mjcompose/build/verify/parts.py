@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, field
+from dataclasses import asdict, field, replace
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
@@ -18,8 +19,9 @@ from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.read import assumed_of
 from mjcompose.build.verify.compile import WHOLE
+from mjcompose.link.excerpt import ExcerptSource
 from mjcompose.link.measure import folder_of, measure_with
-from mjcompose.link.subtree import take_subtree
+from mjcompose.link.subtree import take_from_excerpt, take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, Model, NameTable, name_table
@@ -71,34 +73,72 @@ def _text_of(source: Source) -> bytes | None:
 _NAMELESS = "a body around the subtree, "
 
 
-def _keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole: str) -> tuple[str | None, ...]:
-    """Compile the subtree and the whole source and keep them under these names. Raises Incomparable.
+class _CutSource:
+    """A source from which subtrees are taken. It is read once, and it is compiled once if its bodies have names."""
 
-    Return the bodies around the subtree in the whole source, the nearest first, and None for the world. The subtree's
-    world corresponds to the first of them, or to a body further up if `fusestatic` fused them.
-    """
-    assert member.subtree is not None
-    sink = Sink()
-    path = member.source.path
-    assumed = assumed_of(member.source)
-    if (unit := parse_file(path, sink, door=member.source.door, assumed=assumed)) is None:
-        raise _unreadable(sink)
-    bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
-    body = next((each for each in bodies if each.get("name") == member.subtree), None)
-    around = [] if body is None else list(body.iterancestors("body"))
-    nameless = [each for each in around if not each.get("name")]
-    for number, each in enumerate(nameless):
-        each.set("name", f"{_NAMELESS}{number}")
-    with folder_of(unit) as folder:
-        _keep(session, folder, path, text=write(unit.root) if nameless or assumed else None, name=whole)
-    above = (*(str(each.get("name")) for each in around), None)
-    measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
-    keyframes: KeyPolicy = "none" if member.keys is None else "merge"
-    if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
-        raise _unreadable(sink)
-    with folder_of(unit) as folder:
-        _keep(session, folder, path, text=write(unit.root), name=taken)
-    return above
+    def __init__(self, member: PartRecord, session: engine.Session, name: str) -> None:
+        """`name` starts the names under which `session` keeps the compiled source. Raises Incomparable."""
+        sink = Sink()
+        self._path = member.source.path
+        self._assumed = assumed_of(member.source)
+        unit = parse_file(self._path, sink, door=member.source.door, assumed=self._assumed)
+        if unit is None:
+            raise _unreadable(sink)
+        self._unit = unit
+        self._bodies: dict[str, Node] = {}
+        for each in unit.root.iterfind("worldbody//body[@name]"):
+            self._bodies.setdefault(str(each.get("name")), each)
+        self._excerpts = ExcerptSource.of(unit)
+        self._session = session
+        self._name = name
+        self._compiled: dict[tuple[Node, ...], str] = {}
+
+    def around(self, body: str) -> list[Node]:
+        """Return the bodies around a body, the nearest first."""
+        found = self._bodies.get(body)
+        return [] if found is None else list(found.iterancestors("body"))
+
+    def whole(self, around: Sequence[Node]) -> str:
+        """Compile the source, in which the bodies `around` a subtree get names, and return the name of the result."""
+        nameless = tuple(each for each in around if not each.get("name"))
+        if nameless in self._compiled:
+            return self._compiled[nameless]
+        name = f"{self._name}, number {len(self._compiled)}"
+        for each in nameless:
+            each.set("name", _name_around(each, around))
+        try:
+            with folder_of(self._unit) as folder:
+                text = write(self._unit.root) if nameless or self._assumed else None
+                _keep(self._session, folder, self._path, text=text, name=name)
+        finally:
+            for each in nameless:
+                del each.attrib["name"]
+        self._compiled[nameless] = name
+        return name
+
+    def keep_subtree(self, member: PartRecord, name: str) -> None:
+        """Compile the subtree of a part and keep it. Raises Incomparable."""
+        assert member.subtree is not None
+        sink = Sink()
+        context = Context(sink=sink, environment={}, folder=self._path.parent)
+        measure = measure_with(context, session=self._session)
+        keyframes: KeyPolicy = "none" if member.keys is None else "merge"
+        excerpt = None if self._excerpts is None else self._excerpts.excerpt(member.subtree)
+        if excerpt is None:
+            unit = self._unit.copied()
+            subtree = take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure)
+        else:
+            unit = excerpt.unit
+            subtree = take_from_excerpt(excerpt, sink, keyframes=keyframes, measure=measure)
+        if subtree is None:
+            raise _unreadable(sink)
+        with folder_of(unit) as folder:
+            _keep(self._session, folder, self._path, text=write(unit.root), name=name)
+
+
+def _name_around(body: Node, around: Sequence[Node]) -> str:
+    """Return a name for a body without one that is around a subtree."""
+    return str(body.get("name") or f"{_NAMELESS}{around.index(body)}")
 
 
 def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> None:
@@ -197,6 +237,7 @@ class PartComparer(Struct, frozen=False):
     renamed: Renamed = field(default_factory=dict)
     alone: dict[str, Incomparable | None] = field(default_factory=dict)
     cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
+    cut_sources: dict[str, _CutSource] = field(default_factory=dict)
 
     def compare(
         self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
@@ -259,8 +300,16 @@ class PartComparer(Struct, frozen=False):
 
     def _take(self, member: PartRecord, name: str) -> None:
         """Compile the subtree of a source, compare it with the whole and keep it."""
-        whole = f"{name} in the whole"
-        above = _keep_subtree(member, self.session, name, whole=whole)
+        source_name = _kept(replace(member, subtree=None))
+        if source_name not in self.cut_sources:
+            self.cut_sources[source_name] = _CutSource(member, self.session, f"{source_name} with names")
+        source = self.cut_sources[source_name]
+        assert member.subtree is not None
+        around = source.around(member.subtree)
+        whole = source.whole(around)
+        source.keep_subtree(member, name)
+        # The subtree's world is the first of them, or a body further up if `fusestatic` fused them.
+        above = (*(_name_around(each, around) for each in around), None)
         keys = Keys.NONE if member.keys is None else Keys.MERGE
         for body in above:
             pose = asdict(Pose()) if body == above[0] else None

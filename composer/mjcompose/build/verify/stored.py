@@ -29,7 +29,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import Source, SourceError
+from mjcompose.sources.reference import CompilerSettings, Source, SourceError
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
 from mjcompose.tree.values import NOT_XML
@@ -54,6 +54,8 @@ class InputFinder:
         self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
         self.planned: list[Source] = []
         self.fetching = Fetching()
+        self.digests: dict[Path, str | None] = {}
+        self.admitted: dict[tuple[Path, Door, CompilerSettings], bool] = {}
         if found is not None:
             aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
             plan = make_plan(found, aside)
@@ -69,18 +71,28 @@ class InputFinder:
         changed: Path | None = None
         for candidate in self._candidates(number, wanted):
             source = replace(candidate, compiler=tuple(sorted(wanted.compiler.items())))
-            if (digest := _sha256(source.path)) == wanted.sha256:
+            if (digest := self._digest(source.path)) == wanted.sha256:
                 # MuJoCo may open the source and its files. URDF is checked when it is converted.
-                assumed = assumed_of(source)
-                is_mjcf = source.format == "mjcf"
-                unit = parse_file(source.path, Sink(), door=source.door, assumed=assumed) if is_mjcf else None
-                if source.format != "mjcf" or (unit is not None and all_admitted(unit, Sink())):
+                if source.format != "mjcf" or self._is_admitted(source):
                     return source
                 return "its source names files that it may not read"
             changed = changed or (source.path if digest else None)
         if changed is not None:
             return f"`{self.context.shown(changed)}` is not the file that the bundle was built from"
         return f"its source `{wanted.reference}` is not found"
+
+    def _digest(self, path: Path) -> str | None:
+        if path not in self.digests:
+            self.digests[path] = _sha256(path)
+        return self.digests[path]
+
+    def _is_admitted(self, source: Source) -> bool:
+        """Return whether a source may read the files that it names. Many parts may have the same source."""
+        key = source.path, source.door, source.compiler
+        if key not in self.admitted:
+            unit = parse_file(source.path, Sink(), door=source.door, assumed=assumed_of(source))
+            self.admitted[key] = unit is not None and all_admitted(unit, Sink())
+        return self.admitted[key]
 
     def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
         if len(self.planned) == len(self.manifest.inputs):
