@@ -27,7 +27,7 @@ def test_targets(recipe: Callable[[str], Recipe]) -> None:
           - {to: {frame: f}, geom: {size: 1}}
         """
     ).add
-    assert [(each.to_kind, each.to_name, each.element.tag, each.at) for each in add] == [
+    assert [(each.to_kind, each.to_name, each.elements[0].tag, each.at) for each in add] == [
         ("world", "world", "body", ("add", 0)),
         ("body", "a", "site", ("add", 1)),
         ("frame", "f", "geom", ("add", 2)),
@@ -45,20 +45,34 @@ def test_children_keep_the_order_of_the_file(recipe: Callable[[str], Recipe]) ->
               body: [{name: inner, freejoint: {}}]
         """
     ).add
-    assert [child.tag for child in added.element.children] == ["geom", "geom", "inertial", "body"]
-    assert added.element.children[1].at == ("add", 0, "body", "geom", 1)
-    assert added.element.children[3].children == (Element("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),)
+    assert [child.tag for child in added.elements[0].children] == ["geom", "geom", "inertial", "body"]
+    assert added.elements[0].children[1].at == ("add", 0, "body", "geom", 1)
+    assert added.elements[0].children[3].children == (
+        Element("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),
+    )
+
+
+def test_an_entry_adds_one_element_or_a_list(recipe: Callable[[str], Recipe]) -> None:
+    one, several = recipe(
+        "add: [{to: a, site: {name: s}}, {to: a, geom: [{name: x, size: 1}, {xml: '<geom name=\"y\"/>'}]}]"
+    ).add
+    assert [(element.tag, element.at) for element in one.elements] == [("site", ("add", 0, "site"))]
+    assert [(element.tag, element.at) for element in several.elements] == [
+        ("geom", ("add", 1, "geom", 0)),
+        ("geom", ("add", 1, "geom", 1)),
+    ]
+    assert several.elements[1].xml == '<geom name="y"/>'
 
 
 def test_fragment(recipe: Callable[[str], Recipe]) -> None:
     (added,) = recipe("add: [{to: hand, xml: '<site name=\"tcp\"/>'}]").add
-    assert added.element == Element("site", xml='<site name="tcp"/>', at=("add", 0))
+    assert added.elements[0] == Element("site", xml='<site name="tcp"/>', at=("add", 0))
 
 
 def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:
     text = "add: [{to: a, plugin: {plugin: p, config: {n: 3, on: true, v: [1, 2.5], t: x}}}]"
     (added,) = recipe(text).add
-    settings = {child.attributes["key"]: child.attributes["value"] for child in added.element.children}
+    settings = {child.attributes["key"]: child.attributes["value"] for child in added.elements[0].children}
     assert settings == {"n": "3", "on": "true", "v": "1 2.5", "t": "x"}
 
 
@@ -72,7 +86,7 @@ def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:
         ("{to: world, freejoint: {}}", "unknown-element"),
         ("{to: hand, sensor: {}}", "unknown-element"),
         ("{to: hand, site: {}, geom: {}}", "wrong-type"),
-        ("{to: hand, site: [{}, {}]}", "wrong-type"),
+        ("{to: hand, site: []}", "missing-key"),
         ("{to: hand, site: tcp}", "wrong-type"),
         ("{to: hand, inertial: {}}", "missing-key"),
         ("{to: hand, body: {inertial: [{mass: 1, pos: [0, 0, 0]}, {mass: 1, pos: [0, 0, 0]}]}}", "wrong-length"),
@@ -184,8 +198,8 @@ def test_frozen(recipe: Callable[[str], Recipe]) -> None:
 
 def test_python_data_without_places() -> None:
     read = Recipe.model_validate({"recipe": 1, "add": [{"to": "hand", "site": {"euler": [0, 90, "1rad"]}}]})
-    assert read.add[0].element.attributes["euler"] == (0, 90, Angle(1.0, "rad"))
-    assert read.add[0].element.at == ()
+    assert read.add[0].elements[0].attributes["euler"] == (0, 90, Angle(1.0, "rad"))
+    assert read.add[0].elements[0].at == ()
 
 
 PROBE = """

@@ -183,6 +183,12 @@ def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
     return {**alone, "else": rules} if rules else alone
 
 
+def one_or_more(kind: ElementType) -> Schema:
+    """Return the schema of an element, or of a list of them that has one or more."""
+    schema = _children(kind)
+    return {**schema, "then": {**schema["then"], "minItems": 1}}
+
+
 def _children(kind: ElementType) -> Schema:
     one = reference(f"element:{kind.path}")
     several: Schema = {"items": one}

@@ -16,7 +16,8 @@ from mjcompose.language.check import CheckEntry
 from mjcompose.language.contact import Contact
 from mjcompose.language.datasheets import Datasheets
 from mjcompose.language.edit import Edits
-from mjcompose.language.element import FRAGMENT, Reader, label
+from mjcompose.language.element import FRAGMENT, Reader
+from mjcompose.language.element_schema import one_or_more
 from mjcompose.language.forms.context import ByGrammar, Lazy, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Keys, Name, Text, When
@@ -113,33 +114,33 @@ def addable(place: str) -> Mapping[str, ElementType]:
     return GRAMMAR.element("worldbody" if place == WORLD else place).children
 
 
-def _element(
+def _elements(
     reader: Reader, value: dict[str, Any], at: Path, kinds: Mapping[str, ElementType], place: str
-) -> Element | None:
-    """Return the one element of an entry, or None after a reported fault."""
+) -> tuple[Element, ...]:
+    """Return the element of an entry, or all of a list of elements of one kind; empty after a reported fault."""
     found = [name for name in value if name in kinds or name == FRAGMENT]
     for name in value:
         if name not in _OF_AN_ADDITION and name not in found:
             reader.faults.append(_unknown(name, (*at, name), kinds, place=place))
     if not found:
         if set(value) <= _OF_AN_ADDITION:
-            help = "write the element as `TAG: {…}`, for instance `site: {name: tcp, pos: [0, 0, 0.1]}`"
-            reader.faults.append(Fault("missing-key", "an entry of `add` has no element", at, help=help))
-        return None
+            reader.faults.append(Fault("missing-key", "an entry of `add` has no element", at, help=_NO_ELEMENT))
+        return ()
     first, *others = found
     for name in others:
         message = f"an entry of `add` has both `{first}` and `{name}`, of which only one is allowed"
         help = f"write an entry of its own for `{name}`"
         reader.faults.append(exclusive(message, (first, name), at, help=help))
     if first == FRAGMENT:
-        return reader.fragment(kinds, place, value, at=at, own=(*_OF_AN_ADDITION, *others))
-    item = value[first]
-    if isinstance(item, list):
-        help = f"write an entry of its own for each `{first}`"
-        message = f"an entry of `add` has one `{first}`, got a list"
-        reader.faults.append(Fault("wrong-type", message, (*at, first), help=help))
-        return None
-    return reader.element(kinds[first], item, (*at, first), label(first, item))
+        fragment = reader.fragment(kinds, place, value, at=at, own=(*_OF_AN_ADDITION, *others))
+        return () if fragment is None else (fragment,)
+    path = (*at, first)
+    if value[first] == []:
+        reader.faults.append(Fault("missing-key", f"the list `{first}` has no element", path, help=_NO_ELEMENT))
+    return tuple(reader.children(kinds[first], value[first], path, owner="an entry of `add`"))
+
+
+_NO_ELEMENT = "write the element as `TAG: {…}`, for instance `site: {name: tcp, pos: [0, 0, 0.1]}`"
 
 
 def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) -> Fault:
@@ -155,30 +156,30 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
 
 
 class _Added(ByGrammar):
-    """The element of an entry of `add`, which is written by its tag next to the entry's own keys."""
+    """The elements of an entry of `add`, which are written by their tag next to the entry's own keys."""
 
-    def _validate(self, value: Any, info: ValidationInfo) -> Element | None:
+    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Element, ...]:
         context = settings(info.context)
         faults: list[Fault] = []
         place = info.data.get(TO)
         kinds = addable(WORLD if place == WORLD else "frame" if isinstance(place, Frame) else "body")
         where = "the world" if place == WORLD else "`add`"
-        element = _element(Reader(context, faults), value, (), kinds=kinds, place=where)
+        elements = _elements(Reader(context, faults), value, (), kinds=kinds, place=where)
         if faults:
             raise validation_error(faults, value)
-        return element
+        return elements
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Element, ...]:
         raise NotImplementedError
 
     def schema(self) -> Schema:
-        elements = {tag: reference(f"element:{kind.path}") for tag, kind in GRAMMAR.element("body").children.items()}
+        elements = {tag: one_or_more(kind) for tag, kind in GRAMMAR.element("body").children.items()}
         size = 1 + len(_OF_AN_ADDITION)
         return {"properties": {**elements, FRAGMENT: reference("fragment")}, "minProperties": 2, "maxProperties": size}
 
 
 class Addition(Model):
-    """One entry of `add`: an element, and where it is added.
+    """One entry of `add`: an element, or several of one kind, and where they are added.
 
     The place of the name is `locate(node, (*at, "to"))`, and for a frame `locate(node, (*at, "to", "frame"))`.
     """
@@ -189,7 +190,7 @@ class Addition(Model):
     """A name for merging: an item with the same name replaces this item."""
     to: Place = Field(examples=["world"])
     """The name of a body, `world`, or `{frame: NAME}`."""
-    element: Annotated[Element, _Added(), Rest()] = Field(alias="<element>")
+    elements: Annotated[tuple[Element, ...], _Added(), Rest()] = Field(alias="<element>")
     when: When = None
 
     @property

@@ -144,8 +144,8 @@ class AddElement(Step):
     def of(cls, given: StepInput) -> Iterator[Step]:
         for item in given.recipe.add:
             path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
-            spans = given.span(path), given.span(item.element.at)
-            yield cls(item.to_kind, item.to_name, item.element, *spans)
+            for element in item.elements:
+                yield cls(item.to_kind, item.to_name, element, given.span(path), given.span(element.at))
 
     @property
     def words(self) -> str:
