@@ -270,7 +270,9 @@ MJCF_FILES = (".xml", ".mjcf")
 """The ends of the names of MJCF files; MuJoCo 4.0 opens only the first."""
 URDF_FILES = (".urdf", ".xacro")
 MODEL_FILES = (*RECIPES, *MJCF_FILES, *URDF_FILES)
-"""The ends of the names of files that `base` and `attach` take."""
+"""The ends of the names of files that are models."""
+MESH_FILES = (".obj", ".stl", ".msh")
+"""The ends of the names of meshes that MuJoCo reads; `base` and `attach` take them as models of one body."""
 _NOWHERE = {errno.ENOENT, errno.ENOTDIR, errno.EACCES, errno.ENAMETOOLONG, errno.ELOOP}
 Identity = tuple[int, int]
 """The device and the inode of a file, which are the same under each of its names."""

@@ -186,6 +186,10 @@ class Build(Struct, frozen=False):
             check_stiffness(composed.model, compiled.index, plan.span, sink=context.sink)
         with context.timed("keys"):
             check_kept_keys(composed.model, composed.keys, session, sink=context.sink)
+        if any(source.format == "mesh" for source in plan.sources()):
+            from mjcompose.build.verify.mesh_masses import check_mesh_masses  # few recipes have meshes as parts
+
+            check_mesh_masses(plan, composed.model, session, sink=context.sink)
         if composed.model.origins.values:
             from mjcompose.build.verify.frictions import check_frictions  # few recipes change frictions
 

@@ -14,7 +14,7 @@ import click
 
 from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
-from mjcompose.base.files import STDIN, read_regular
+from mjcompose.base.files import MESH_FILES, STDIN, read_regular
 from mjcompose.base.report import Case, Suite, one_line, printable, report as junit_text
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
@@ -211,12 +211,17 @@ def _text_of(path: Path) -> str:
 
 
 def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> text.ReadSource:
-    """Return a function for the text of a file that messages name, read once; None if it is unreadable."""
+    """Return a function for the text of a file that messages name, read once; None if it is unreadable.
+
+    No line of a mesh is worth showing: a place in it is the whole mesh.
+    """
 
     @lru_cache(maxsize=32)
     def read(file: str) -> str | None:
         if texts and file in texts:
             return texts[file].decode("utf-8", errors="replace")
+        if file.lower().endswith(MESH_FILES):
+            return None
         try:
             return _text_of(folder / file)
         except OSError:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path
-from mjcompose.base.files import MODEL_FILES
+from mjcompose.base.files import MESH_FILES, MODEL_FILES
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
@@ -157,7 +157,7 @@ def advice_at_top(name: str, value: Any, parts: AbcMapping[str, Any]) -> str | N
         entries = _flow({"model": "…", **parts})
         return f"{_keys_at_top(parts)} of a part under `attach`:\nattach:\n  PREFIX: {entries}"
     if name == "model":
-        if isinstance(value, str) and (":" in value or value.lower().endswith(MODEL_FILES)):
+        if isinstance(value, str) and (":" in value or value.lower().endswith((*MODEL_FILES, *MESH_FILES))):
             return f"write `base: {value}` for the model to start from, or put it under `attach`, in a part"
         return "write `base` for the model to start from, or `name` for the name of the result"
     return _OF_MJCF.get(name) or _in_section(name, value)

@@ -17,7 +17,7 @@ from mjcompose.base.files import foreign_format, real_path
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import license
 from mjcompose.sources.blobs import sha256_of
-from mjcompose.sources.reference import Origin, Reference, Source, SourceError, Trust, has_format
+from mjcompose.sources.reference import Origin, Reference, Source, SourceError, Trust, has_format, is_mesh
 
 if TYPE_CHECKING:
     from mjcompose.sources.lock import Lock
@@ -123,11 +123,11 @@ class Fetching(Struct, frozen=False):
     outer: Path | None = None
     trust: Trust = field(default_factory=Trust)
     doors: dict[tuple[Path, Path | None, Trust], Door] = field(default_factory=dict)
-    listings: dict[tuple[Path, int], list[str]] = field(default_factory=dict)
+    listings: dict[tuple[Path, int, bool], list[str]] = field(default_factory=dict)
 
-    def model_files(self, folder: Path, depth: int | None = None) -> list[str]:
+    def model_files(self, folder: Path, depth: int | None = None, meshes: bool = False) -> list[str]:
         """Return `model_files` of a folder, which is searched once in a run."""
-        key = (folder, _DEPTH if depth is None else depth)
+        key = (folder, _DEPTH if depth is None else depth, meshes)
         if key not in self.listings:
             self.listings[key] = model_files(*key)
         return self.listings[key]
@@ -200,7 +200,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
         raise SourceError("source-kind", f"the model reference `{reference.text}` leads outside its source")
-    existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
+    existing = [origin.named(each) for each in model_files(origin.root, depth=6, meshes=is_mesh(inside))]
     for left_out, why in origin.without:
         if inside.is_relative_to(left_out):
             message = f"the model `{reference.text}` does not exist: `{left_out}` is {why}"
@@ -232,10 +232,11 @@ _DEPTH = 3
 _ENTRIES = 2000
 
 
-def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
+def model_files(folder: Path, depth: int = _DEPTH, meshes: bool = False) -> list[str]:
     """Return the model files in `folder` and up to `depth` levels below, as relative paths, the nearest first.
 
-    Hidden files are left out, and the search ends after 2000 entries. Empty if the folder does not exist.
+    Only with `meshes`, they include meshes, most of which belong to a model. Hidden files are left out, and the search
+    ends after 2000 entries. Empty if the folder does not exist.
     """
     found: list[str] = []
     seen = 0
@@ -257,7 +258,7 @@ def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
                 if entry.is_dir(follow_symlinks=False):
                     if not entry.name.startswith("__"):
                         below.append(relative)
-                elif has_format(PurePath(entry.name)):
+                elif has_format(PurePath(entry.name)) and (meshes or not is_mesh(PurePath(entry.name))):
                     found.append(relative)
         level = below
     return found
@@ -332,7 +333,10 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
         problem, fix = ("is a bundle, which cannot be a part", "refer to the recipe or the XML that it was built from")
     else:
         problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
-        fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
+        fix = (
+            "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, `.obj`, `.stl` or `.msh` for a mesh, or"
+            " write `menagerie:ROBOT`"
+        )
     return SourceError(
         "source-kind", f"the model reference `{text}` {problem}",
         notes=(exists_note("model file", known).message,) if known else (), help=f"write `{near}`" if near else fix,

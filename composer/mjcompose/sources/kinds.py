@@ -14,7 +14,17 @@ from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetched, fetching as nearby, license, packages, reference as forms
 from mjcompose.sources.address import is_this_machine
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.reference import CONTROL, Form, Reference, Source, SourceError, SourceKind, has_format, never
+from mjcompose.sources.reference import (
+    CONTROL,
+    Form,
+    Reference,
+    Source,
+    SourceError,
+    SourceKind,
+    has_format,
+    is_mesh,
+    never,
+)
 
 
 def _parse_path(text: str) -> Reference:
@@ -54,8 +64,10 @@ def _file(reference: Reference, relative_to: Path, fetching: Fetching) -> Source
 def _existing(written: str, wanted: Path, relative_to: Path, fetching: Fetching) -> list[str]:
     folder = PurePath(written).parent.as_posix()
     start = "./" if folder == "." else f"{folder}/" if folder.startswith((".", "/", "~")) else f"./{folder}/"
-    beside = [start + each for each in fetching.model_files(wanted.parent, 0)]
-    return list(dict.fromkeys(beside + [f"./{each}" for each in fetching.model_files(relative_to)]))
+    meshes = is_mesh(wanted)
+    beside = [start + each for each in fetching.model_files(wanted.parent, 0, meshes)]
+    below = [f"./{each}" for each in fetching.model_files(relative_to, meshes=meshes)]
+    return list(dict.fromkeys(beside + below))
 
 
 def _is_folder(text: str, folder: Path) -> SourceError:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 from mjcompose.base.access import NOTHING, Door
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError, hide
+from mjcompose.base.files import MESH_FILES
 from mjcompose.sources import address
 from mjcompose.sources.address import AddressError, is_private
 from mjcompose.sources.ros import AS_WRITTEN, UrdfChoices
@@ -209,10 +210,11 @@ def is_commit(text: str) -> bool:
     return _COMMIT.fullmatch(text) is not None
 
 
-Format = Literal["recipe", "mjcf", "urdf"]
+Format = Literal["recipe", "mjcf", "urdf", "mesh"]
 
 FORMATS: dict[str, Format] = {
     ".yaml": "recipe", ".yml": "recipe", ".xml": "mjcf", ".mjcf": "mjcf", ".urdf": "urdf", ".xacro": "urdf",
+    **dict.fromkeys(MESH_FILES, "mesh"),
 }  # fmt: skip
 """The format of a file by its suffix in lower case."""
 
@@ -262,8 +264,13 @@ class Source(Struct):
 
 
 def has_format(path: PurePath) -> bool:
-    """Return whether a recipe, MJCF or URDF may have this suffix. No I/O."""
+    """Return whether a recipe, MJCF, URDF or a mesh may have this suffix. No I/O."""
     return path.suffix.lower() in FORMATS
+
+
+def is_mesh(path: PurePath) -> bool:
+    """Return whether a mesh may have this suffix. No I/O."""
+    return FORMATS.get(path.suffix.lower()) == "mesh"
 
 
 class SourceKind(Kind, kw_only=True):

@@ -153,6 +153,15 @@ def parse_file(
     return unit
 
 
+def model_of_mesh(path: Path) -> bytes:
+    """Return MJCF with a body with a geom of a mesh, all with the name of the mesh file, which is next to the MJCF."""
+    model = etree.Element("mujoco", {"model": path.stem})
+    etree.SubElement(etree.SubElement(model, "asset"), "mesh", {"name": path.stem, "file": path.name})
+    body = etree.SubElement(etree.SubElement(model, "worldbody"), "body", {"name": path.stem})
+    etree.SubElement(body, "geom", {"name": path.stem, "type": "mesh", "mesh": path.stem})
+    return etree.tostring(model)
+
+
 def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | None = None) -> bytes | None:
     """Return the bytes of a model file, or None if it is unreadable, which goes to `sink`."""
     try:

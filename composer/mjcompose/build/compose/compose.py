@@ -58,7 +58,7 @@ from mjcompose.build.plan.plan import (
     part_name,
 )
 from mjcompose.build.plan.planner import STEPS
-from mjcompose.build.plan.read import assumed_of
+from mjcompose.build.plan.read import read_source
 from mjcompose.build.plan.steps import AddElement, AppendElement, SetDefault, SetSingleton, Step
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
@@ -81,7 +81,6 @@ from mjcompose.text.node import locate
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import check_size, written
 from mjcompose.tree.merged_settings import Adopted
-from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit, Watch, nobody
 
 if TYPE_CHECKING:
@@ -396,12 +395,8 @@ class Composer:
     def _reread_sources(self, plan: Plan, is_fixed: bool) -> Iterator[tuple[Key, Unit]]:
         """Yield the sources of a plan as they are in their files."""
         for place in plan.walk(is_fixed):
-            if isinstance(place.model, Source) and place.model.format == "mjcf":
-                path = place.model.path
-                unit = parse_file(
-                    path, Sink(), file=self.context.shown(path), door=place.model.door,
-                    assumed=assumed_of(place.model),
-                )  # fmt: skip
+            if isinstance(place.model, Source) and place.model.format != "urdf":
+                unit = read_source(place.model, Sink(), file=self.context.shown(place.model.path))
                 if unit is not None and (self.loader.embed is None or self.loader.embed(unit)):
                     yield source_key(place.model, place.is_fixed_in_world), unit
 

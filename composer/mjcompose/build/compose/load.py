@@ -21,7 +21,7 @@ from mjcompose.base.naming import portable_step
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
-from mjcompose.build.plan.read import assumed_of
+from mjcompose.build.plan.read import read_source
 from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
 from mjcompose.link.files import ASSETS, path_in_assets, set_path
@@ -143,8 +143,7 @@ class Loader(Struct, frozen=False):
         if model.format == "urdf":
             return _urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink, shown = self.context.sink, self.context.shown
-        assumed = assumed_of(model, span)
-        unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door, assumed=assumed)
+        unit = read_source(model, sink, file=shown(model.path), span=span)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
         return None if self.checks and not check_source(unit, sink) else unit

@@ -172,7 +172,7 @@ def _model(part: AttachPart) -> str:
     if isinstance(model, Plan):
         return f"{'the model written here' if model.at else f'the recipe {model.file}'}{alone}"
     release = f" ({model.package} {model.version})" if model.package and model.version else ""
-    converted = ", URDF that MuJoCo converts" if model.format == "urdf" else ""
+    converted = {"urdf": ", URDF that MuJoCo converts", "mesh": ", a mesh as a body"}.get(model.format, "")
     settings = f", read with {_compiler(model)}" if model.compiler else ""
     return f"{model.reference}{release}{converted}{settings}{alone}"
 

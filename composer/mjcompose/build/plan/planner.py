@@ -322,6 +322,10 @@ class _Planner:
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
                 if find(document, (*at, key)) is not None:
                     self._only_for(key, what, f"`{reference}`", document=document, at=at)
+            if source.format == "mesh":
+                if attachment.compiler is not None:
+                    self._only_for("compiler", "MJCF and URDF", f"`{reference}`", document=document, at=at)
+                return source
             source = replace(source, compiler=compiler_settings(attachment))
             return source if self._plan_inner(source, inside) else None
         packages = tuple(self._packages(attachment.packages, document, at))

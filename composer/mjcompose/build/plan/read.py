@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping as AbcMapping
+from collections.abc import Callable, Iterable, Iterator, Mapping as AbcMapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -63,7 +63,8 @@ from mjcompose.text.node import (
 )
 from mjcompose.tree.files import CUBE, file_attributes, join, written_path
 from mjcompose.tree.grammar import number_text
-from mjcompose.tree.parse import Assumed, parse_file
+from mjcompose.tree.parse import Assumed, model_of_mesh, parse_file, parse_text
+from mjcompose.tree.unit import Unit
 from mjcompose.urdf.robot import SCHEMES
 from mjcompose.urdf.xacro import files_named, is_template as is_template_urdf
 
@@ -370,13 +371,34 @@ def assumed_of(source: Source, span: Span | None = None) -> Assumed:
     return _assumed(source.compiler, span or Span(str(source.path), 1, 1))
 
 
+def read_source(source: Source, sink: Sink, *, file: str | None = None, span: Span | None = None) -> Unit | None:
+    """Return the unit of a source of MJCF or of a mesh, or None after errors, which go to `sink`.
+
+    `file` is its name in messages, and `span` is the place where it is requested.
+    """
+    if source.format != "mesh":
+        assumed = assumed_of(source, span)
+        return parse_file(source.path, sink, file=file, span=span, door=source.door, assumed=assumed)
+    path = source.path
+    shown = file or str(path)
+    unit = parse_text(model_of_mesh(path), sink, file=shown, directory=path.parent, label=path.stem, door=source.door)
+    if unit is not None:
+        unit.origins.own(unit.root, Span(shown, 1, 1))
+    return unit
+
+
 def _assumed(settings: CompilerSettings, at: Span) -> Assumed:
     return [(name, value, at) for name, value in settings]
 
 
 def files_of_source(source: Source) -> Iterator[Path]:
     """Yield the files of a model that exist and that it may read; others are reported where they are read."""
-    files = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set(), source.compiler)
+    if source.format == "mesh":
+        files: Iterable[Path] = [source.path]
+    elif source.format == "urdf":
+        files = _of_urdf(source)
+    else:
+        files = _of_mjcf(source.path, source.door, set(), source.compiler)
     yield from filter(os.path.isfile, [*filter(source.door.sees, files), *source.licenses])
 
 

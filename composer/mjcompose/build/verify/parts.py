@@ -17,7 +17,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.assemble import Renamed
 from mjcompose.build.plan.plan import PartRecord
-from mjcompose.build.plan.read import assumed_of
+from mjcompose.build.plan.read import read_source
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.link.excerpt import ExcerptSource
 from mjcompose.link.measure import folder_of, measure_with
@@ -31,7 +31,7 @@ from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.tree.merged_settings import KeyPolicy
-from mjcompose.tree.parse import parse_file
+from mjcompose.tree.parse import model_of_mesh
 from mjcompose.tree.xml_text import write
 
 
@@ -47,7 +47,7 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
     """Keep the whole source under `name`. Raises Incomparable if it cannot be read or MuJoCo refuses it."""
     path = member.source.path
     if member.source.format != "urdf":
-        _keep(session, path.parent, path, text=_text_of(member.source), name=name)
+        _keep(session, path.parent, _path_of(member.source), text=_text_of(member.source), name=name)
         return
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
@@ -58,8 +58,15 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
         _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
 
 
+def _path_of(source: Source) -> Path:
+    """Return the path of the MJCF, which for a mesh is in no file."""
+    return source.path.with_suffix(".xml") if source.format == "mesh" else source.path
+
+
 def _text_of(source: Source) -> bytes | None:
-    """Return the text of MJCF that begins with the recipe's settings for it; None if the file is read as it is."""
+    """Return the text of MJCF for a mesh, or that begins with the recipe's settings; None for a file as it is."""
+    if source.format == "mesh":
+        return model_of_mesh(source.path)
     if not source.compiler:
         return None
     try:
@@ -79,9 +86,9 @@ class _CutSource:
     def __init__(self, member: PartRecord, session: engine.Session, name: str) -> None:
         """`name` starts the names under which `session` keeps the compiled source. Raises Incomparable."""
         sink = Sink()
-        self._path = member.source.path
-        self._assumed = assumed_of(member.source)
-        unit = parse_file(self._path, sink, door=member.source.door, assumed=self._assumed)
+        self._text = _text_of(member.source)
+        self._path = _path_of(member.source)
+        unit = read_source(member.source, sink)
         if unit is None:
             raise _unreadable(sink)
         self._unit = unit
@@ -108,7 +115,7 @@ class _CutSource:
             each.set("name", _name_around(each, around))
         try:
             with folder_of(self._unit) as folder:
-                text = write(self._unit.root) if nameless or self._assumed else None
+                text = write(self._unit.root) if nameless or self._text else None
                 _keep(self._session, folder, self._path, text=text, name=name)
         finally:
             for each in nameless:

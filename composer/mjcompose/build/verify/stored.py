@@ -20,7 +20,7 @@ from mjcompose.build.bundle.manifest import Input, Manifest, check_files, check_
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan
-from mjcompose.build.plan.read import assumed_of
+from mjcompose.build.plan.read import read_source
 from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, verify
 from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.link.existence import existence_faults
@@ -31,7 +31,7 @@ from mjcompose.sources.kinds import PATH, kind_called
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import CompilerSettings, Source, SourceError
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.parse import all_admitted, parse_file, parse_text
+from mjcompose.tree.parse import all_admitted, parse_text
 from mjcompose.tree.values import NOT_XML
 
 
@@ -73,7 +73,7 @@ class InputFinder:
             source = replace(candidate, compiler=tuple(sorted(wanted.compiler.items())))
             if (digest := self._digest(source.path)) == wanted.sha256:
                 # MuJoCo may open the source and its files. URDF is checked when it is converted.
-                if source.format != "mjcf" or self._is_admitted(source):
+                if source.format not in ("mjcf", "mesh") or self._is_admitted(source):
                     return source
                 return "its source names files that it may not read"
             changed = changed or (source.path if digest else None)
@@ -90,7 +90,7 @@ class InputFinder:
         """Return whether a source may read the files that it names. Many parts may have the same source."""
         key = source.path, source.door, source.compiler
         if key not in self.admitted:
-            unit = parse_file(source.path, Sink(), door=source.door, assumed=assumed_of(source))
+            unit = read_source(source, Sink())
             self.admitted[key] = unit is not None and all_admitted(unit, Sink())
         return self.admitted[key]
 
