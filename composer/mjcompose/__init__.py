@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mjcompose import mjcf, mujoco_plugin, worlds
     from mjcompose.base import __version__
     from mjcompose.base.report import MjcomposeError
+    from mjcompose.text.dump import dumps
     from mjcompose.tools.open.recipe import BuildError, RecipeWarning, model, spec
     from mjcompose.tools.open.stamp import stamp
     from mjcompose.tools.worlds.load import load, load_many
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BuildError", "BundleWarning", "LoadError", "MjcomposeError", "RecipeWarning", "UnknownNameError", "__version__",
-    "load", "load_many", "mjcf", "model", "mujoco_plugin", "spec", "stamp", "worlds",
+    "dumps", "load", "load_many", "mjcf", "model", "mujoco_plugin", "spec", "stamp", "worlds",
 ]  # fmt: skip
 
 
@@ -56,6 +57,7 @@ def _lazy(own: dict[str, Any], homes: dict[str, str]) -> "tuple[Callable[[str], 
 __getattr__, __dir__ = _lazy(globals(), {
     "base.report": "MjcomposeError",
     "base": "__version__",
+    "text.dump": "dumps",
     "tools.open.recipe": "BuildError RecipeWarning model spec",
     "tools.open.stamp": "stamp",
     "tools.worlds.load": "load load_many",

@@ -5,13 +5,16 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import re
+import shutil
 from functools import cache
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import mjcompose
 import mujoco
+import numpy as np
 import pytest
 from mjcompose import mjcf
 
@@ -106,3 +109,23 @@ def test_the_lines_that_change_run(line: str, tmp_path: Path) -> None:
     root.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     names["physics"] = root.compile_model()
     exec(line, names)
+
+
+def test_the_three_ways_make_one_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program with `mjcompose.mjcf`, a mapping and a file."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("scenes/floor.xml", "props/cube.xml"):
+        shutil.copy(ROOT / "recipes" / "models" / name, tmp_path)
+    section = PAGE.split("## Or write a recipe")[1].split("## Functions")[0]
+    *programs, recipe = re.findall(r"^```\w+\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
+    models = [mjcompose.model(recipe)]
+    for program in programs:
+        known: dict[str, Any] = {}
+        exec(program, known)
+        models.append(known["model"])
+    assert len(models) == 3
+    for model in models:
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        assert model.nbody == 3 and [model.sensor(i).name for i in range(model.nsensor)] == ["at0", "at1"]
+        np.testing.assert_array_equal(data.sensordata, [0, 0, 0.02, 0.1, 0, 0.02])

@@ -246,3 +246,16 @@ def test_the_recipe_of_lift_does_what_robosuite_does(robot: str, gripper: str, t
     assert model.joint("gripper0_right_finger").range == pytest.approx([0, 0.7])
     assert data.body("cube_main").xpos == pytest.approx([0, 0, 0.821])
     assert (model.opt.impratio, model.opt.density, model.opt.viscosity) == (20, 1.2, 2e-5)
+
+
+def test_a_file_and_a_mapping_make_one_model(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(ROOT / "recipes", "recipes")
+    blocks = dict(re.findall(r'^```\w+ title="(row\.\w+)"\n(.*?)^```', PAGE, re.MULTILINE | re.DOTALL))
+    for name, text in blocks.items():
+        Path(name).write_text(text)
+    runpy.run_path("row.py")
+    printed = capsys.readouterr().out.splitlines()
+    assert len(printed) == 3 and len(set(printed)) == 1 and printed[0] in PAGE

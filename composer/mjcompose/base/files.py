@@ -433,6 +433,8 @@ _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.file
 
 STDIN = "<stdin>"
 """The name of standard input in messages: a recipe in the current folder that is in no file."""
+DATA = "<recipe>"
+"""The name of a recipe that a program has as data, until messages name the program's line."""
 _piped: dict[str, bytes] = {}
 
 
@@ -450,7 +452,7 @@ def own_name(path: PurePath) -> str:
     >>> own_name(Path("arms/left arm.yaml")), own_name(Path("arm\n.yaml"))
     ('left arm', 'arm_')
     """
-    return "model" if path.name == STDIN else without_odd(path.stem) or "model"
+    return "model" if path.name in (STDIN, DATA) else without_odd(path.stem) or "model"
 
 
 @contextmanager

@@ -160,6 +160,16 @@ def reader_of(text: str) -> Any:
     return _PURE if _SURROGATE_ESCAPE.search(text) else _FAST
 
 
+def is_text_in_yaml_1_1(text: str) -> bool:
+    """Return whether other programs, such as PyYAML, read a plain scalar as text.
+
+    >>> is_text_in_yaml_1_1("arm"), is_text_in_yaml_1_1("no"), is_text_in_yaml_1_1("12:30")
+    (True, False, False)
+    """
+    forms = yaml.SafeLoader.yaml_implicit_resolvers.get(text[:1], ())
+    return not any(form.match(text) for _, form in forms)
+
+
 def _restorer(mask: Mask, pure: bool) -> Callable[[str], str] | None:
     """Return the function that restores a scalar's original text: it undoes the masking and joins surrogates."""
     if pure:

@@ -138,6 +138,16 @@ Location: TypeAlias = Path | str
 _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://")
 
 
+def path_of_bundle(bundle: object) -> str:
+    """Return the path of a bundle as a program gave it. Raises TypeError for anything else, such as a recipe."""
+    if isinstance(bundle, str | PathLike):
+        return fspath(bundle)
+    message = f"a bundle is the path of an output of `mjcompose build`, got `{type(bundle).__name__}`"
+    if isinstance(bundle, Mapping):
+        message += "; a mapping has no bundle: write `mjcompose.dumps(recipe)` to a file, and build that"
+    raise TypeError(message)
+
+
 def is_address(text: object) -> bool:
     """Return whether a text is an address, not a path.
 

@@ -10,19 +10,23 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from itertools import chain
 from os import PathLike
 from pathlib import Path
 from threading import RLock
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from mjcompose.base.diagnostic import Severity, warn
-from mjcompose.base.files import Mark, mark_of, read_regular
+from mjcompose.base.dataclass import Struct
+from mjcompose.base.diagnostic import Diagnostic, Severity, warn
+from mjcompose.base.files import DATA, Mark, mark_of, read_regular
 from mjcompose.base.guard import limit
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import MjcomposeError, counted, render, short_traceback
 from mjcompose.base.runtime import forget_current_folder
+from mjcompose.base.sink import TooManyFaults
 from mjcompose.base.suggest import exists_note
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.build.plan.read import Given
@@ -34,7 +38,9 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
+from mjcompose.text.dump import in_brackets, plain
 from mjcompose.text.load import load
+from mjcompose.tools.open.data import ProgramRecipe, RecipeLike, opened
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.xml_text import write
 
@@ -55,61 +61,113 @@ class RecipeWarning(UserWarning):
 
 @short_traceback
 def spec(
-    recipe: str | PathLike[str], /, *, cell: str | None = None, sample: int = 0, verified: bool = False, **values: Any
-) -> Spec:
+    recipe: RecipeLike, /, *, cell: str | None = None, sample: int = 0, verified: bool = False,
+    base_dir: str | PathLike[str] | None = None, **values: Any,
+) -> Spec:  # fmt: skip
     """Build a recipe in this process and return it as a `mujoco.MjSpec`, which you can edit, attach and compile.
 
         spec = mjcompose.spec("cell.yaml", tool="flange", reach=0.5)
         spec.worldbody.add_light(pos=[0, 0, 3])
         model = spec.compile()
 
+    `recipe` is the path of a file, a mapping with the same keys, or YAML of several lines. The paths in a mapping or a
+    text start at `base_dir`, by default the working directory. A mapping may have numbers and arrays of numpy, tuples
+    and paths. An error in it names the line of your program and the keys, such as `recipe['attach']['hand']`:
+
+        spec = mjcompose.spec({"recipe": 1, "base": "./arm.xml", "attach": {"hand": {"model": "./hand.xml"}}})
+
     `values` are the values of the recipe's parameters and variants, `cell` is the name of a cell of its matrix, and
     `sample` is the number of a sample of `randomize`. With `verified`, MuJoCo compiles the model in a process of its
-    own first, and the recipe's checks run. A recipe whose files have not changed is not built again.
+    own first, and the recipe's checks run. A recipe whose files have not changed is not built again, nor is an equal
+    mapping.
 
-    Raises BuildError, and warns with RecipeWarning.
+    Raises BuildError, and TypeError for a value that a recipe cannot have; warns with RecipeWarning.
     """
     import mujoco
 
-    return _opened_by(mujoco.MjSpec.from_string, recipe, cell, sample=sample, verified=verified, values=values)
+    opening = _Opening.of(recipe, base_dir, cell, sample=sample, verified=verified, values=values)
+    return _opened_by(mujoco.MjSpec.from_string, opening)
 
 
 @short_traceback
 def model(
-    recipe: str | PathLike[str], /, *, cell: str | None = None, sample: int = 0, verified: bool = False, **values: Any
-) -> Model:
+    recipe: RecipeLike, /, *, cell: str | None = None, sample: int = 0, verified: bool = False,
+    base_dir: str | PathLike[str] | None = None, **values: Any,
+) -> Model:  # fmt: skip
     """Build a recipe in this process and return it as a compiled `mujoco.MjModel`.
 
         model = mjcompose.model("cell.yaml", tool="flange")
         data = mujoco.MjData(model)
 
-    Takes the same values as `mjcompose.spec`. Raises BuildError, and warns with RecipeWarning.
+    Takes the same recipes and values as `mjcompose.spec`. Raises BuildError, and TypeError for a value that a recipe
+    cannot have; warns with RecipeWarning.
     """
     import mujoco
 
-    return _opened_by(mujoco.MjModel.from_xml_string, recipe, cell, sample=sample, verified=verified, values=values)
+    opening = _Opening.of(recipe, base_dir, cell, sample=sample, verified=verified, values=values)
+    return _opened_by(mujoco.MjModel.from_xml_string, opening)
 
 
-def _opened_by(
-    load: Callable[[str], T], recipe: str | PathLike[str], cell: str | None, *, sample: int, verified: bool,
-    values: Mapping[str, Any],
-) -> T:  # fmt: skip
+class _Opening(Struct):
+    """The input of one call: a recipe, its values, and the chosen model."""
+
+    recipe: str | ProgramRecipe
+    cell: str | None
+    sample: int
+    verified: bool
+    written: Mapping[str, str]
+
+    @classmethod
+    def of(
+        cls, recipe: RecipeLike, base_dir: str | PathLike[str] | None = None, cell: str | None = None, *,
+        sample: int = 0, verified: bool = False, values: Mapping[str, Any] | None = None,
+    ) -> _Opening:  # fmt: skip
+        try:
+            return cls(opened(recipe, base_dir), cell, sample=sample, verified=verified, written=as_yaml(values or {}))
+        except MjcomposeError as error:
+            raise BuildError(error.diagnostics) from None
+
+    @property
+    def path(self) -> str:
+        return self.recipe if isinstance(self.recipe, str) else self.recipe.path
+
+    @property
+    def identity(self) -> tuple[str, str | None]:
+        """Equal for equal recipes: the path and, of a recipe that is in no file, the content."""
+        return self.path, None if isinstance(self.recipe, str) else self.recipe.key
+
+    @property
+    def key(self) -> str:
+        places = [os.environ.get(name) for kind in KINDS for name in kind.variables]
+        return json.dumps([*self.identity, self.written, self.cell, self.sample, self.verified, places])
+
+    def readable(self) -> AbstractContextManager[None]:
+        """Within the block, read the recipe at its path."""
+        return nullcontext() if isinstance(self.recipe, str) else self.recipe.readable()
+
+    def named(self, diagnostics: Iterable[Diagnostic], shown: str) -> Iterable[Diagnostic]:
+        """Return diagnostics with the recipe's name in messages; `shown` is its path there."""
+        return diagnostics if isinstance(self.recipe, str) else self.recipe.named(diagnostics, shown)
+
+
+def _opened_by(load: Callable[[str], T], opening: _Opening) -> T:
     """Return the result of MuJoCo's function. If MuJoCo refuses the text, raise BuildError with the place in a file."""
-    text = text_of(recipe, cell=cell, sample=sample, verified=verified, values=values)
+    text = _text_of(opening)
     try:
         return load(text)
     except ValueError as error:
         refused = error
-    text_of(recipe, cell=cell, sample=sample, verified=True, values=values)  # its error has the line of the source
+    _text_of(replace(opening, verified=True))  # its error has the line of the source
     raise refused
 
 
 class _Opened(NamedTuple):
-    """The text of a built recipe, and the marks of the files that it depends on."""
+    """The text of a built recipe, and the marks of the files that it depends on. `shown` is its path in messages."""
 
     text: str
     marks: Mapping[str, Mark]
-    warnings: tuple[str, ...]
+    warnings: tuple[Diagnostic, ...]
+    shown: str
 
     @property
     def is_current(self) -> bool:
@@ -122,52 +180,59 @@ _opened: dict[str, _Opened] = {}
 _building = RLock()
 
 
-def text_of(
-    recipe: str | PathLike[str], *, cell: str | None = None, sample: int = 0, verified: bool = False,
-    values: Mapping[str, Any] | None = None,
-) -> str:  # fmt: skip
-    """Return the MJCF of a recipe, which names all files by absolute paths. Raises BuildError.
+def text_of(recipe: str | PathLike[str]) -> str:
+    """Return the MJCF of the recipe in a file, which names all files by absolute paths. Raises BuildError.
 
     The text of an unchanged recipe is remembered. Threads may call it at the same time.
     """
-    path = os.path.abspath(recipe)
-    written = as_json(values or {})
-    places = [os.environ.get(name) for kind in KINDS for name in kind.variables]
-    key = json.dumps([path, written, cell, sample, verified, places])
-    opened = _opened.get(key)
-    if opened is None or not opened.is_current:
+    return _text_of(_Opening.of(Path(recipe)))
+
+
+def _text_of(opening: _Opening) -> str:
+    key = opening.key
+    known = _opened.get(key)
+    if known is None or not known.is_current:
         with _building:
-            opened = _opened.get(key)
-            if opened is None or not opened.is_current:
-                opened = _open(Path(path), written, cell, sample=sample, verified=verified)
+            known = _opened.get(key)
+            if known is None or not known.is_current:
+                known = _open(opening)
                 _opened.pop(key, None)
-                _opened[key] = opened
+                _opened[key] = known
                 while len(_opened) > _MOST:
                     del _opened[next(iter(_opened))]
-    for message in opened.warnings:
-        warn(message, RecipeWarning)
-    return opened.text
+    for diagnostic in opening.named(known.warnings, known.shown):
+        warn(render(diagnostic), RecipeWarning)
+    return known.text
 
 
-def files_of(recipe: str | PathLike[str]) -> tuple[str, ...]:
+def files_of(recipe: RecipeLike, *, base_dir: str | PathLike[str] | None = None) -> tuple[str, ...]:
     """Return the files that a recipe depends on, to watch them: all inputs of its models in this process.
 
-    It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it.
+    It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it. A mapping or a text is in no file
+    itself: build it again when your program changes it.
     """
-    path = os.path.abspath(recipe)
-    known = (opened.marks for key, opened in list(_opened.items()) if json.loads(key)[0] == path)
-    return tuple(dict.fromkeys(chain.from_iterable(known)))
+    own = list(_Opening.of(recipe, base_dir).identity)
+    known = (each.marks for key, each in list(_opened.items()) if json.loads(key)[:2] == own)
+    files = dict.fromkeys(chain.from_iterable(known))
+    return tuple(path for path in files if not os.path.basename(path).startswith(DATA))
 
 
-def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample: int, verified: bool) -> _Opened:
+def _open(opening: _Opening) -> _Opened:
     started = time.time_ns()
     context = Context(fetching=Fetching())
-    given = nodes_of(written, context)
-    request = request_for(recipe, given, cell, sample=sample, verified=verified, context=context)
-    with Session() as session:
-        built = None if request is None else build(request, context, session=session)
+    recipe = Path(opening.path)
+    shown = context.shown(recipe)
+    given = nodes_of(opening.written, context)
+    try:
+        with opening.readable(), Session() as session:
+            request = request_for(
+                recipe, given, opening.cell, sample=opening.sample, verified=opening.verified, context=context
+            )
+            built = None if request is None else build(request, context, session=session)
+    except TooManyFaults as error:
+        raise BuildError(opening.named(error.sink.diagnostics, shown)) from None
     if built is None:
-        raise BuildError(context.sink.diagnostics)
+        raise BuildError(opening.named(context.sink.diagnostics, shown))
     inputs = Inputs()
     files = [*inputs.recipes(built.plan), *inputs.others(built, context)]
     marks = {path: mark_of(path) for path in files if not os.path.isdir(path)}
@@ -175,7 +240,7 @@ def _open(recipe: Path, written: Mapping[str, str], cell: str | None, *, sample:
     marks |= {path: mark_of(path) for path in generated}
     # A file that changed during the build may have been read before: the model is built again at the next call.
     marks |= {path: None for path in files if (mark := marks.get(path)) is not None and mark[0] >= started}
-    return _Opened(text, marks, tuple(map(render, context.sink.diagnostics)))
+    return _Opened(text, marks, tuple(context.sink.diagnostics), shown)
 
 
 def request_for(
@@ -245,15 +310,9 @@ def _write_models(root: Any, uses: list[FileUse], folder: Path) -> list[str]:
     return [str(place / path) for path in contents]
 
 
-def as_json(values: Mapping[str, Any]) -> dict[str, str]:
-    """Return values of Python as text that `nodes_of` reads. Raises TypeError."""
-
-    def plain(value: Any) -> Any:
-        if hasattr(value, "tolist"):  # of numpy
-            return value.tolist()
-        raise TypeError(f"a recipe has no values such as {value!r}")
-
-    return {name: json.dumps(value, default=plain, ensure_ascii=False) for name, value in sorted(values.items())}
+def as_yaml(values: Mapping[str, Any]) -> dict[str, str]:
+    """Return values of Python as text that `nodes_of` reads. Raises TypeError, and MjcomposeError for a limit."""
+    return {name: in_brackets(plain(value, name)) for name, value in sorted(values.items())}
 
 
 def nodes_of(written: Mapping[str, str], context: Context) -> Given:

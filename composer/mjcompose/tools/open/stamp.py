@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
@@ -21,7 +20,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
-from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle
+from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle, path_of_bundle
 from mjcompose.build.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.stages import Request, build
@@ -29,7 +28,7 @@ from mjcompose.sources.context import Context
 from mjcompose.targets.names import NAMES
 from mjcompose.text.load import load
 from mjcompose.text.node import locate
-from mjcompose.tools.open.recipe import as_json, nodes_of
+from mjcompose.tools.open.recipe import as_yaml, nodes_of
 
 
 def _known_target(name: str) -> str:
@@ -86,7 +85,7 @@ def stamp(bundle: str | PathLike[str]) -> dict[str, Any]:
 
     Raises MjcomposeError if the bundle cannot be read, or no recipe made it.
     """
-    shown = os.fspath(bundle)
+    shown = path_of_bundle(bundle)
     try:
         files = read(Path(bundle))
         manifest = from_json(files.files[MANIFEST])
@@ -146,7 +145,7 @@ def _fault(error: pydantic.ValidationError, text: bytes, shown: str) -> Diagnost
 def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     """Build the model of a stamp again. None after an error, even if only its bytes would differ."""
     sink = context.sink
-    given = nodes_of(as_json({**record.params, **record.variants}), context)
+    given = nodes_of(as_yaml({**record.params, **record.variants}), context)
     request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
     options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
     built = None if sink.has_errors else build(replace(request, **options), context)

@@ -21,7 +21,7 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address
+from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address, path_of_bundle
 from mjcompose.build.bundle.listing import Condition, ListingError, rows
 from mjcompose.build.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
 from mjcompose.build.bundle.read import ReadError, files_outside, named_model, read
@@ -59,7 +59,7 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
 
     Raises LoadError; warns with BundleWarning.
     """
-    shown = os.fspath(bundle)
+    shown = path_of_bundle(bundle)
     if is_address(shown):
         with scratch("download") as folder:
             return _load(_downloaded(shown, folder), shown, allow_changes=allow_changes)
@@ -297,7 +297,7 @@ def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[L
     """
     try:
         condition = None if where is None else Condition(where)
-        shown = os.fspath(path)
+        shown = path_of_bundle(path)
         for row in rows(shown if is_address(shown) else Path(path), shown):
             if condition is None or condition.holds(row):
                 yield Listed(str(row.values.get("model", "")), row.file, row.values)

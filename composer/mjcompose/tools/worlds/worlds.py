@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-import os
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
-from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
+from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError, path_of_bundle
 from mjcompose.build.bundle.manifest import Manifest
 from mjcompose.build.bundle.read import ReadError, read as read_bundle
 from mjcompose.build.bundle.staging import staged_file
@@ -300,7 +299,7 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
     checked against the manifest and arrays against the model, as in `mjcompose.load`. Raises LoadError; warns with
     BundleWarning.
     """
-    shown = os.fspath(bundle)
+    shown = path_of_bundle(bundle)
     loaded = load_bundle(bundle)
     try:
         content = read_bundle(Path(bundle)).files.get(WORLDS) if file is None else read_regular(file)
