@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mjcompose.base.codes import CODES
 from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, DiagnosticError, Fix, Note, Severity, Span
@@ -13,6 +14,7 @@ from mjcompose.base.files import MJCF_FILES, URDF_FILES
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.suggest import without_constant
 
+_OF_UNKNOWN_NAMES = ("unknown-name", "attach-place", "selector")
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
 
@@ -23,6 +25,14 @@ class TooManyFaults(Exception):
     def __init__(self, sink: Sink) -> None:
         super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")
         self.sink = sink
+
+
+class LaterName(NamedTuple):
+    """The names that the entry at `span` gives elements when it is carried out, and the text that gives them."""
+
+    text: str
+    names: re.Pattern[str]
+    span: Span
 
 
 class Sink:
@@ -42,6 +52,7 @@ class Sink:
         self.error_count = 0
         """The number of errors, including reported and suppressed ones."""
         self._lost: set[str] = set()
+        self._later: list[LaterName] = []
         self._errors = 0
 
     def suppress_about(self, names: Iterable[str]) -> None:
@@ -62,7 +73,22 @@ class Sink:
     def fork(self) -> Sink:
         sink = Sink()
         sink.suppress_about(self._lost)
+        sink._later = [*self._later]
         return sink
+
+    @contextmanager
+    def naming_later(self, names: Iterable[LaterName]) -> Iterator[None]:
+        """Note with errors about unknown names that these entries give elements such names, until they have done so."""
+        before = self._later
+        self._later = [*before, *names]
+        try:
+            yield
+        finally:
+            self._later = before
+
+    def has_named(self, span: Span) -> None:
+        """Remember that the entry at `span` is carried out."""
+        self._later = [later for later in self._later if later.span != span]
 
     def suppresses(self, name: str) -> bool:
         """Return whether an earlier error may be the reason that this name does not exist."""
@@ -71,7 +97,7 @@ class Sink:
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
-        diagnostic = without_constant(diagnostic)
+        diagnostic = self._with_later_names(without_constant(diagnostic))
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
         if diagnostic in self._found:
@@ -91,6 +117,17 @@ class Sink:
                 message = f"there are more than {most} errors; mjcompose stopped looking for others"
                 self._found[Diagnostic("limit-exceeded", message, None, help=advice("faults"))] = {}
                 raise TooManyFaults(self)
+
+    def _with_later_names(self, diagnostic: Diagnostic) -> Diagnostic:
+        """Return an error about an unknown name with a note on the entry that gives an element this name later."""
+        if not self._later or diagnostic.code not in _OF_UNKNOWN_NAMES:
+            return diagnostic
+        for later in self._later:
+            note = Note(f"`rename: {later.text}` comes after this: write the name before it here", later.span)
+            # An error that a fork has added has the note already.
+            if any(map(later.names.fullmatch, diagnostic.subjects)) and note not in diagnostic.notes:
+                return replace(diagnostic, notes=(*diagnostic.notes, note))
+        return diagnostic
 
     def __enter__(self) -> Sink:
         return self

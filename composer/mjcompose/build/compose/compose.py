@@ -16,7 +16,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import advice, in_force
-from mjcompose.base.sink import Sink
+from mjcompose.base.sink import LaterName, Sink
 from mjcompose.build.bundle.collect import check_files
 from mjcompose.build.compose.attach import (
     EarlyAdditions,
@@ -246,11 +246,13 @@ class Composer:
             mirror_keys(plan, units, self.context, session=self.loader.session, notes=self.keys)
         read = [unit for unit in units if unit is not None]
         if len(read) == len(units):
-            return self._joined(plan, base, read, is_fixed=is_fixed)
+            with self.context.sink.naming_later(_later_names(plan)):
+                return self._joined(plan, base, read, is_fixed=is_fixed)
         # A model without some of its parts is only good for finding more errors.
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
-        self._joined(replace(plan, parts=tuple(kept)), base, read, is_fixed=is_fixed)
+        with self.context.sink.naming_later(_later_names(plan)):
+            self._joined(replace(plan, parts=tuple(kept)), base, read, is_fixed=is_fixed)
         return None
 
     def _preview(self, plan: Plan, is_fixed: bool) -> Composed | None:
@@ -439,6 +441,14 @@ class Composer:
                 known = self.subtrees.get(plan.place_of(wanted.at), Subtree.of(None, ()))
                 self.subtrees[plan.place_of(wanted.at)] = known.with_dropped(dropped)
         return unit
+
+
+def _later_names(plan: Plan) -> Iterator[LaterName]:
+    """Yield the names that the edits of a plan give."""
+    if plan.edits:
+        from mjcompose.build.compose.edits import later_names  # few recipes need it
+
+        yield from later_names(plan.edits)
 
 
 def _adds_mass(plan: Plan) -> bool:

@@ -405,7 +405,11 @@ def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
     if selector.tag == "inertial":
         help = help or "a body whose mass comes from its geoms has no `inertial`: write `optional: true` to skip it"
     help = help or "write `optional: true` if that is not a fault"
-    editing.sink.error("selector", message, editing.span(path), notes=_existing(editing, selector), help=help, fix=fix)
+    subjects = (selector.pattern,) if selector.is_one_name else ()
+    editing.sink.error(
+        "selector", message, editing.span(path), notes=_existing(editing, selector), help=help, fix=fix,
+        subjects=subjects,
+    )  # fmt: skip
 
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:

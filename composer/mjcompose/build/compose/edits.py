@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path
-from mjcompose.base.sink import Sink
+from mjcompose.base.sink import LaterName, Sink
 from mjcompose.build.compose.checks import check_intervals
 from mjcompose.build.compose.editing import Count, Editing, count_values, select_counted
 from mjcompose.build.compose.elements import ElementBuilder
@@ -22,6 +22,7 @@ from mjcompose.build.compose.values import Masses, UnusableValue
 from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.build.verbs.remove import listed_kind, remove
+from mjcompose.build.verbs.rename import Rename
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Drop
 from mjcompose.link.expansion import element_of
@@ -138,15 +139,25 @@ class PartEdits(Struct, frozen=False):
         return Editing(linking, making, plan.scope, own=True, cost=composer.cost, datasheets=plan.datasheets)
 
     def _edit(self, steps: list[EditElements], editing: Editing) -> None:
-        for step in steps:
-            _carry_out(step, editing, self.plan, composer=self.composer)
-            self.composer.watch([self.unit], step)
+        with editing.sink.naming_later(later_names(steps)):
+            for step in steps:
+                _carry_out(step, editing, self.plan, composer=self.composer)
+                self.composer.watch([self.unit], step)
         check_intervals(editing.making)
+
+
+def later_names(steps: Iterable[EditElements]) -> Iterator[LaterName]:
+    """Yield the names that the edits give elements when they are carried out."""
+    for step in steps:
+        for verb in step.edit.verbs.values():
+            if isinstance(verb, Rename) and (names := verb.new_names()) is not None:
+                yield LaterName(verb.name, names, step.span)
 
 
 def _carry_out(step: EditElements, editing: Editing, plan: Plan, composer: Composer) -> None:
     if (outcome := edit_elements(step, editing, composer.mesh_workshop())) is not None:
         composer.edits[plan.place_of(step.edit.at)] = outcome
+    editing.sink.has_named(step.span)
 
 
 def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path as PathlibPath
 from typing import Annotated
@@ -17,6 +18,7 @@ from mjcompose.build.verbs.values import Entry
 from mjcompose.language.edit import Verb
 from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.forms.scalars import Name
+from mjcompose.text.evaluate import Template
 from mjcompose.text.node import locate
 from mjcompose.tree.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
 from mjcompose.tree.grammar import Attribute
@@ -88,6 +90,13 @@ class Rename(Verb):
 
     def words(self) -> str:
         return f"rename to {self.name}"
+
+    def new_names(self) -> re.Pattern[str] | None:
+        """Return the names that it may give; None if it may give any name."""
+        pieces = Template.parse(self.name).pieces
+        if not any(isinstance(piece, str) for piece in pieces):
+            return None
+        return re.compile("".join(re.escape(piece) if isinstance(piece, str) else ".*" for piece in pieces))
 
 
 def _naming(node: Node) -> Attribute:
