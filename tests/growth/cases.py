@@ -122,6 +122,36 @@ def edits(n: int) -> Words:
     return [*_BUILD, "--no-compile"]
 
 
+@case("build: edits of one glob each", 40)
+def edits_globs(n: int) -> Words:
+    _model(_bodies(n))
+    _recipe(["edit:", *(f"  - {{select: {{geom: 'g{number}{{,x*}}'}}, set: {{group: 3}}}}" for number in range(n))])
+    return [*_BUILD, "--no-compile"]
+
+
+@case("build: edits of one end of names each", 40)
+def edits_ends(n: int) -> Words:
+    _model(_bodies(n).replace('name="g', 'name="x_g'))
+    _recipe(["edit:", *(f"  - {{select: {{geom: '*_g{number}'}}, set: {{group: 3}}}}" for number in range(n))])
+    return [*_BUILD, "--no-compile"]
+
+
+@case("build: edits of one regular expression each", 40)
+def edits_expressions(n: int) -> Words:
+    _model(_bodies(n))
+    _recipe(["edit:", *(f"  - {{select: {{geom: '/g{number}(x.*)?/'}}, set: {{group: 3}}}}" for number in range(n))])
+    return [*_BUILD, "--no-compile", "--limit", "edits=10000000"]
+
+
+@case("build: edits of one part each", 25)
+def edits_parts(n: int) -> Words:
+    _parts(n)
+    rows = (f"  - {{select: {{geom: '**', part: p{number}}}, set: {{group: 3}}}}\n" for number in range(n))
+    with Path("r.yaml").open("a") as recipe:
+        recipe.write("edit:\n" + "".join(rows))
+    return [*_BUILD, "--no-compile"]
+
+
 @case("build: edits inside one body each", 40)
 def edits_inside(n: int) -> Words:
     _model(_bodies(n))

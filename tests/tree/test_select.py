@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import random
 from itertools import product
 
 import pytest
@@ -7,7 +8,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 from mjcompose.tree.classes import Classes
 from mjcompose.tree.names import NameIndex
-from mjcompose.tree.pattern import Selector
+from mjcompose.tree.pattern import BadPattern, Selector
 from mjcompose.tree.select import Selection, attribute_of, kind_of, query, section_of, spoken, tags_of
 
 ROOT = etree.fromstring(
@@ -89,10 +90,70 @@ def selectors() -> list[Selector]:
 def test_an_index_finds_what_a_search_finds() -> None:
     index = NameIndex.of(MODEL)
     searching = Selection(MODEL, Classes(MODEL))
-    looking_up = Selection(MODEL, Classes(MODEL), find=index.find)
+    looking_up = Selection(MODEL, Classes(MODEL), index=index)
     found = [searching.of(selector) for selector in selectors()]
     assert found == [looking_up.of(selector) for selector in selectors()]
     assert sum(map(bool, found)) > 50
+
+
+PATTERNS = (
+    "a*", "*a", "*a*", "a?b", "?", "*", "**", "**/b", "a/*", "{a,b}", "{a,b}/{a,b}*", "{a*,b}", "{a,}b", "a{1,2}", "none*", "a**b",
+    "/a.*/", "/.*a/", "/a|b/", "/ab?/", "/(?i)A.*/", "/a+/", "/[ab]*/", "/a/", "/a{1}.*/", "/a\\/b.*/", "/ab?1|b/",
+)  # fmt: skip
+
+
+def _named(count: int, chance: random.Random) -> Node:
+    root = etree.fromstring("<mujoco><worldbody/><actuator/></mujoco>")
+    names = list({"".join(chance.choices("aAb/1", k=chance.randrange(1, 5))) for _ in range(count)})
+    bodies = [root[0]]
+    for name in chance.sample(names, len(names)):
+        body = etree.SubElement(chance.choice(bodies), "body", {"name": name})
+        etree.SubElement(body, "geom", {"name": name[::-1]} if chance.random() < 0.7 else {})
+        etree.SubElement(root[1], "motor", {"name": name})
+        bodies.append(body)
+    return root
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("separator", ["/", "_"])
+def test_patterns_in_an_index_that_follows_changes(seed: int, separator: str) -> None:
+    chance = random.Random(seed)
+    root = _named(60, chance)
+    index = NameIndex.of(root)
+    for number in range(12):
+        searching = Selection(root, Classes(root), separator)
+        looking_up = Selection(root, Classes(root), separator, index=index)
+        for tag, pattern in product(("body", "geom", "actuator"), PATTERNS):
+            selector = Selector(tag, pattern)
+            assert looking_up.of(selector) == searching.of(selector), str(selector)
+            assert looking_up.looks(selector) <= searching.looks(selector)
+        node = chance.choice(list(root.iter("geom", "motor")))
+        index.forget(node, "actuator" if node.tag == "motor" else "worldbody")
+        if chance.random() < 0.5:
+            node.set("name", f"a/b{number}x")
+            index.note(node, "actuator" if node.tag == "motor" else "worldbody")
+        else:
+            node.getparent().remove(node)  # type: ignore[union-attr]
+
+
+def test_a_pattern_that_is_not_valid_is_reported_without_names_to_match() -> None:
+    selection = Selection(MODEL, Classes(MODEL), index=NameIndex.of(MODEL))
+    with pytest.raises(BadPattern, match="is not valid"):
+        selection.of(Selector("geom", "/nothing begins like this(/"))
+
+
+def test_a_pattern_with_literal_text_looks_at_few_names() -> None:
+    names = [f"{side}{number}_pad" for side in ("left", "right") for number in range(50)]
+    bodies = "".join(f'<body name="{name}"><geom/></body>' for name in names)
+    root = etree.fromstring(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    selection = Selection(root, Classes(root), index=NameIndex.of(root))
+    looks = {pattern: selection.looks(Selector("body", pattern)) for pattern in (
+        "left7*", "*7_pad", "{left,right}7_*", "/left7_.*/", "*", "/.*7_pad/", "**", "left7_pad",
+    )}  # fmt: skip
+    assert looks == {
+        "left7*": 1, "*7_pad": 10, "{left,right}7_*": 2, "/left7_.*/": 1, "*": 100, "/.*7_pad/": 100, "**": 202,
+        "left7_pad": 0,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("around", ["parent", "inside"])
@@ -101,6 +162,6 @@ def test_elements_of_one_body_are_found_without_a_look_at_the_others(
 ) -> None:
     looked_at: list[Node] = []
     monkeypatch.setattr(Selection, "_named", lambda self, node, pattern: looked_at.append(node) or True)
-    selection = Selection(MODEL, Classes(MODEL), find=NameIndex.of(MODEL).find)
+    selection = Selection(MODEL, Classes(MODEL), index=NameIndex.of(MODEL))
     selection.of(Selector("geom", "g*", **{around: Selector("body", "b3")}))
     assert [node.get("name") for node in looked_at if node.tag == "geom"] == ["g4"]

@@ -15,6 +15,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.name_order import NameOrder
 
 DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
 Action = tuple[int, str]
@@ -167,6 +168,7 @@ class NameIndex(Names, frozen=False):
 
     uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
     leads_out: bool = False
+    _orders: dict[str, tuple[dict[str, Node], NameOrder]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, root: Node) -> NameIndex:
@@ -199,6 +201,8 @@ class NameIndex(Names, frozen=False):
         for attribute, namespace in declaring(section).get(node.tag, ()) if declares else ():
             if (own := own_name(node, attribute)) is not None:
                 self.declared.setdefault(namespace, {}).setdefault(own, node)
+                if namespace in self._orders:
+                    self._orders[namespace][1].add(own)
         for attribute, namespace, name, _ in own_references(node, section):
             if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
@@ -212,11 +216,23 @@ class NameIndex(Names, frozen=False):
             names, own = self.declared.get(namespace, {}), own_name(node, attribute)
             if own is not None and names.get(own) is node:
                 del names[own]
+                if namespace in self._orders:
+                    self._orders[namespace][1].discard(own)
         for attribute, namespace, name, _ in own_references(node, section):
             known = self.uses.get(namespace, {})
             known.get(name, {}).pop((node, attribute), None)
             if not known.get(name):
                 known.pop(name, None)
+
+    def order(self, namespace: str) -> NameOrder:
+        """Return the names of a namespace in order, which is made on first use."""
+        declared = self.declared.get(namespace, {})
+        names, order = self._orders.get(namespace, (None, None))
+        # Others than `note` and `forget` only add names, or replace the table.
+        if order is None or names is not declared or len(order) != len(declared):
+            order = NameOrder(declared)
+            self._orders[namespace] = (declared, order)
+        return order
 
     def users(self, namespace: str, name: str) -> list[Use]:
         """Return the references to a name, in the order in which they were added."""

@@ -68,6 +68,61 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
     return fits
 
 
+class Literals(Struct):
+    """The literal text that a pattern requires: a name begins with one of `starts`, and contains `part`."""
+
+    starts: tuple[str, ...] = ("",)
+    part: str = ""
+
+
+_MOST_STARTS = 64
+
+
+@lru_cache(maxsize=256)
+def literals_of(pattern: str, separator: str = "/") -> Literals:
+    """Return the literal text that a glob or a regular expression requires.
+
+    >>> literals_of("arm{1,2}_*").starts, literals_of("**/pad?").part, literals_of("/left_[0-9]+/").starts
+    (('arm1_', 'arm2_'), 'pad', ('left_',))
+    """
+    if is_regular(pattern):
+        return Literals((_literal_start(pattern[1:-1]),))
+    tokens = _tokens(pattern, separator)
+    starts = [""]
+    for token in tokens:
+        choices = _literal_choices(token)
+        if choices is None or len(starts) * len(choices) > _MOST_STARTS:
+            break
+        starts = [start + choice for start in starts for choice in choices]
+    part = max((token for token in tokens if isinstance(token, str)), key=len, default="")
+    return Literals(tuple(dict.fromkeys(starts)), part)
+
+
+def _literal_choices(token: _Token) -> list[str] | None:
+    """Return the texts that a token matches, or None if it has a wildcard."""
+    if isinstance(token, str):
+        return [token]
+    if isinstance(token, _Wild) or any(isinstance(each, _Wild) for choice in token for each in choice):
+        return None
+    return ["".join(map(str, choice)) for choice in token]
+
+
+def _literal_start(expression: str) -> str:
+    """Return literal text with which every match of an expression begins, perhaps less than there is.
+
+    >>> _literal_start("link[0-9]+"), _literal_start("links?"), _literal_start("left|right"), _literal_start("(?i)left")
+    ('link', 'link', '', '')
+    """
+    # `|` allows other beginnings, and flags change what letters and spaces match.
+    if "|" in expression or "(?" in expression:
+        return ""
+    literal = re.match(r"[\w/ -]*", expression)
+    assert literal is not None
+    text = literal[0]
+    is_repeated = expression[len(text) : len(text) + 1] in ("*", "?", "{", "+")
+    return text[:-1] if is_repeated else text
+
+
 def _tokens(glob: str, separator: str) -> list[_Token]:
     levels = f"**{separator}" if _makes_levels(separator) else None
     wild = {levels: _Wild.LEVELS, **{each.value: each for each in (_Wild.ONE, _Wild.LEVEL, _Wild.ALL)}}

@@ -13,10 +13,11 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.tree.classes import MAIN, Classes, chain
+from mjcompose.tree.cost import written
 from mjcompose.tree.files import NAMED_AFTER_FILE
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
-from mjcompose.tree.names import MAY_REPEAT, WORLD, own_name
-from mjcompose.tree.pattern import EVERYTHING, Selector, fitter, is_pattern, matcher, paths_of
+from mjcompose.tree.names import MAY_REPEAT, WORLD, NameIndex, own_name
+from mjcompose.tree.pattern import EVERYTHING, Selector, fitter, is_pattern, literals_of, matcher, paths_of
 from mjcompose.tree.values import NOT_XML
 
 ROOT = "mujoco"
@@ -144,8 +145,6 @@ def tags_of() -> list[str]:
 _TRANSPARENT = ("frame", "replicate")
 _WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
 BASE = "base"
-Find = Callable[[str, str], Node | None]
-"""A function that returns the element with a name in a namespace, from an index."""
 
 
 @cache
@@ -199,13 +198,45 @@ def numbered(parent: Node, tag: str) -> dict[Node, int]:
     return found
 
 
+_WALKED = 4
+"""Of how many elements one has to be selected, so that a walk over all is quicker than the places of the selected."""
+
+
+def _in_order(nodes: Iterable[Node]) -> list[Node]:
+    """Return elements of one tree in the order of the tree, without a look at the others.
+
+    >>> root = etree.fromstring("<a><b><c/></b><d/></a>")
+    >>> [node.tag for node in _in_order([root[1], root[0][0], root[0]])]
+    ['b', 'c', 'd']
+    """
+    places: dict[Node, tuple[int, ...]] = {}
+
+    def place(node: Node) -> tuple[int, ...]:
+        """Return the number of each element around an element in its parent, from the root, and then its own."""
+        waiting = []
+        around: Node | None = node
+        while around is not None and around not in places:
+            waiting.append(around)
+            around = around.getparent()
+        for each in reversed(waiting):
+            above = each.getparent()
+            places[each] = () if above is None else (*places[above], above.index(each))
+        return places[node]
+
+    return sorted(nodes, key=place)
+
+
+def _is_below(node: Node, root: Node) -> bool:
+    return node.getroottree().getroot() is root
+
+
 @dataclass
 class Selection:
     """Finds elements in one model.
 
     `parts` has the part of each element, with `/` for nested parts. Other elements belong to the base. `holds`
-    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`. `find` looks a name
-    up in an index of the whole model; without it, the model is searched.
+    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`. `index` has the names
+    of the whole model, and `in_part` returns the elements of a part; without them, the model is searched.
     """
 
     root: Node
@@ -214,7 +245,8 @@ class Selection:
     parts: Mapping[Node, str] = field(default_factory=dict)
     base_class: str | None = None
     holds: Callable[[Node, Selector], bool] = lambda node, selector: True
-    find: Find | None = None
+    index: NameIndex | None = None
+    in_part: Callable[[str], Iterable[Node]] | None = None
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
     _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
     _numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
@@ -227,6 +259,19 @@ class Selection:
         finally:
             self._known.clear()
 
+    def looks(self, selector: Selector) -> int:
+        """Return the number of elements that are looked at to find the matching ones, for one selector in it."""
+        if self._called(selector) is not None:
+            return 0
+        around = self._around(selector)
+        if around is not None:
+            return sum(written(outer) for outer in around)
+        names = self._names_for(selector)
+        if names is not None:
+            return len(names)
+        elements = self._of_part(selector)
+        return written(self.root) if elements is None else len(elements)
+
     def _candidates(self, selector: Selector) -> Iterable[Node]:
         """Return the elements of that tag and name, in the order of the tree, perhaps without those elsewhere.
 
@@ -235,14 +280,63 @@ class Selection:
         called = self._called(selector)
         if called is not None:
             return called
-        outer_selectors = [outer for outer in (selector.parent, selector.inside) if outer is not None]
-        around = next((found for outer in outer_selectors if (found := self._called(outer)) is not None), None)
+        around = self._around(selector)
         if around is None:
-            return (node for node in self.of_kind(selector) if self._named(node, selector.pattern))
+            indexed = self._matching(selector)
+            if indexed is not None:
+                return indexed
+            of_part = self._of_part(selector)
+            elements = self.of_kind(selector) if of_part is None else _in_order(of_part)
+            return (node for node in elements if self._named(node, selector.pattern))
         paths = paths_of(selector.tag)
         tags = {path.rpartition("/")[2] for path in paths}
         inside = dict.fromkeys(node for outer in around for node in outer.iterdescendants(*tags))
         return (node for node in inside if kind_of(node).path in paths and self._named(node, selector.pattern))
+
+    def _around(self, selector: Selector) -> list[Node] | None:
+        """Return the elements that the matching ones are inside of, if they are found by a single name."""
+        outer_selectors = [outer for outer in (selector.parent, selector.inside) if outer is not None]
+        return next((found for outer in outer_selectors if (found := self._called(outer)) is not None), None)
+
+    def _matching(self, selector: Selector) -> list[Node] | None:
+        """Find elements by a pattern in the index of names; return None if that is not possible."""
+        names = self._names_for(selector)
+        if names is None:
+            return None
+        assert self.index is not None
+        fits = fitter(selector.pattern, lambda: names, self.separator)
+        paths = paths_of(selector.tag)
+        fitting = [name for name in names if fits(name)]
+        nodes = [self.index.find(namespace, name) for namespace in _unique_in(paths) for name in fitting]
+        found = {node for node in nodes if node is not None and kind_of(node).path in paths}
+        if _WALKED * len(found) > sum(len(self.index.order(namespace)) for namespace in _unique_in(paths)):
+            return [node for node in self.of_kind(selector) if node in found]
+        return _in_order(found)
+
+    def _names_for(self, selector: Selector) -> list[str] | None:
+        """Return the names that may match a pattern, from the index; None if it does not have all."""
+        paths = paths_of(selector.tag)
+        namespaces = _unique_in(paths)
+        is_narrow = is_pattern(selector.pattern) and selector.pattern != EVERYTHING
+        if self.index is None or not is_narrow or not namespaces or not _is_written_as_name(paths):
+            return None
+        literals = literals_of(selector.pattern, self.separator)
+        orders = [self.index.order(namespace) for namespace in namespaces]
+        if literals.starts != ("",):
+            found = (name for order in orders for start in literals.starts for name in order.beginning(start))
+        elif literals.part:
+            found = (name for order in orders for name in order.containing(literals.part))
+        else:
+            found = (name for order in orders for name in order.all())
+        return list(dict.fromkeys(found))
+
+    def _of_part(self, selector: Selector) -> list[Node] | None:
+        """Return the elements of the selector's kind in one part; None if its part is a pattern or the base."""
+        part = selector.part
+        if self.in_part is None or part is None or part == BASE or is_pattern(part):
+            return None
+        paths = paths_of(selector.tag)
+        return [node for node in self.in_part(part) if _is_below(node, self.root) and kind_of(node).path in paths]
 
     def of_kind(self, selector: Selector) -> Iterator[Node]:
         """Yield all elements of that tag, regardless of their names."""
@@ -266,8 +360,8 @@ class Selection:
         if NOT_XML.search(name):
             return []  # libxml2 refuses such text, and no element has such a name
         namespaces = _unique_in(paths)
-        if self.find is not None and namespaces:
-            named = (self.find(namespace, name) for namespace in namespaces)
+        if self.index is not None and namespaces:
+            named = (self.index.find(namespace, name) for namespace in namespaces)
             return [node for node in named if node is not None and kind_of(node).path in paths]
         sections = (section for section in self.root.iterchildren("*") if section.tag != "default")
         return [node for each in sections for node in _WITH_NAME(each, name=name) if kind_of(node).path in paths]

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from mjcompose.build.bundle.write import write
-from mjcompose.build.compose.attach import may_match_part
+from mjcompose.build.compose.attach import Changes, ChangesOfParts
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.stored import VerifiedBundle, verify_stored
 from mjcompose.mujoco.engine import Session
@@ -294,7 +294,9 @@ def test_a_part_without_some_of_its_elements_is_not_compared(folder: Path, check
 def test_edits_reach_the_parts_that_their_names_begin_with() -> None:
     def reached(pattern: str) -> set[str]:
         prefixes = {"", "arm/", "arm/hand/", "tool/"}
-        return {each for each in prefixes if may_match_part(Selector("geom", pattern), each, prefixes)}
+        changes = ChangesOfParts(prefixes)
+        changes.add(Selector("geom", pattern), Changes({"geom_size"}))
+        return {prefix for prefix in prefixes if changes.of(prefix).arrays}
 
     assert reached("arm/hand/pad") == {"arm/hand/"}
     assert reached("arm/*") == {"arm/", "arm/hand/"}

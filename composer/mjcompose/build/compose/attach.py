@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Any, Literal
 
@@ -18,7 +18,7 @@ from mjcompose.build.compose.checks import check_class
 from mjcompose.build.compose.effects import note_added
 from mjcompose.build.compose.elements import ElementBuilder, joint_attributes, make_node, pose_number, turned
 from mjcompose.build.compose.load import PartRequest
-from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, of_part
+from mjcompose.build.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw
 from mjcompose.build.plan.steps import AddedPlace, AddElement, DrawValues, SetDefault, SetSingleton, Step, steps_adding
 from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
@@ -60,6 +60,64 @@ class UnplacedRecord(Struct, frozen=False, eq=False):
     def add_changed(self, arrays: Iterable[str]) -> None:
         self.update(changed=tuple(sorted({*self.member.changed, *arrays})))
 
+    def add(self, changes: Changes) -> None:
+        if changes.reduces and not self.member.reduced:
+            self.update(reduced="the recipe removes, moves or converts elements")
+        if changes.arrays:
+            self.add_changed(changes.arrays)
+
+
+class Changes(Struct, frozen=False):
+    """The arrays that edits change in a part, and whether the part `reduces` to less than its source."""
+
+    arrays: set[str] = field(default_factory=set)
+    reduces: bool = False
+
+    @classmethod
+    def by(cls, edit: Edit) -> Changes:
+        tag = None if "/" in edit.select.tag else edit.select.tag
+        changes = (change for verb in edit.verbs.values() for change in verb.changes(tag))
+        arrays = {array for kind, name in changes for array in arrays_of(name, kind)}
+        return cls(arrays, any(verb.reshapes for verb in edit.verbs.values()))
+
+    def add(self, other: Changes) -> None:
+        self.arrays |= other.arrays
+        self.reduces |= other.reduces
+
+
+class ChangesOfParts(Struct, frozen=False):
+    """The changes of the parts with these `prefixes`, by the beginnings of the names that edits select."""
+
+    prefixes: Collection[str]
+    in_all: Changes = field(default_factory=Changes)
+    in_part: dict[str, Changes] = field(default_factory=dict)
+    in_parts_from: dict[str, Changes] = field(default_factory=dict)
+
+    def add(self, selector: Selector, changes: Changes) -> None:
+        """Add changes of the elements that a selector may match, by the start of their names."""
+        if selector.pattern.startswith("/"):
+            self.in_all.add(changes)
+            return
+        head = re.split(r"[*?{\[]", selector.pattern, maxsplit=1)[0]
+        if head != selector.pattern:
+            self.in_parts_from.setdefault(head, Changes()).add(changes)
+        part = next((start for start in _starts(head) if start in self.prefixes), None)
+        (self.in_all if part is None else self.in_part.setdefault(part, Changes())).add(changes)
+
+    def of(self, prefix: str) -> Changes:
+        """Return the changes of the part with that prefix."""
+        found = Changes()
+        found.add(self.in_all)
+        found.add(self.in_part.get(prefix, Changes()))
+        for start in _starts(prefix):
+            found.add(self.in_parts_from.get(start, Changes()))
+        return found
+
+
+def _starts(text: str) -> Iterator[str]:
+    """Yield the beginnings of a text, the longest first."""
+    return (text[:length] for length in range(len(text), -1, -1))
+
 
 _OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
 
@@ -86,7 +144,8 @@ def unplaced_records(
             own = [UnplacedRecord(member, part.content)]
         dropped = {entry.section for entry in request.drop if not entry.leaves_keys}
         for record in own:
-            _note_edits(record, request.edit)
+            for edit in request.edit:
+                record.add(Changes.by(edit))
             if not dropped <= _WITHOUT_ELEMENTS:
                 record.update(reduced="the recipe leaves out elements")
         records += own
@@ -115,11 +174,12 @@ def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: s
 def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
     """Note in the records the changes that the recipe's own settings make."""
     prefixes = {record.member.prefix for record in records}
+    changes = ChangesOfParts(prefixes)
     for step in plan.steps:
         changed: list[str] = []
         owner = None
         if isinstance(step, SetDefault):
-            longest = max((prefix for prefix in prefixes if step.name.startswith(prefix)), key=len, default="")
+            longest = next((start for start in _starts(step.name) if start in prefixes), "")
             owner = "" if step.name == MAIN else longest
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
             changed = [array for tag, name in rows for array in arrays_of(name, tag)]
@@ -134,19 +194,30 @@ def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
                     record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
         elif isinstance(step, DrawValues) and step.sample:
             changed += arrays_of_draw(step)
-        for record in records:
-            if owner in (None, record.member.prefix):
-                record.add_changed(changed)
+        changes_of_owner = changes.in_all if owner is None else changes.in_part.setdefault(owner, Changes())
+        changes_of_owner.arrays.update(changed)
+    for step in plan.edits:
+        changes.add(step.edit.select, Changes.by(step.edit))
     written_keys = tuple(step.key.name for step in plan.keyframes)
     for record in records:
         record.update(replaced_keys=(*record.member.replaced_keys, *written_keys))
-        matching = (step.edit for step in plan.edits)
-        _note_edits(record, [e for e in matching if may_match_part(e.select, record.member.prefix, prefixes)])
-    for check in plan.checks:
-        if isinstance(check, Unchanged):
-            members = of_part([record.member for record in records], check.part, plan.separator)
-            for record in [each for each in records if each.member in members]:
-                record.add_changed(array for name in check.excepted for array in arrays_of(name))
+        record.add(changes.of(record.member.prefix))
+    excepting = [check for check in plan.checks if isinstance(check, Unchanged) and check.excepted]
+    by_part = _by_part(records, plan.separator) if excepting else {}
+    for check in excepting:
+        for record in records if check.part is None else by_part.get(check.part, []):
+            record.add_changed(array for name in check.excepted for array in arrays_of(name))
+
+
+def _by_part(records: Iterable[UnplacedRecord], separator: str) -> dict[str, list[UnplacedRecord]]:
+    """Return the records by the part, and by the nested recipes around it."""
+    found: dict[str, list[UnplacedRecord]] = {}
+    for record in records:
+        part = record.member.part
+        outer = [part[: end.start()] for end in re.finditer(re.escape(separator), part)]
+        for name in dict.fromkeys([*outer, part]):
+            found.setdefault(name, []).append(record)
+    return found
 
 
 def _placed(record: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
@@ -312,26 +383,6 @@ def _report_no_mate(step: AttachPart, known: Mapping[str, Collection[str]], maki
     notes = [exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"]
     help, fix = did_you_mean(name, all_names, "mate: {}"), renaming(name, all_names)
     making.sink.error("attach-place", message, span, notes=notes, help=help, subjects=(name, step.prefix), fix=fix)
-
-
-def _note_edits(record: UnplacedRecord, edits: Iterable[Edit]) -> None:
-    """Note in the record the arrays that edits change in the part, or why it is not compared."""
-    for edit in edits:
-        if any(verb.reshapes for verb in edit.verbs.values()) and not record.member.reduced:
-            record.update(reduced="the recipe removes, moves or converts elements")
-        tag = None if "/" in edit.select.tag else edit.select.tag
-        changes = [change for verb in edit.verbs.values() for change in verb.changes(tag)]
-        record.add_changed(array for kind, name in changes for array in arrays_of(name, kind))
-
-
-def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
-    """Return whether a selector can match elements of the part with that prefix, by the start of names."""
-    if selector.pattern.startswith("/"):
-        return True
-    head = re.split(r"[*?{\[]", selector.pattern, maxsplit=1)[0]
-    if head != selector.pattern and prefix.startswith(head):
-        return True
-    return prefix == max((each for each in prefixes if head.startswith(each)), key=len, default=prefix)
 
 
 def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:

@@ -34,13 +34,12 @@ from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ELEMENT, PARAMETERS, ExpressionError, Name, Value
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import Classes, text_in_effect
-from mjcompose.tree.cost import written
 from mjcompose.tree.edit import changing, names_in
 from mjcompose.tree.files import written_path
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.pattern import BadPattern, Selector, is_glob, is_pattern, is_regular, matcher, paths_of
-from mjcompose.tree.select import Find, Selection, kind_of, name_of, section_of
+from mjcompose.tree.select import Selection, kind_of, name_of, section_of
 from mjcompose.tree.unit import RecipeValue
 
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, and 100 values are drawn, or 30
@@ -66,9 +65,9 @@ class EditCost(Struct, frozen=False):
         return not self.ended
 
 
-def cost_of_selecting(selector: Selector, root: Node) -> float:
+def cost_of_selecting(selector: Selector, selection: Selection) -> float:
     selectors = list(selector.all())
-    looks = 0 if selector.is_one_name else len(selectors) * written(root)
+    looks = 0 if selector.is_one_name else len(selectors) * selection.looks(selector)
     expressions = sum(is_regular(name) for each in selectors for name in (each.pattern, each.dclass or ""))
     return _EXPRESSION * expressions + looks / _LOOKS
 
@@ -139,10 +138,29 @@ class Editing:
         return self.names.find(namespace, name)
 
     @property
-    def finder(self) -> Find | None:
-        """Return the look-up in the index, or None for the first selections: one search is quicker than an index."""
+    def index(self) -> NameIndex | None:
+        """Return the index of names, or None for the first selections: one search is quicker than an index."""
         self.selections += 1
-        return self.find_node if self.selections > _FIRST_SELECTIONS or "names" in vars(self) else None
+        return self.names if self.selections > _FIRST_SELECTIONS or "names" in vars(self) else None
+
+    def in_part(self, part: str) -> list[Node]:
+        """Return the elements of a part and of its parts, which may have been removed, in any order."""
+        return self._of_parts.get(part, [])
+
+    @cached_property
+    def _of_parts(self) -> dict[str, list[Node]]:
+        """The elements by the name of their part, as written with either separator."""
+        found: dict[str, list[Node]] = {}
+        names: dict[str, set[str]] = {}
+        for node, part in self.parts.items():
+            if part not in names:
+                levels = part.split("/")
+                paths = [levels[:depth] for depth in range(1, len(levels) + 1)]
+                separators = ("/", self.linking.request.separator)
+                names[part] = {separator.join(path) for path in paths for separator in separators}
+            for name in names[part]:
+                found.setdefault(name, []).append(node)
+        return found
 
     def known_names(self, namespace: str) -> list[str]:
         return list(self.names.declared.get(namespace, ()))
@@ -275,7 +293,7 @@ _SHOWN = 12
 def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
     """Return the selected elements, perhaps none, or None if the selector itself has an error, which is reported."""
     selection = _selection(editing)
-    if not editing.cost.allows(cost_of_selecting(selector, editing.root), editing.sink, editing.span(path)):
+    if not editing.cost.allows(cost_of_selecting(selector, selection), editing.sink, editing.span(path)):
         return None
     try:
         return selection.of(selector)
@@ -324,7 +342,8 @@ def _selection(editing: Editing) -> Selection:
         parts=editing.parts,
         base_class=base_class,
         holds=holds,
-        find=editing.finder,
+        index=editing.index,
+        in_part=editing.in_part,
     )
     return selection
 
