@@ -35,7 +35,6 @@ from mjcompose.build.plan.locked import check_lock, plan_with_intact_store
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.plan.read import Given
-from mjcompose.link.files import Merged
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Compiled, Limits, Session
@@ -44,13 +43,12 @@ from mjcompose.text.node import locate
 
 
 class Built(Struct):
-    """The result of a build. `compiled` is None if it was not verified, and `merged` has merged assets."""
+    """The result of a build. `compiled` is None if it was not verified."""
 
     plan: Plan
     composed: Composed
     bundle: Bundle
     compiled: Compiled | None
-    merged: Merged
 
 
 class Request(Struct):
@@ -96,7 +94,6 @@ class _Draft(Struct):
 
     composed: Composed
     bundle: Bundle
-    merged: Merged
 
 
 class Build(Struct, frozen=False):
@@ -128,7 +125,8 @@ class Build(Struct, frozen=False):
     def _build(self) -> Built | None:
         context, request = self.context, self.request
         check_lock(self.plan, context)
-        measure, options = measure_with(context, session=self.session), ComposeOptions(checks_sources=request.verified)
+        measure = measure_with(context, session=self.session)
+        options = ComposeOptions(checks_sources=request.verified, deduplicates=request.deduplicated)
         composer = Composer(context, measure, self.session, library=self.library, options=options)
         if (draft := self._draft(self.plan, composer)) is None:
             return None
@@ -142,28 +140,22 @@ class Build(Struct, frozen=False):
         if context.sink.has_errors:
             return None
         facts = ManifestInput(
-            self.plan, composed, compiled, merged=draft.merged, checks=tuple(self.outcomes), cell=request.name,
-            pictured=request.pictured,
+            self.plan, composed, compiled, checks=tuple(self.outcomes), cell=request.name,
+            pictured=request.pictured, deduplicated=request.deduplicated,
         )  # fmt: skip
         final = self._exported(add_manifest(bundle, facts, context), composed)
-        return None if final is None else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
+        return None if final is None else Built(self.plan, composed, final, compiled=compiled)
 
     def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
         """Compose, link and bundle a plan: the plan of the model, or of one of its samples."""
         context = composer.context
-        merged: Merged = {}
         with context.timed("compose"):
             composed = composer.compose(plan)
         if composed is None:
             return None
-        if self.request.deduplicated:
-            from mjcompose.link.files import dedup  # few builds need it
-
-            merged, files = dedup(composed.model, composed.files, plan.prefixes)
-            composed = replace(composed, files=files)
         with context.timed("bundle"):
             bundle = assemble(plan, composed.model, composed.files, context=context)
-        return None if bundle is None else _Draft(composed, bundle, merged)
+        return None if bundle is None else _Draft(composed, bundle)
 
     def _verify(self, draft: _Draft) -> Compiled | None:
         # A build without verification does not need these.
@@ -197,7 +189,7 @@ class Build(Struct, frozen=False):
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 Checks(
-                    plan=plan, members=composed.members, session=session, context=context, merged=draft.merged,
+                    plan=plan, members=composed.members, session=session, context=context, merged=composed.merged,
                     renamed=renamed_in(composed.model, composed.members), bundle=draft.bundle, shapes=composed.shapes,
                 ).run(self.outcomes)  # fmt: skip
         return compiled
@@ -221,7 +213,8 @@ class Build(Struct, frozen=False):
         from mjcompose.build.verify.draws import SAMPLE
 
         context = replace(self.context, timings=[])  # the timings of the model do not include samples
-        composer = Composer(context, measure_with(context, session=self.session), self.session)
+        options = ComposeOptions(deduplicates=self.request.deduplicated)
+        composer = Composer(context, measure_with(context, session=self.session), self.session, options=options)
         if (sample := self._draft(self.plan.of_sample(number), composer)) is None:
             return False
         model, at = sample.composed.model, self.plan.span

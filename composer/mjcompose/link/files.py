@@ -33,6 +33,8 @@ from mjcompose.tree.unit import Unit
 
 KINDS = ("texture", "material", "mesh", "hfield")
 """Tags of merged assets, in an order in which nothing refers to a later kind."""
+SHARED = ("texture", "mesh", "hfield")
+"""Tags of the assets that copies of a part share. Programs and draws change the materials of one copy."""
 # The values that a class gives count, not its name.
 _NO_MEANING = ("name", "class")
 
@@ -46,10 +48,32 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
     The first element stays. `prefixes` has the prefixes of all parts: elements of the same part are never merged. Reads
     files if their paths do not show whether they are equal.
     """
+    return _merge(model, uses, prefixes, KINDS, copies=None)
+
+
+def share_in_copies(
+    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str], kinds: Collection[str],
+    copies: Mapping[str, Hashable],
+) -> tuple[Merged, tuple[FileUse, ...]]:  # fmt: skip
+    """The copies of a part share its meshes, textures and height fields.
+
+    Return the names of the removed elements, each with the name of the first copy's, and the remaining files. `copies`
+    has the prefix of each copy, with a value that is equal for the copies of one part. Assets of other parts stay, and
+    those that an edit has changed in one copy. Reads no file: only assets of the same file are equal.
+    """
+    return _merge(model, uses, prefixes, kinds, copies=copies)
+
+
+def _merge(
+    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str], kinds: Collection[str],
+    copies: Mapping[str, Hashable] | None,
+) -> tuple[Merged, tuple[FileUse, ...]]:  # fmt: skip
+    """Merge equal assets of these kinds, with `copies` only those of copies of one part."""
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
-    meanings = _Meanings(model, uses, merged)
+    meanings = _Meanings(model, uses, merged, reads_files=copies is None)
+    lengths = sorted({len(prefix) for prefix in prefixes}, reverse=True)
     gone: set[Node] = set()
-    for kind in KINDS:
+    for kind in filter(kinds.__contains__, KINDS):
         kept: dict[Hashable, list[_KeptElement]] = {}
         for element in model.root.findall(f"asset/{kind}"):
             declared = declaration(element, "asset")
@@ -57,8 +81,11 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
                 continue
             name = declared[1]
             # The longest prefix: an asset of `arm/hand/` does not belong to `arm/`.
-            part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
-            alike = kept.setdefault(meanings.of(element), [])
+            part = next((name[:length] for length in lengths if name[:length] in prefixes), "")
+            if copies is not None and part not in copies:
+                continue
+            group = None if copies is None else copies[part]
+            alike = kept.setdefault((group, meanings.of(element)), [])
             free = [each for each in alike if part not in each.parts]
             if not free:
                 alike.append(_KeptElement(name, name.removeprefix(part), {part}))
@@ -86,7 +113,8 @@ class _KeptElement(Struct, frozen=False):
 class _Meanings:
     """Computes the meaning of elements: their attributes in effect, the bytes of their files, and their references."""
 
-    def __init__(self, model: Unit, uses: Sequence[FileUse], merged: Merged) -> None:
+    def __init__(self, model: Unit, uses: Sequence[FileUse], merged: Merged, reads_files: bool) -> None:
+        self._reads_files = reads_files
         self._classes = model.classes
         self._uses = {(use.element, use.attribute): use for use in uses}
         self._merged = merged
@@ -136,6 +164,8 @@ class _Meanings:
         suffix = use.path.rpartition(".")[2].lower()
         if use.content is not None:
             return f"{hashlib.sha256(use.content).hexdigest()}.{suffix}"
+        if not self._reads_files:
+            return f"{use.source}.{suffix}"
         if use.source not in self._digests:
             try:
                 self._digests[use.source] = hashlib.sha256(read_regular(use.source)).hexdigest()

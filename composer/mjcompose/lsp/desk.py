@@ -186,7 +186,8 @@ class Workspace:
     ) -> tuple[Unit, dict[Node, str]] | None:
         composer = Composer(
             context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
-            options=ComposeOptions(checks_sources=True, notes_parts=True, makes_shapes=False),
+            # An edit selects the assets of each copy, before copies share them.
+            options=ComposeOptions(checks_sources=True, notes_parts=True, makes_shapes=False, shares_assets=False),
         )  # fmt: skip
         composed = composer.compose(plan)
         return None if composed is None else (composed.model, composer.parts)

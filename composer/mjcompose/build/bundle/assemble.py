@@ -18,7 +18,6 @@ from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licenses, 
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.plan.plan import PartRecord, Plan
 from mjcompose.build.plan.read import packages_of
-from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
 from mjcompose.sources.blobs import remembered_sha256
 from mjcompose.sources.context import Context, as_text
@@ -196,10 +195,10 @@ class ManifestInput(Struct):
     plan: Plan
     composed: Composed
     compiled: Compiled | None
-    merged: Merged
     checks: tuple[Outcome, ...]
     cell: str | None
     pictured: bool
+    deduplicated: bool
 
 
 def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
@@ -242,7 +241,8 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
         licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
         files=entries.files_of(bundle),
-        merged=making.merged,
+        merged=composed.merged,
+        deduplicated=making.deduplicated,
         picture=picture_of(plan.name) if making.pictured else None,
         made=tuple(
             _as(entries.GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)

@@ -372,7 +372,10 @@ class Manifest(_Part):
     read: tuple[Read, ...] = Field((), description="Every file that the model was made from.")
     licenses: dict[str, tuple[str, ...]] = Field({}, description="The parts by license, or under `unknown`.")
     files: tuple[File, ...]
-    merged: Mapping[str, Mapping[str, str]] = Field({}, description="Of `--dedup`: replacements by name.")
+    merged: Mapping[str, Mapping[str, str]] = Field(
+        {}, description="Assets by kind and name, each with the equal asset that copies of its part share instead."
+    )
+    deduplicated: bool = Field(False, description="Of `--dedup`: `merged` has equal assets of all parts.")
     picture: FileName | None = Field(
         None, description="Of `--picture`: the picture next to the bundle; omitted if none."
     )

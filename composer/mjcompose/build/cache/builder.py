@@ -66,7 +66,7 @@ def result_of_build(
     if plan.randomize is not None and not plan.worlds:
         draws = dict(column for each in composed.drawn for column in each.columns())
     return BuildResult(
-        name=plan.name, sha256=built.bundle.sha256, sizes=compiled.sizes if compiled else None, merged=built.merged,
+        name=plan.name, sha256=built.bundle.sha256, sizes=compiled.sizes if compiled else None, merged=composed.merged,
         mujoco=compiled.mujoco_version if compiled else None, licenses=tuple(licenses), draws=draws, cells=plan.cells,
         cells_at=plan.cells_at, adopted=tuple(each.located() for each in composed.model.adopted),
         allowed=allowed_everywhere(plan), excluded=len(composed.excluded),

@@ -64,7 +64,7 @@ from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, reque
 from mjcompose.link.boundaries import crossings
 from mjcompose.link.delays import delays
 from mjcompose.link.excerpt import Excerpt
-from mjcompose.link.files import add_file
+from mjcompose.link.files import SHARED, Merged, add_file, dedup, share_in_copies
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import FileUse, Linking, Measure, Part, Request, common_angle
@@ -99,7 +99,10 @@ check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in S
 
 
 class Composed(Struct):
-    """One flat model and the contents of its manifest; `tables` has elements of sources that are not MJCF."""
+    """One flat model and the contents of its manifest; `tables` has elements of sources that are not MJCF.
+
+    `merged` has the names of assets that were merged into equal ones, by kind, each with the name of the other one.
+    """
 
     model: Unit
     files: tuple[FileUse, ...]
@@ -111,6 +114,7 @@ class Composed(Struct):
     unsearched: int = 0
     keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
+    merged: Merged = field(default_factory=dict)
 
 
 class ComposeOptions(Struct):
@@ -118,11 +122,15 @@ class ComposeOptions(Struct):
 
     With `checks_sources`, every element of a source must be valid MJCF. With `notes_parts`, the composer records the
     part of each element. Without `makes_shapes`, it uses only stored results of work on meshes, which may take minutes.
+    Copies of a part share its meshes, textures and height fields with `shares_assets`; with `deduplicates`, all equal
+    assets become one.
     """
 
     checks_sources: bool = False
     notes_parts: bool = False
     makes_shapes: bool = True
+    shares_assets: bool = True
+    deduplicates: bool = False
 
 
 class Composer:
@@ -163,8 +171,11 @@ class Composer:
         tables = dict(self.loader.tables())
         for each in self.inner:
             tables.update(each.tables)
+        merged, files = self._merged_assets(plan, composed)
         return replace(
             composed,
+            files=files,
+            merged=merged,
             members=members,
             shapes=shapes,
             excluded=excluded,
@@ -172,6 +183,21 @@ class Composer:
             keys=self.keys,
             tables=tables,
         )
+
+    def _merged_assets(self, plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
+        """Merge equal assets as the options say. Return the merged names and the remaining files."""
+        model, files = composed.model, composed.files
+        if self.options.deduplicates:
+            merged, files = dedup(model, files, plan.prefixes)
+            self.watch([model], dedup)
+            return merged, files
+        copies = plan.copies if self.options.shares_assets else {}
+        kinds = [kind for kind in SHARED if not plan.draws_assets(kind)]
+        if not copies or not kinds:
+            return {}, files
+        merged, files = share_in_copies(model, files, plan.prefixes, kinds, copies)
+        self.watch([model], share_in_copies)
+        return merged, files
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
@@ -198,8 +224,10 @@ class Composer:
             ).embed
 
     def _composed_alone(self, plan: Plan) -> Unit | None:
+        # The manifest has no names of the inside of models that MuJoCo attaches.
+        options = replace(self.options, shares_assets=False, deduplicates=False)
         composer = Composer(
-            self.context, self.measure, self.loader.session, library=self.loader.library, options=self.options
+            self.context, self.measure, self.loader.session, library=self.loader.library, options=options
         )
         if (composed := composer.compose(plan)) is None:
             return None

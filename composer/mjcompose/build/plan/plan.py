@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
+from collections import Counter
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from dataclasses import field, replace
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -32,6 +33,7 @@ from mjcompose.text.expression import Value
 from mjcompose.text.node import Mapping as Located
 from mjcompose.tree.grammar import number_text
 from mjcompose.tree.merged_settings import Adopted, KeyPolicy, ReadRow
+from mjcompose.tree.pattern import paths_of
 
 if TYPE_CHECKING:
     from mjcompose.language.distribution import Operation
@@ -347,6 +349,12 @@ class Plan(Struct):
     def draws(self) -> tuple[DrawValues, ...]:
         return tuple(step for step in self.steps if isinstance(step, DrawValues))
 
+    def draws_assets(self, kind: str) -> bool:
+        """Whether a draw, here or in a nested recipe, may change an asset of this kind, itself or by its class."""
+        selectors = [step.field.select for plan in self.plans() for step in plan.draws if step.field.select]
+        paths = {path for selector in selectors for path in paths_of(selector.tag)}
+        return not paths.isdisjoint({kind, "default"})
+
     def of_sample(self, sample: int) -> Plan:
         """Return the plan with the draws of another sample; parameters keep their values."""
         steps = tuple(replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps)
@@ -368,6 +376,13 @@ class Plan(Struct):
 
     def plans(self) -> Iterator[Plan]:
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
+
+    @property
+    def copies(self) -> dict[str, Hashable]:
+        """The prefixes of the copies that `replicate` makes and of parts in them, with a value for what they copy."""
+        parts = {place.prefix: (id(place.outer), place.step.at) for place in self.walk() if place.step is not None}
+        counts = Counter(parts.values())
+        return {prefix: part for prefix, part in parts.items() if counts[part] > 1}
 
     @property
     def joins_names(self) -> bool:

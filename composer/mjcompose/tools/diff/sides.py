@@ -362,7 +362,7 @@ def load_cell(
     acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:
         return None
-    traced = Traced(composed.model, watch, plan.separator, folder=context.folder)
+    traced = Traced(composed.model, watch, plan.separator, folder=context.folder, merged=composed.merged)
     matrix = read_matrix(operand.path, context, given)
     return Side(
         operand, kept, _digests(bundle), traced=traced, plan=plan, cell=None if cell is None else cell.name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import field, replace
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -22,6 +22,7 @@ from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.plan.read import Given as ConcreteGiven
 from mjcompose.build.plan.steps import EditElements, SetCollisions
 from mjcompose.language.value import attribute_and_index
+from mjcompose.link.files import Merged
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.link.unit_keys import VECTORS
@@ -51,6 +52,7 @@ class Traced:
     watch: Trace
     separator: str
     folder: Path
+    merged: Merged = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.recipe_lines = RecipeLines(self.folder)
@@ -68,6 +70,8 @@ class Traced:
         except BadPattern as bad:
             context.sink.error("selector", bad.message, help=bad.help)
             return None
+        if not found and (shared := self._shared_for(asked)) is not None:
+            found = [shared]
         if not found:
             elsewhere = attached_notes(self.model, asked.name) if asked.name else []
             not_found(asked, self.model.root, context.sink, notes=[*self._left_out(asked), *elsewhere])
@@ -103,7 +107,7 @@ class Traced:
         ]  # fmt: skip
         holders = (self.labels[each] for each in node.iterancestors() if each.tag == "worldbody" or query.name_of(each))
         return ElementExplained(
-            label=self.labels[node], text=_start_tag(node), holder=next(holders, None),
+            label=self.labels[node], text=_start_tag(node), holder=next(holders, None), shared=self._shared_with(node),
             end_line=life.line if isinstance(life.owner, str) else None, written=tuple(self.written(life)),
             parts=tuple(self.parts(life)), changes=tuple(self.changes(life)), in_force=in_force, classes=tuple(steps),
             given=tuple(values), sets=tuple(sets),
@@ -315,6 +319,19 @@ class Traced:
         found += [self.causes.change(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]
 
+    def _shared_for(self, asked: query.Asked) -> Node | None:
+        """Return the asset of another copy that is used instead of the asset that a query names, or None."""
+        for kind, names in self.merged.items():
+            if asked.name in names and (asked.kinds is None or kind in asked.kinds):
+                kept = names[asked.name]
+                return next(each for each in self.model.root.iterfind(f"asset/{kind}") if each.get("name") == kept)
+        return None
+
+    def _shared_with(self, node: Node) -> tuple[str, ...]:
+        """Return the names of the assets of other copies that an asset replaces."""
+        names = self.merged.get(kind_of(node).path, {})
+        return tuple(other for other, kept in names.items() if kept == query.name_of(node))
+
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
         replaced = {source.node for life in self.watch.lives.values() for source in life.sources}
         for life in self.watch.gone if asked.name is not None else ():
@@ -370,7 +387,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
         return None
     collect(composed.model, composed.files, context.sink, shown=context.shown)
     watch([composed.model], collect)
-    return Traced(composed.model, watch, plan.separator, folder=context.folder)
+    return Traced(composed.model, watch, plan.separator, folder=context.folder, merged=composed.merged)
 
 
 def _no_recipe(path: Path, context: Context) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby, zip_longest
 from typing import Any, Literal
 
@@ -71,14 +71,15 @@ class RowExplained(Struct):
 class ElementExplained(Struct):
     """An element of the model, and its history.
 
-    `written` has the places where it was read or created: several if elements were merged; `end_line` is the last line
-    of the first start tag. `parts` are the parts that it belongs to, the innermost first. `sets` lists the settings of
-    a default class for each kind of element.
+    `shared` has the names of the assets of other copies that it replaces. `written` has the places where it was read or
+    created: several if elements were merged; `end_line` is the last line of the first start tag. `parts` are the parts
+    that it belongs to, the innermost first. `sets` lists the settings of a default class for each kind of element.
     """
 
     label: str
     text: str
     holder: str | None
+    shared: tuple[str, ...]
     written: tuple[Reason, ...]
     end_line: int | None
     parts: tuple[Reason, ...]
@@ -139,6 +140,7 @@ _WIDE = 100
 _VALUE = 46
 _PATH = 48
 _MOST_LINES = 5
+_MOST_NAMES = 8
 
 
 def render(explained: Explained, read_source: ReadSource | None = None, color: bool = False) -> str:
@@ -162,6 +164,10 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
                              break_long_words=False, break_on_hyphens=False)  # fmt: skip
     if it.holder:
         yield f"  in {it.holder}"
+    if it.shared:
+        yield from textwrap.wrap(
+            f"shared with {with_count(it.shared)}", _WIDE, initial_indent="  ", subsequent_indent="      "
+        )
     yield from ("", paint("bold", "where it comes from"))
     for number, each in enumerate(it.written):
         comma = "" if each.words == "read from" else ","
@@ -179,6 +185,16 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
         if it.in_force is not None:
             yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
         yield from _classes(it)
+
+
+def with_count(names: Sequence[str]) -> str:
+    """Return the first names, and how many there are if that is more.
+
+    >>> with_count(["b/link", "c/link"]), with_count(["a"] * 12)
+    ('b/link, c/link', 'a, a, a, a, a, a, a, a, … (12 in all)')
+    """
+    shown = ", ".join(names[:_MOST_NAMES])
+    return shown if len(names) <= _MOST_NAMES else f"{shown}, … ({len(names)} in all)"
 
 
 def _classes(it: ElementExplained) -> Iterator[str]:

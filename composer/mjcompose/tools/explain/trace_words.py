@@ -27,7 +27,7 @@ from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
 from mjcompose.link.defaults import defaults
 from mjcompose.link.delays import delays
-from mjcompose.link.files import add_file, files
+from mjcompose.link.files import add_file, dedup, files, share_in_copies
 from mjcompose.link.inertia import (
     MEASURED,
     body_reduction,
@@ -414,6 +414,8 @@ CHANGES: dict[Function | None, Words] = {
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
     collect: _named_or("a file with the same bytes is in the bundle already"),
+    share_in_copies: _as("the copies of the part share it"),
+    dedup: _as("an equal one of another part is used"),
     defaults: Causes._defaults,
     compiler: Causes._compiler,
     delays: _as("counted in time steps of the whole model"),
@@ -446,7 +448,9 @@ GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: 
 def rewrites(cause: Cause) -> bool:
     """Return whether a cause only rewrites a value or renames it. If so, the value keeps its origin."""
     row = row_of(cause.done)
-    return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
+    return (
+        row.rewrites if row is not None else cause.function in (add_file, collect, check_names, share_in_copies, dedup)
+    )
 
 
 _INERTIA = "diaginertia"

@@ -110,7 +110,7 @@ def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
         sample=manifest.sample or 0,
         variants={name: value for name, value in manifest.variants.items() if name not in drawn},
         params={name: value for name, value in manifest.params.items() if name not in drawn},
-        target=None if manifest.target is None else manifest.target.name, deduplicated=bool(manifest.merged),
+        target=None if manifest.target is None else manifest.target.name, deduplicated=manifest.deduplicated,
         pictured=manifest.picture is not None, worlds=WORLDS in bundle.files,
         mjcompose=manifest.mjcompose, mujoco=manifest.mujoco,
         read={manifest.recipe.path: manifest.recipe.sha256, **{each.path: each.sha256 for each in manifest.read}},
