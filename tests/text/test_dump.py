@@ -268,10 +268,30 @@ def test_text_is_text_for_other_readers_too(word: str) -> None:
     assert yaml.safe_load(text) == read(text) == {"name": word, "attach": {word: {"model": word}}}
 
 
+@pytest.mark.parametrize("digits", ["9" * 400, "-" + "9" * 400, "1e999", "0x" + "f" * 400])
+def test_text_that_looks_like_a_number_that_is_too_large(digits: str) -> None:
+    assert read(written({"name": digits, digits: {}})) == {"name": digits, digits: {}}
+
+
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 TEXTS |= st.text("ab \n\t\r:#-.'\"{}[]\\|>", max_size=10)
 TEXTS |= st.sampled_from(
-    [*WORDS, "${x}", "...", "---x", "- a", "a: b", "", "é\n ü", "\x7f", "\u2028a\nb", "\ufeff", "a\n\n"]
+    [
+        *WORDS,
+        "${x}",
+        "...",
+        "---x",
+        "- a",
+        "a: b",
+        "",
+        "é\n ü",
+        "1e999",
+        "9" * 400,
+        "\x7f",
+        "\u2028a\nb",
+        "\ufeff",
+        "a\n\n",
+    ]
 )
 KEYS = TEXTS | st.sampled_from(["recipe", "name", "attach", "model", "site", "add", "to", "xml", "edit", "select"])
 NUMBERS = st.integers(-(2**80), 2**80) | st.floats(allow_nan=False)

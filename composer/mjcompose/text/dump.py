@@ -273,10 +273,17 @@ def _text(text: str) -> str:
         text != ""
         and text.isprintable()
         and _MARKUP.search(text) is None
-        and isinstance(resolve(text), str)
+        and _is_text(text)
         and is_text_in_yaml_1_1(text)
     )
     return text if is_plain else _UNPRINTABLE.sub(_escape, json.dumps(text, ensure_ascii=False))
+
+
+def _is_text(text: str) -> bool:
+    try:
+        return isinstance(resolve(text), str)
+    except OverflowError:  # a number that is too large
+        return False
 
 
 def _escape(found: re.Match[str]) -> str:

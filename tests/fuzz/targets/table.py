@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 from fuzz.target import Target
-from fuzz.targets import bundle, command, expression, lock, mjcf, quantity, recipe, selector, serving, skin, urdf, xacro
+from fuzz.targets import (
+    bundle,
+    command,
+    expression,
+    lock,
+    mapping,
+    mjcf,
+    quantity,
+    recipe,
+    selector,
+    serving,
+    skin,
+    urdf,
+    xacro,
+)
 
 TARGETS: dict[str, Target] = {
     each.name: each
     for each in (
         recipe.TARGET,
+        mapping.TARGET,
         quantity.TARGET,
         expression.TARGET,
         selector.TARGET,
