@@ -137,3 +137,48 @@ def test_both_say_the_same(seed: int) -> None:
             assert not validator.is_valid(value), (unknown[0].message, value)
     assert right > 100
     assert wrong > 20
+
+
+def values(value: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    """Yield every text, number and flag of a recipe with its path, and every list of numbers."""
+    if isinstance(value, dict | list):
+        for step, each in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from values(each, (*at, step))
+    is_vector = isinstance(value, list) and value and all(type(each) in (int, float) for each in value)
+    if is_vector or isinstance(value, str | int | float):
+        yield at, value
+
+
+def with_template(recipe: dict[str, Any], at: tuple[str | int, ...], value: Any) -> dict[str, Any]:
+    """Return the section of a value, with a parameter instead of it, and what the section needs."""
+    section = copy.deepcopy(recipe[str(at[0])])
+    place: Any = {at[0]: section}
+    for step in at[:-1]:
+        place = place[step]
+    place[at[-1]] = "${instead}"
+    needs = {name: recipe[name] for name in ("angle", "eulerseq") if name in recipe and name != at[0]}
+    params = {**recipe.get("params", {}), "instead": {"default": value}}
+    return {"recipe": 1, **needs, "params": params, str(at[0]): section}
+
+
+def test_a_template_may_stand_where_a_recipe_computes_a_value() -> None:
+    """Everything that is read as a value of a parameter is accepted as its `${…}`, once for each kind of place."""
+    jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
+    schema = json.loads((ROOT / "schemas" / "recipe.schema.json").read_text(encoding="utf-8"))
+    validator = jsonschema.Draft202012Validator(schema)
+    seen = set()
+    accepted = 0
+    for recipe in recipes():
+        for at, value in values(recipe):
+            # Names are of one kind: two elements of a section differ in nothing else.
+            kind = (at[0], *("item" if isinstance(step, int) else step for step in at[-2:]), type(value))
+            if len(at) < 2 or at[0] == "params" or kind in seen or (isinstance(value, str) and "${" in value):
+                continue
+            seen.add(kind)
+            computed = with_template(recipe, at, value)
+            sink = Sink()
+            node = load(json.dumps(computed), "r.yaml", sink)
+            if isinstance(node, Mapping) and not sink.errors and not judged(node):
+                accepted += 1
+                assert validator.is_valid(computed), (at, computed)
+    assert accepted > 500

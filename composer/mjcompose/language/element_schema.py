@@ -13,7 +13,7 @@ from itertools import chain
 from typing import Any
 
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
-from mjcompose.language.forms.context import Schema, definition, reference
+from mjcompose.language.forms.context import Schema, computable, definition, reference
 from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, Constraint, ElementType
@@ -33,7 +33,8 @@ SHARED: dict[str, Schema] = {
                 "patternErrorMessage": "expected an integer, or ${…}"},
     "boolean": {"type": ["boolean", "string"], "pattern": TEMPLATE_PATTERN,
                 "patternErrorMessage": "expected true, false, or ${…}"},
-    "fragment": {"type": "string", "pattern": "<", "patternErrorMessage": "expected an element of MJCF: <geom …/>",
+    "fragment": {"type": "string", "pattern": f"<|{TEMPLATE_PATTERN}",
+                 "patternErrorMessage": "expected an element of MJCF: <geom …/>",
                  "description": "a fragment of MJCF in place of the element"},
     "template": {"type": "string", "pattern": TEMPLATE_PATTERN},
 }  # fmt: skip
@@ -88,7 +89,7 @@ def _values(attribute: Attribute, tag: str) -> Schema:
     if kind == "bool":
         return reference("boolean")
     if kind == "keyword":
-        return {"anyOf": [{"enum": _words(attribute)}, reference("template")]}
+        return computable({"enum": _words(attribute)})
     if kind == "keywords":
         words: Schema = {"enum": _words(attribute)}
         several: Schema = {"type": "array", "items": words, "minItems": 1, "uniqueItems": True}
@@ -235,5 +236,5 @@ def by_name(value: Schema) -> Schema:
     return {"type": "object", "additionalProperties": value}
 
 
-_NAMELESS: Schema = {"const": "", "description": '`""`: the element has no name; the key is not its name'}
+_NAMELESS = computable({"const": "", "description": '`""`: the element has no name; the key is not its name'})
 definition("nameless")(lambda _: _NAMELESS)

@@ -14,7 +14,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, renaming
 from mjcompose.language.element import Reader
 from mjcompose.language.element_schema import by_name
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import OWNER, Model
 from mjcompose.language.forms.scalars import Expects, Name, Unit, When
 from mjcompose.language.value import Single, kind_of, read_value, shown
@@ -108,7 +108,7 @@ def controls_schema(number: Schema, description: str) -> Schema:
         HOLD: {"anyOf": [{"enum": list(WAYS)}, entry], "description": about},
         JOINT: {"anyOf": [by_name(entry), entry], "description": "numbers, or `hold`, by joint"},
     }
-    whole = {"const": HOLD, "description": "the controls of all actuators that hold the pose of the key"}
+    whole = computable({"const": HOLD, "description": "the controls of all actuators that hold the pose of the key"})
     each = {**by_name(entry), "properties": own, "description": description}
     return {"anyOf": [whole, each], "description": description}
 

@@ -14,7 +14,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.rotation import cross
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.element import Reader, label
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import Attribute, Checked, Name
 from mjcompose.language.fragment import missing_key
@@ -215,10 +215,10 @@ class JointField(ByGrammar):
     """Form of `joint`: a word, a mapping (an `Element` without a name), or a list of mappings with names."""
 
     def schema(self) -> Schema:
-        kind = {"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc}
+        kind = computable({"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc})
         one = {**reference("element:joint"), "properties": {"type": kind}}
         several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
-        return {"anyOf": [{"enum": [*WORDS]}, {"type": "object", **one}, several]}
+        return {"anyOf": [computable({"enum": [*WORDS]}), {"type": "object", **one}, several]}
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> str | Element | tuple[Element, ...] | None:
         reader = Reader(settings, faults)

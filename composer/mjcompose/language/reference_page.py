@@ -298,7 +298,8 @@ class _Keys:
         if "enum" in schema:
             return ", ".join(f"`{_shown(each)}`" for each in schema["enum"])
         if "anyOf" in schema:
-            template = {"pattern": _TEMPLATE}.items(), {"$ref": "#/$defs/template"}.items()
+            text = {"type": "string", "pattern": _TEMPLATE}
+            template = text.items(), {"$ref": "#/$defs/template"}.items()
             kinds = [each for each in schema["anyOf"] if not any(each.items() >= one for one in template)]
             return " or ".join(dict.fromkeys(map(self._type, kinds)))
         if "allOf" in schema and "type" not in schema:  # a part, except some of its keys

@@ -15,7 +15,7 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
 from mjcompose.language.element_schema import by_name, described, element, mapping, nameless, unless_fragment
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, definition, reference
+from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, definition, reference
 from mjcompose.language.fragment import missing_key
 from mjcompose.language.value import EXCLUSIVE, Element, kind_of, read_value
 from mjcompose.tree.grammar import GRAMMAR, ElementType
@@ -387,10 +387,10 @@ def _definition_of_typed(tag: str) -> Schema:
         }
         for each in kinds
     ]
-    types = {
+    types = computable({
         "enum": [kind.tag for kind in kinds], "markdownEnumDescriptions": [kind.doc for kind in kinds],
         "description": f"which {tag} it is: the tag of MJCF",
-    }  # fmt: skip
+    })  # fmt: skip
     return {
         "type": "object", "properties": {TYPE: types, FRAGMENT: reference("fragment"), **nameless()},
         **unless_fragment({"required": [TYPE]}, nameless()), "allOf": variants,

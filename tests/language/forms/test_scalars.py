@@ -87,10 +87,11 @@ def test_reader_and_schema_agree(kind: str) -> None:
         (
             "range",
             {
-                "type": "array",
+                "type": ["array", "string"],
                 "items": {"mjcf": "real"},
                 "minItems": 2,
                 "maxItems": 2,
+                "pattern": r"\$\{",
                 "errorMessage": "expected a list of 2 numbers, such as [LOW, HIGH]",
             },
         ),

@@ -54,6 +54,16 @@ def define(name: str) -> Schema:
     return deepcopy(_DEFINITIONS[kind](rest))
 
 
+LIST = ["array", "string"]
+"""The type of a list that may also be a `${…}` that gives it."""
+
+
+def computable(schema: Schema) -> Schema:
+    """Return the schema of a value that may also be a `${…}` that gives it."""
+    about = {key: schema[key] for key in ("description",) if key in schema}
+    return {"anyOf": [{key: each for key, each in schema.items() if key not in about}, reference("template")], **about}
+
+
 def reference(name: str) -> Schema:
     """Return a reference to a definition. It is not `$ref`, whose target pydantic would look up."""
     return {REFERENCE: name}

@@ -13,7 +13,7 @@ from pydantic import GetJsonSchemaHandler
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema
 
-from mjcompose.language.forms.context import ELSEWHERE, Schema, definition, reference
+from mjcompose.language.forms.context import ELSEWHERE, LIST, Schema, computable, definition, reference
 from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 
 _TEMPLATE = r"\$\{"
@@ -59,6 +59,17 @@ class Generator(GenerateJsonSchema):
             return schema
         return {**reference(shared), **{key: each for key, each in schema.items() if key != "type"}}
 
+    def tuple_schema(self, schema: Any) -> Schema:
+        return self._list(super().tuple_schema(schema))
+
+    def list_schema(self, schema: Any) -> Schema:
+        return self._list(super().list_schema(schema))
+
+    def _list(self, schema: Schema) -> Schema:
+        """Return the schema of a list, which `${…}` may give if its items are values: a recipe computes no mappings."""
+        is_of_models = "$ref" in schema.get("items", {})
+        return {**schema, "type": LIST, "pattern": _TEMPLATE} if self._ours and not is_of_models else schema
+
     def bool_schema(self, schema: Any) -> Schema:
         return reference("boolean") if self._ours else super().bool_schema(schema)
 
@@ -66,7 +77,7 @@ class Generator(GenerateJsonSchema):
         found = super().literal_schema(schema)
         if not self._ours:
             return found
-        return {"anyOf": [{"enum": found["enum"] if "enum" in found else [found["const"]]}, reference("template")]}
+        return computable({"enum": found["enum"] if "enum" in found else [found["const"]]})
 
     def nullable_schema(self, schema: Any) -> Schema:
         return self.generate_inner(schema["schema"]) if self._ours else super().nullable_schema(schema)

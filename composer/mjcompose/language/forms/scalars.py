@@ -24,9 +24,11 @@ from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import advised
 from mjcompose.language.element_schema import attribute_schema
 from mjcompose.language.forms.context import (
+    LIST,
     ByGrammar,
     Schema,
     Settings,
+    computable,
     definition,
     reference,
     settings,
@@ -50,7 +52,7 @@ class Expects(Struct):
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         found = handler(schema)
-        if found.get("type") in ("array", "string"):  # of a mapping it would be the message for each unknown key
+        if found.get("type") in (LIST, "array", "string"):  # of a mapping it would be the message for each unknown key
             found["errorMessage"] = f"expected {self.what}" + (f", such as {self.example}" if self.example else "")
         return found
 
@@ -228,7 +230,7 @@ class Items:
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         found = handler(schema)
         for each in (found, *found.get("anyOf", ())) if self._unique else ():
-            if each.get("type") == "array":
+            if each.get("type") in (LIST, "array"):
                 each["uniqueItems"] = True
         return found
 
@@ -372,6 +374,6 @@ def _code_fault(code: str) -> Fault | None:
     return Fault("wrong-keyword", f"the code `{code}` does not exist", notes=(note,), help=help, fix=fix)
 
 
-definition("code")(lambda _: {"enum": list(CODES)})
+definition("code")(lambda _: computable({"enum": list(CODES)}))
 Code = Annotated[str, Checked(_code_fault), Expects("the code of a warning"), WithJsonSchema(reference("code"))]
 Codes = Annotated[tuple[Code, ...], Items(1, unique=True), Expects("a list of codes of warnings", "[convert-loss]")]
