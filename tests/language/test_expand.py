@@ -168,7 +168,7 @@ def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(sectio
         ("params: {x: {max: 1, default: 0}}", "{x: 2}", "out-of-range: parameter `x` is at most 1, got 2"),
         ("params: {x: {min: 1, default: 0}}", "{}", "out-of-range: parameter `x` is at least 1, got 0"),
         ("params: {x: 1}", "{x: true}", "wrong-type: parameter `x` is a number, got a boolean `true`"),
-        ("params: {x: 1}", "{x: {a: 1}}", "wrong-type: parameter `x` is a value"),
+        ("params: {x: 1}", "{x: {a: 1}}", "wrong-type: parameter `x` is a number, got a table `{a: 1}`"),
         ("params: {x: [1, 2]}", "{x: [1]}", "wrong-length: parameter `x` has 2 numbers, got 1"),
         ("params: {x: {type: int, default: 1}}", "{x: 1.5}", "wrong-type: parameter `x` is a whole number, got a number `1.5`"),
         ("params: {x: {default: a, choices: [a, b]}}", "{x: c}", "out-of-range: parameter `x` is one of `a`, `b`, got text `c`"),

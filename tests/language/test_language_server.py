@@ -118,7 +118,7 @@ def test_a_type_decides_what_is_offered(yaml_server: YamlServer, tmp_path: Path,
         # To the server `flex` may still become `flexstrain`.
         possible = [each for each in kinds if each.tag.startswith(kind.tag)]
         least, most = (
-            {name for each in some for name in (*each.attributes, *each.children, "xml", "when")}
+            {name for each in some for name in (*each.attributes, *each.children, "xml", "for", "when")}
             for some in ([kind], possible)
         )
         assert least <= {each["label"] for each in offers} <= most, kind.path

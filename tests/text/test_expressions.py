@@ -5,10 +5,13 @@ import time
 
 import pytest
 from hypothesis import given, strategies as st
-from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import Angle, ExpressionError, Value, shown, with_units
+from mjcompose.text.evaluate import Template, bound
+from mjcompose.text.expression import Angle, DataTable, ExpressionError, Value, shown, with_units
 
-SCOPE: dict[str, Value] = {"reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5)}
+SCOPE: dict[str, Value] = {
+    "reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5),
+    "t": DataTable({"hip": DataTable({"kp": 20, "not": (1, 2)}), "knee-1": DataTable({"kp": 40})}),
+}  # fmt: skip
 
 
 def value(text: str) -> Value:
@@ -41,6 +44,11 @@ def value(text: str) -> Value:
         ("pad_${side}_${n}", "pad_left_3"),
         ("${reach}m", "0.45m"),
         ("${'}' + '${'}", "}${"),
+        ("${t.hip.kp + t['knee-1'].kp}", 60),
+        ("${t['h' + 'ip'].not[n - 2]}", 2),
+        ("${(v)[-(n - 1)]}", 1),
+        ("${(t)['hip'] == t.hip}", True),
+        ("${[1, 2][0]}", 1),
     ],
 )
 def test_values(text: str, expected: Value) -> None:
@@ -65,13 +73,23 @@ def test_values(text: str, expected: Value) -> None:
         ("${v < v}", "v < v", "`<` needs numbers or text, got a vector"),
         ("${1 if n else 2}", "n", "`if` needs a boolean, got a number"),
         ("${v[2]}", "v[2]", "item 2 does not exist: the vector has 2"),
-        ("${v[n]}", "[n", "an index must be a whole number, as digits"),
+        ("${v[side]}", "side", "a vector has no row `left`"),
+        ("${v[1.0]}", "1.0", "an index is a whole number, got `1.0`"),
+        ("${v[left]}", "left", "an index is a whole number, got a boolean"),
+        ("${t[0]}", "0", "the rows of a table have names, got a number"),
+        ("${t.ankle}", "ankle", "the table has no row `ankle`; its rows are `hip`, `knee-1`"),
+        ("${t.hip.kv}", "kv", "the row has no column `kv`; its columns are `kp`, `not`"),
+        ("${t.hip.kp.x}", "x", "a number has no row `x`"),
+        ("${t.hip.}", ".", "the expression ends without the name of a row"),
+        ("${t.1}", ".1", "expected an operator, got `.1`"),
+        ("x${t}", "t", "a table has no value here"),
+        ("x${t.hip}", "t.hip", "a row has no value here"),
         ("${n[0]}", "n[0]", "a number has no items"),
         ("${speed}", "speed", "`speed` does not exist"),
         ("${True}", "True", "`True` does not exist"),
         ("${sin}", "sin", "`sin` is a function"),
         ("${sin()}", "sin()", "`sin` takes 1 numbers, got 0"),
-        ("${a.b}", ".", "expressions have no attributes"),
+        ("${a.b}", "a", "`a` does not exist"),
         ("${n && n}", "&&", "`&&` is not an operator"),
         ("${90degs}", "90degs", "`90degs` is not a number"),
         ("${(1 + 2}", "(", "`(` is never closed"),
@@ -239,3 +257,54 @@ def test_the_unit_of_a_parameter_does_not_matter(a: float, b: float, k: float) -
         first, second = Template.parse(text).value(degrees), Template.parse(text).value(radians)
         assert isinstance(first, Angle) and isinstance(second, Angle)
         assert first.radians == pytest.approx(second.radians, rel=1e-9, abs=1e-9)
+
+
+_TURN: dict[str, Value] = {
+    "i": -2, "s": "le'ft", "w": (1, Angle(-2.5, "deg"), 3), "z": 0, "b": True, "a": Angle(0.1, "rad"),
+    "m": DataTable({"kp": -20, "row": DataTable({"x": 0.1}), "name": "hip"}),
+}  # fmt: skip
+_PARAMETERS: dict[str, Value] = {
+    "k": (4, -5, 6), "p": 0.3, "t": DataTable({"hip": DataTable({"x": 1}), "knee": DataTable({"x": 2})}),
+}  # fmt: skip
+_ELEMENT: dict[str, Value] = {"value": 1.5, "name": "hip", "index": 1, "size": (0.1, 0.2)}
+
+
+def _expressions(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    return st.one_of(
+        st.tuples(inner, st.sampled_from(["+", "-", "*", "//"]), inner).map(lambda each: f"({' '.join(each)})"),
+        inner.map("-{}".format), inner.map("({})".format), inner.map("{} ** 2".format),
+        st.tuples(inner, inner, inner, inner).map(lambda each: "({} if {} < {} else {})".format(*each)),
+        st.tuples(inner, inner).map(lambda each: "max({}, {})".format(*each)),
+        st.tuples(inner, inner, st.sampled_from(["0", "z", "index"])).map(lambda each: "[{}, {}][{}]".format(*each)),
+        st.sampled_from(["z", "index", "1", "-1"]).map("(w)[{}]".format),
+    )  # fmt: skip
+
+
+_READ = ["i", "z", "a", "w[0]", "w[-2]", "value", "index", "m.kp", "p", "k[z]", "k[index]", "t[m.name].x", "t[name].x",
+         "m.row.x", "size[z]", "(m)['kp']", "2", "30deg"]  # fmt: skip
+
+
+@given(st.lists(st.recursive(st.sampled_from(_READ), _expressions, max_leaves=8), min_size=1, max_size=2))
+def test_a_turn_changes_no_value(expressions: list[str]) -> None:
+    alone = len(expressions) == 1
+    text = f"${{{expressions[0]}}}" if alone else "_${s}_".join(f"${{{each}}}" for each in expressions)
+
+    def result(text: str, scope: dict[str, Value]) -> object:
+        try:
+            return with_units(Template.parse(text).value(scope))
+        except ExpressionError:
+            return "an error"
+
+    whole = result(text, {**_PARAMETERS, **_TURN, **_ELEMENT})
+    try:
+        partial = bound(text, _TURN, _PARAMETERS)
+    except ExpressionError:
+        partial = "${1 / 0}"
+    assert result(partial, {**_PARAMETERS, **_ELEMENT}) == whole
+
+
+def test_what_a_turn_cannot_write() -> None:
+    with pytest.raises(ExpressionError, match="a text with both kinds of quotes"):
+        bound("${x + name}", {"x": "'\""}, {})
+    with pytest.raises(ExpressionError, match="a table has no value here"):
+        bound("${value + m}", {"m": DataTable({"a": 1})}, {})

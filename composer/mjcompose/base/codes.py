@@ -28,6 +28,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "wrong-type": "a value has another type than expected",
     },
     "YAML": {
+        "csv-syntax": "a CSV file is not a table with named rows and columns",
         "yaml-alias": "an alias names nothing; most often a glob that lacks its quotes",
         "yaml-alias-bomb": "aliases expand to far more than the file",
         "yaml-documents": "a file contains more than one YAML document",

@@ -20,6 +20,9 @@ class Span(Struct):
     Lines and columns count from 1, columns in characters (not bytes or screen cells). The end is exclusive; without
     an end the span is a single position. `file` is the path that the user can open. `template` is the text with `${…}`
     that is written there, or the first one in a list: it computes the value at this place.
+
+    `turn` says which values a `for` has there, if the value depends on them; it is empty for other values that a `for`
+    repeats. `source` is the place in a table that has the value.
     """
 
     file: str
@@ -28,13 +31,19 @@ class Span(Struct):
     end_line: int | None = None
     end_column: int | None = None
     template: str | None = field(default=None, compare=False, repr=False)
+    turn: str | None = field(default=None, compare=False, repr=False)
+    source: Span | None = field(default=None, compare=False, repr=False)
+
+    def repeated(self, turn: str) -> Span:
+        """Return the place with the values that a `for` has there."""
+        return Span(self.file, self.line, self.column, self.end_line, self.end_column, self.template, turn, self.source)
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"
 
 
-TEMPLATE = "template"
-"""The field of a `Span` that only mjcompose uses."""
+OWN_FIELDS = frozenset({"template", "turn", "source"})
+"""The fields of a `Span` that only mjcompose uses."""
 
 
 def plain_data(value: Any) -> dict[str, Any]:
@@ -44,7 +53,7 @@ def plain_data(value: Any) -> dict[str, Any]:
     {'file': 'a.yaml', 'line': 1, 'column': 7, 'end_line': None, 'end_column': None}
     """
     data: dict[str, Any] = asdict(
-        value, dict_factory=lambda items: {key: each for key, each in items if key != TEMPLATE}
+        value, dict_factory=lambda items: {key: each for key, each in items if key not in OWN_FIELDS}
     )
     return data
 

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from mjcompose.base import __version__
 from mjcompose.base.codes import CODES, address
-from mjcompose.base.diagnostic import TEMPLATE, CellName, Diagnostic, Note, Severity, Span
+from mjcompose.base.diagnostic import OWN_FIELDS, CellName, Diagnostic, Note, Severity, Span
 from mjcompose.base.report import json_text, printable, remarks
 
 
@@ -99,7 +99,7 @@ def _of(kind: type, **known: dict[str, Any]) -> dict[str, Any]:
         names = [_TYPES[each] for each in get_args(hint) or (hint,)]
         return {"type": names[0] if len(names) == 1 else names}
 
-    hints = {name: hint for name, hint in get_type_hints(kind).items() if name != TEMPLATE}
+    hints = {name: hint for name, hint in get_type_hints(kind).items() if name not in OWN_FIELDS}
     return _object(**{name: known.get(name) or schema(hint) for name, hint in hints.items()})
 
 

@@ -97,7 +97,9 @@ class Sink:
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code not in CODES:
             raise KeyError(diagnostic.code)
-        diagnostic = self._with_later_names(without_constant(diagnostic))
+        if cause is None:
+            cause = _cause(diagnostic)
+        diagnostic = _at_source(_with_turn(self._with_later_names(without_constant(diagnostic))))
         if diagnostic.severity is Severity.ERROR:
             self.error_count += 1
         if diagnostic in self._found:
@@ -243,6 +245,31 @@ class Sink:
     @property
     def has_errors(self) -> bool:
         return self.error_count > 0
+
+
+def _cause(diagnostic: Diagnostic) -> Cause | None:
+    """Return what merges findings at a place that a `for` repeats, or None for other places."""
+    span = diagnostic.span
+    if span is None or span.turn is None:
+        return None
+    return Cause(f"for {span!r}", f"where {span.turn}" if span.turn else diagnostic.message)
+
+
+def _with_turn(diagnostic: Diagnostic) -> Diagnostic:
+    """Return a diagnostic with a note that names the values of `for` at its place."""
+    turn = None if diagnostic.span is None else diagnostic.span.turn
+    note = Note(f"where {turn}")
+    if not turn or note in diagnostic.notes:
+        return diagnostic
+    return replace(diagnostic, notes=(*diagnostic.notes, note))
+
+
+def _at_source(diagnostic: Diagnostic) -> Diagnostic:
+    """Return a diagnostic about a value of a table at the place in the table."""
+    span = diagnostic.span
+    if span is None or span.source is None:
+        return diagnostic
+    return replace(diagnostic, span=span.source, notes=(*diagnostic.notes, Note("the value is used here", span)))
 
 
 def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:

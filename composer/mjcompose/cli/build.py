@@ -93,7 +93,7 @@ def build(options: Options, run: Run) -> int:
 
     context = run.new_context()
     if options.depfile is not None:
-        inputs = [*noted_files(), *options.choices.set_files]
+        inputs = [*noted_files(), *options.choices.files(context)]
         write_depfile(options.depfile, noted_outputs(), inputs, context=context)
     if options.sbom is not None and not context.sink.has_errors:
         write_sbom(options.sbom, noted_outputs()[0], context)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import click
 
@@ -100,6 +101,13 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
             cache.close()
 
 
+class NamedFile(NamedTuple):
+    """A file of `--set-file`, and the parameter whose value it has; None if it has names of its own."""
+
+    name: str | None
+    file: Path
+
+
 class Choices(Group):
     """The values of `--set` and `--set-file`: parameters and variants."""
 
@@ -108,7 +116,8 @@ class Choices(Group):
                                    " variant.", shell_complete=completion.parameters)  # fmt: skip
     set_files: tuple[Path, ...] = option(
         "--set-file", multiple=True, type=PATH, metavar="FILE",
-        help="Read the values of parameters and variants from this YAML file.",
+        help="Read the values of parameters and variants from this YAML or JSON file. A CSV file is the table of the"
+        " parameter with its name. NAME=FILE is the value of one parameter.",
     )  # fmt: skip
     _read: dict[Path, bytes] = field(default_factory=dict, compare=False, repr=False)
 
@@ -124,21 +133,10 @@ class Choices(Group):
         if not (self.sets or self.set_files):
             return found  # without importing anything
         from mjcompose.text.load import load
-        from mjcompose.text.node import Mapping, Scalar
+        from mjcompose.text.node import Scalar
 
-        for file in self.set_files:
-            shown = context.shown(file)
-            try:
-                text = self._text(file, context)
-            except OSError as error:
-                reason = (error.strerror or str(error)).lower()
-                context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
-                continue
-            node = load(text, shown, context.sink)
-            if isinstance(node, Mapping):
-                found.update({name: value for name, (_, value) in node.entries.items()})
-            elif node is not None:
-                context.sink.error("wrong-type", "a file of values must be a mapping from names to values", node.span)
+        for named in self._files(context):
+            found.update(self._values_of(named, context))
         for written in self.sets:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
@@ -152,6 +150,42 @@ class Choices(Group):
                 found[name] = value
         return found
 
+    def _files(self, context: Context) -> Iterator[NamedFile]:
+        """Yield the files. `NAME=FILE` is a name and a file, unless there is a file with that whole name."""
+        for file in self.set_files:
+            name, equals, rest = str(file).partition("=")
+            if equals and name.isidentifier() and not os.path.exists(context.folder / file):
+                yield NamedFile(name, Path(rest))
+            else:
+                yield NamedFile(None, file)
+
+    def files(self, context: Context) -> list[Path]:
+        return [named.file for named in self._files(context)]
+
+    def _values_of(self, named: NamedFile, context: Context) -> dict[str, Node]:
+        """Return the values of a file by name. Report errors to the context."""
+        from mjcompose.text.load import load
+        from mjcompose.text.node import Mapping
+        from mjcompose.text.table import SUFFIX, load_table
+
+        shown = context.shown(named.file)
+        try:
+            text = self._text(named.file, context)
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+            return {}
+        is_table = named.file.suffix.lower() == SUFFIX
+        node = (load_table if is_table else load)(text, shown, context.sink)
+        if node is None:
+            return {}
+        if named.name is not None or is_table:
+            return {named.name or named.file.stem: node}
+        if not isinstance(node, Mapping):
+            context.sink.error("wrong-type", "a file of values must be a mapping from names to values", node.span)
+            return {}
+        return {name: value for name, (_, value) in node.entries.items()}
+
     def _text(self, file: Path, context: Context) -> bytes:
         if file not in self._read:
             self._read[file] = read_argument(context.folder / file, in_force().recipe_size)
@@ -162,10 +196,10 @@ class Choices(Group):
         from mjcompose.build.cache.cache_key import content_of, name_of
 
         found: dict[str, str] = {}
-        for file in self.set_files:
-            found[name_of(file)] = "unreadable"
+        for written, named in zip(self.set_files, self._files(context), strict=True):
+            found[name_of(written)] = "unreadable"
             with contextlib.suppress(OSError):
-                found[name_of(file)] = content_of(self._text(file, context))
+                found[name_of(written)] = content_of(self._text(named.file, context))
         if len(self.set_files) > 1:  # a value of a later file counts
             found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))
         for written in self.sets:

@@ -39,6 +39,7 @@ from mjcompose.language.forms.scalars import (
     NotNegative,
     Scaled,
     Text,
+    Turns,
     When,
 )
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
@@ -198,7 +199,7 @@ _Sense = Annotated[
 def _pattern(times: str) -> Schema:
     """Return the rules of `prefix_fault` as a pattern of JSON Schema. `times` is `*` if it may be empty, else `+`."""
     message = f"expected a prefix: a name without spaces, and not `{RESERVED}`"
-    return {"pattern": rf"^(?!{RESERVED}$)\S{times}$", "patternErrorMessage": message}
+    return {"pattern": rf"^(?!{RESERVED}$)(?:\S|\$\{{[^}}]*\}}){times}$", "patternErrorMessage": message}
 
 
 class _Prefix:
@@ -303,6 +304,7 @@ class Attachment(Model):
     `PREFIX/NAME`. `drop: [key]` removes them."""
     allow: Codes = ()
     """The codes of warnings about this part that you accept."""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
     @property

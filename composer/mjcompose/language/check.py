@@ -12,7 +12,7 @@ from mjcompose.base.extensions import Table
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.scalars import When
+from mjcompose.language.forms.scalars import Turns, When
 
 MODULES = {
     "expect": "mjcompose.build.checks.expect", "settles": "mjcompose.build.checks.settles",
@@ -109,6 +109,7 @@ class CheckEntry(Model):
     kinds: Annotated[Mapping[str, Any], Rows(lambda: KINDS)] = Field({}, alias="<kinds>")
     severity: Literal["error", "warning"] = "error"
     """a check that does not hold is an error, or only a warning"""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
 

@@ -12,7 +12,7 @@ from mjcompose.base.suggest import closest
 from mjcompose.language.element import Reader, label
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
 from mjcompose.language.forms.model import Model, OneOf
-from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, When, whole
+from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, Turns, When, whole
 from mjcompose.language.value import Element, kind_of
 from mjcompose.tree.grammar import GRAMMAR
 
@@ -72,6 +72,7 @@ class Between(Model):
 
     between: _Sides = Field(examples=["[ARM, TABLE]"])
     """the two sides: parts by name, or globs over names of bodies"""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
 
@@ -87,6 +88,7 @@ class Excluded(Model):
     """the two sides: parts by name, or globs over names of bodies"""
     auto: Auto | None = None
     """bodies that need not collide; `plan` lists the reason for each pair"""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
 

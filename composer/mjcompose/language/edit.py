@@ -13,7 +13,7 @@ from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, When, Written
+from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, Turns, When
 from mjcompose.language.select import GLOB, NARROWED, NARROWING, kinds_of, read_selector
 from mjcompose.language.value import exclusive, shown
 from mjcompose.tree.grammar import GRAMMAR
@@ -165,12 +165,13 @@ class Edit(Model):
     """the changes, in the order in which they are carried out"""
     allow: Codes = ()
     """the codes of warnings about this entry that you accept"""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
     @classmethod
     def listed(cls) -> list[str]:
         # Messages list the first few: keys that do something come first.
-        return ["select", *VERBS.own, "expect", "optional", "id", "allow", "when"]
+        return ["select", *VERBS.own, "expect", "optional", "id", "allow", "for", "when"]
 
     @property
     def words(self) -> str:
@@ -196,7 +197,7 @@ class UrdfKeys(Model):
     """`repair` changes impossible inertias, which MuJoCo refuses, as little as possible. Each is a warning."""
 
 
-Given = Annotated[dict[str, Written], Expects("a mapping from names to values", "{reach: 0.5}")]
+Given = Annotated[dict[str, Any], Expects("a mapping from names to values", "{reach: 0.5}")]
 """The values of `with`. The nested recipe checks them."""
 
 # Without these, nothing else in a model can be read.

@@ -96,7 +96,7 @@ def raw(node: Node, faults: list[Fault], at: Path = ()) -> Any:
         if fallen is not None and name in fallen[1]:
             continue
         if is_template(name):
-            help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"
+            help = "write the name itself, or repeat the entry: `key_${i}: {for: {i: 3}, …}`"
             faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
             continue
         mapping[name] = raw(value, faults, path)
@@ -114,6 +114,7 @@ FRAGMENT = "xml"
 CONFIG = "config"
 NAME = "name"
 _OBJECT = {"objtype", "objname"}
+_OF_ENTRIES = ("for", "when")
 _OWNERS = 3  # elements that a help line names
 
 
@@ -263,6 +264,10 @@ class Reader(Struct, frozen=False):
         taken: Collection[str],
     ) -> Fault:  # fmt: skip
         """Return the fault of a key that is neither an attribute nor a child. `taken` are the written keys."""
+        if name in _OF_ENTRIES:
+            message = f"`{name}` is for a whole entry, and `{kind.tag}` is inside of one"
+            help = f"write an entry of its own: `add: [{{{name}: …, to: BODY, {kind.tag}: {{…}}}}]`"
+            return Fault("unknown-key", message, at, key=True, help=help)
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         known = [*attributes, *(each for each in kind.children if each not in taken)]
         near, fix = closest(name, known), renaming(name, known)

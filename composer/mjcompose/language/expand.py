@@ -13,129 +13,24 @@ from mjcompose.base.limits import advice, in_force
 from mjcompose.base.naming import odd_character
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.language.condition import Condition
 from mjcompose.language.parameters import (
     Axes,
     Parameter,
     Substitution,
     choose,
-    in_unit,
     merged,
-    no_value,
     plain,
     read_axes,
     report,
     same,
     settle,
-    with_unit,
 )
+from mjcompose.language.repeat import Repeater, has_repetitions, misplaced_names
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import Angle, ExpressionError, Value, shown
-from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, walk
-
-WHEN = "when"
-_MAX_DEPTH = 4  # the depth of a part's edits
-
-
-class Condition:
-    """Decides which items belong to this build, or to `any`; `in_doubt` has names with a faulty `when`."""
-
-    def __init__(
-        self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
-    ) -> None:
-        self.scope, self.axes, self.broken, self.sink, self.any = scope, axes, broken, sink, any
-        self.in_doubt: set[str] = set()
-
-    def kept(self, document: Mapping) -> Mapping:
-        found = self._kept(document, ())
-        assert isinstance(found, Mapping)
-        return found
-
-    def _kept(self, node: Node, path: Path) -> Node | None:
-        if _is_item(path) and isinstance(node, Mapping) and WHEN in node.entries:
-            before = self.sink.error_count
-            holds = self.any or self.holds(node.entries[WHEN][1])
-            if self.sink.error_count > before:
-                scalars = (each.node for each in walk(node) if isinstance(each.node, Scalar))
-                self.in_doubt.update([str(path[-1]), *(each.text for each in scalars)])
-            if not holds:
-                return None
-            node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
-        if len(in_own_model(path)) >= _MAX_DEPTH:
-            return node
-        if isinstance(node, Mapping):
-            entries = node.entries.items()
-            kept = ((name, key, self._kept(value, (*path, name))) for name, (key, value) in entries)
-            return Mapping({name: (key, value) for name, key, value in kept if value is not None}, node.span)
-        if isinstance(node, Sequence):
-            items = (self._kept(item, (*path, index)) for index, item in enumerate(node.items))
-            return Sequence(tuple(item for item in items if item is not None), node.span)
-        return node
-
-    def holds(self, node: Node) -> bool:
-        if isinstance(node, Mapping):
-            found = [self._is_one_of(key, value) for key, value in node.entries.values()]
-            return all(found)
-        if isinstance(node, Scalar):
-            if isinstance(node.value, bool):
-                return node.value
-            if isinstance(node.value, str) and is_template(node.value):
-                return self._true(node)
-        message = "`when` is a mapping from variants and parameters to values, or one boolean expression"
-        help = 'write `when: {gripper: hand}` or `when: "${payload > 1}"`'
-        self.sink.error("wrong-type", message, node.span, help=help)
-        return True
-
-    def _true(self, node: Scalar) -> bool:
-        try:
-            value = Template.parse(str(node.value)).value(self.scope)
-        except ExpressionError as error:
-            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
-            return True
-        if not isinstance(value, bool):
-            self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
-            return True
-        return value
-
-    def _is_one_of(self, key: Key, node: Node) -> bool:
-        if key.name in self.broken:
-            return True
-        if key.name not in self.scope:
-            message = f"the variant or parameter `{key.name}` does not exist"
-            self.sink.add(unknown_name("name", key.name, self.scope, span=key.span, message=message))
-            return True
-        axis = self.axes.get(key.name)
-        have = self.scope[key.name]
-        holds = False
-        for each in node.items if isinstance(node, Sequence) and not isinstance(have, tuple) else (node,):
-            if axis is not None:
-                text = each.text if isinstance(each, Scalar) else ""
-                if text not in axis.entries:
-                    no_value(key.name, text, axis, node=each, sink=self.sink)
-                holds |= text == have
-            else:
-                value = plain(each)
-                holds |= value is not None and same(_like(value, have), have)
-        return holds
-
-
-def _like(value: Value, have: Value) -> Value:
-    """Return a written value in the unit of the value that a parameter has."""
-    if isinstance(value, tuple) and isinstance(have, tuple) and len(value) == len(have):
-        return tuple(map(_like, value, have))
-    return with_unit(in_unit(value, have.unit), have.unit) if isinstance(have, Angle) else value
-
-
-def has_conditions(node: Node) -> bool:
-    mappings = ((path, each) for path, _, each in walk(node) if isinstance(each, Mapping))
-    return any(WHEN in each.entries and _is_item(path) for path, each in mappings)
-
-
-def _is_item(path: Path) -> bool:
-    own = in_own_model(path)
-    from mjcompose.language.recipe import DEPTHS  # the forms of the language, which few commands need before this
-
-    return is_edits(own[:-1]) or (len(own) > 0 and len(own) == DEPTHS.get(str(own[0])))
+from mjcompose.text.expression import ExpressionError, Value, shown
+from mjcompose.text.merge import Path, without_ids
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
 
 
 class Concrete(Struct):
@@ -166,16 +61,22 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
         **settle(parameters, given, sink, in_cells=_declared(document, "matrix", "axes")),
         **chosen,
     }
-    rest = Mapping({name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span)
+    unsettled = {name: entry for name, entry in document.entries.items() if name not in SETTLED}
+    rest = without_ids(Mapping(unsettled, document.span), sink)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
-    substitution = Substitution(scope, broken, sink=sink)
+    lost: set[str] = set()
+    if has_repetitions(rest):
+        repeater = Repeater(scope, axes, broken, sink=sink, any=any)
+        rest = repeater.repeated(rest)
+        lost |= repeater.lost
     condition = Condition(scope, axes, broken, sink=sink, any=any)
-    substituted = substitution.of(without_ids(condition.kept(rest), sink))
+    substitution = Substitution(scope, broken | misplaced_names(rest), sink=sink)
+    substituted = substitution.of(condition.kept(rest))
     assert isinstance(substituted, Mapping)
+    lost |= condition.in_doubt | substitution.lost
     return Concrete(
-        substituted, scope, parameters, variants=chosen, lost=frozenset(substitution.lost | condition.in_doubt),
-        gone=frozenset(substitution.gone),
-    )  # fmt: skip
+        substituted, scope, parameters, variants=chosen, lost=frozenset(lost), gone=frozenset(substitution.gone)
+    )
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:

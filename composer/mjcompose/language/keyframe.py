@@ -16,7 +16,7 @@ from mjcompose.language.element import Reader
 from mjcompose.language.element_schema import by_name
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import OWNER, Model
-from mjcompose.language.forms.scalars import Expects, Name, Unit, When
+from mjcompose.language.forms.scalars import Expects, Name, Turns, Unit, When
 from mjcompose.language.value import Single, kind_of, read_value, shown
 from mjcompose.tree.grammar import GRAMMAR
 
@@ -170,6 +170,7 @@ class Keyframe(Model):
     controls: Annotated[Controls, _Entries(CTRL)] = Field(default_factory=Controls, alias="ctrl")
     mpos: Annotated[_Vector, _Entries("mpos")] = Field(default_factory=dict)
     mquat: Annotated[_Vector, _Entries("mquat")] = Field(default_factory=dict)
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
     @property

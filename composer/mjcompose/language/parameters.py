@@ -6,25 +6,30 @@ import operator
 import re
 from collections.abc import Collection, Mapping as Map
 from dataclasses import replace
+from functools import cache
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
+from mjcompose.language.columns import fault_of_columns, place_in, quoted
 from mjcompose.text.expression import (
     ELEMENT,
     UNITS,
     Angle,
+    DataTable,
     ExpressionError,
+    RowPlace,
     Unit,
     UnknownName,
     Value,
-    kind,
+    leaves,
     shown,
+    with_leaves,
     written,
 )
 from mjcompose.text.merge import Path, is_of_elements, merge
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template, walk
 
 # Names that expressions in `edit` define, and names that readers would confuse with parts of the language.
 RESERVED = frozenset({"name", "value", "index", "parent", "base"})
@@ -47,18 +52,23 @@ def is_usable(key: Key, what: str, sink: Sink) -> bool:
 
 
 def plain(node: Node) -> Value | None:
-    """Return the value of a scalar or a list of scalars; None for null, mappings, and other values."""
+    """Return the value of a scalar, a list, or a mapping, which is a table; None for null, or null inside."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):
         items = tuple(value for item in node.items if (value := plain(item)) is not None)
         return items if len(items) == len(node.items) else None
-    return None
+    rows = {name: value for name, (_, row) in node.entries.items() if (value := plain(row)) is not None}
+    if len(rows) < len(node.entries):
+        return None
+    return DataTable(rows, {name: RowPlace(key.span, row.span) for name, (key, row) in node.entries.items()})
 
 
 def node_of(value: Value, span: Span) -> Node:
     if isinstance(value, tuple):
         return Sequence(tuple(node_of(each, span) for each in value), span)
+    if isinstance(value, DataTable):
+        return Mapping({name: (Key(name, span), node_of(each, span)) for name, each in value.items()}, span)
     if isinstance(value, Angle):
         return Scalar(text := str(written(value)), span, text, plain=False)
     return Scalar(value, span, shown(value), plain=not isinstance(value, str))
@@ -72,6 +82,8 @@ def same(a: Value, b: Value) -> bool:
     """
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, DataTable) and isinstance(b, DataTable):
+        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     if isinstance(a, Angle) and isinstance(b, Angle):
         return a.compared_to(b) == 0
     return isinstance(a, bool) == isinstance(b, bool) and a == b
@@ -83,17 +95,32 @@ def in_unit(value: Value, unit: Unit) -> Value:
     >>> in_unit(("180deg", 1), "rad")
     (3.141592653589793, 1)
     """
-    if isinstance(value, tuple):
-        return tuple(in_unit(each, unit) for each in value)
-    angle = Angle.read(value) if isinstance(value, str) else value
-    return angle.in_unit(unit) if isinstance(angle, Angle) else value
+
+    def number(single: Value) -> Value:
+        angle = _angle(single)
+        return angle.in_unit(unit) if isinstance(angle, Angle) else single
+
+    return with_leaves(value, number)
 
 
 def with_unit(value: Value, unit: Unit) -> Value:
     """Return the value with an angle in that unit for each bare number."""
-    if isinstance(value, tuple):
-        return tuple(with_unit(each, unit) for each in value)
-    return Angle(value, unit) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+    def angle(single: Value) -> Value:
+        is_number = isinstance(single, int | float) and not isinstance(single, bool)
+        return Angle(single, unit) if is_number else single
+
+    return with_leaves(value, angle)
+
+
+def with_angles(value: Value) -> Value:
+    """Return the value with an angle for each text that is one, such as `30deg`."""
+    return with_leaves(value, _angle)
+
+
+def _angle(value: Value) -> Value:
+    """Return the angle that a text writes; other values stay."""
+    return (Angle.read(value) or value) if isinstance(value, str) else value
 
 
 class Parameter(Struct):
@@ -101,7 +128,8 @@ class Parameter(Struct):
 
     `low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be given.
     `unit` is for readers, except `deg` and `rad`: then every number of the value is an angle, and `low`, `high` and
-    `choices` are numbers in that unit.
+    `choices` are numbers in that unit. A list or a table may also have angles that are written with their unit.
+    `columns` are the columns of every row of a table, None if its first row declares them.
     """
 
     name: str
@@ -114,6 +142,7 @@ class Parameter(Struct):
     length: int | None = None
     unit: str | None = None
     doc: str = ""
+    columns: tuple[str, ...] | None = None
 
     @property
     def is_angle(self) -> bool:
@@ -130,28 +159,32 @@ class Parameter(Struct):
             help = "declare it as `{type: float, …}` to allow any number" if self.type == "int" else None
             if isinstance(value, str) and (angle := Angle.read(value)) is not None:
                 help = f"declare it as an angle: `{self.name}: {{unit: {angle.unit}, …}}`"
-            message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}"
+            message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {quoted(value)}"
             return Diagnostic("wrong-type", message, help=help)
         if self.choices and not any(self._same(value, each) for each in self.choices):
             known = [self._shown(each) for each in self.choices]
             listed = ", ".join(f"`{each}`" for each in known)
             help = did_you_mean(self._shown(value), known)
-            message = f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}"
+            message = f"parameter `{self.name}` is one of {listed}, got {quoted(value)}"
             return Diagnostic("out-of-range", message, help=help)
         if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
-            return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}")
-        for number in value if isinstance(value, tuple) else (value,):
+            noun = "numbers" if self.type == "vector" else "values"
+            return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} {noun}, got {len(value)}")
+        for number in leaves(value):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
             for bound, word, beyond in ((self.low, "least", operator.lt), (self.high, "most", operator.gt)):
                 if bound is not None and beyond(number, bound) and not self._same(number, bound):
                     message = f"parameter `{self.name}` is at {word} {self._shown(bound)}, got {self._shown(number)}"
-                    return Diagnostic("out-of-range", message)
-        return None
+                    return Diagnostic("out-of-range", message, place_in(value, number))
+        default = None if self.default is None else self._plain(self.default)
+        return fault_of_columns(self.name, value, self.columns, default)
 
     def _plain(self, value: Value) -> Value:
         """Return the value with the numbers of angles in the unit of the parameter."""
-        return in_unit(value, UNITS[str(self.unit)]) if self.is_angle else value
+        if self.is_angle:
+            return in_unit(value, UNITS[str(self.unit)])
+        return with_angles(value) if self.type in _MIXED else value
 
     def _quantity(self, value: Value) -> Value:
         return with_unit(value, UNITS[str(self.unit)]) if self.is_angle else value
@@ -166,8 +199,10 @@ class Parameter(Struct):
 
 _NOUNS = {
     "bool": "`true` or `false`", "int": "a whole number", "float": "a number", "string": "text",
-    "vector": "a list of numbers",
+    "vector": "a list of numbers", "list": "a list of values", "table": "a table, a mapping from names to rows",
 }  # fmt: skip
+_MIXED = ("list", "table")
+"""The types whose values have single values of any type."""
 
 
 def _has_type(value: Value, type: str) -> bool:
@@ -179,12 +214,11 @@ def _has_type(value: Value, type: str) -> bool:
         return isinstance(value, (int, float))
     if type == "string":
         return isinstance(value, str)
+    if type == "table":
+        return isinstance(value, DataTable)
+    if type == "list":
+        return isinstance(value, tuple)
     return isinstance(value, tuple) and all(_has_type(each, "float") for each in value)
-
-
-def _quoted(value: Value) -> str:
-    text = shown(value)
-    return f"{kind(value)} `{text}`" if len(text) <= 40 else kind(value)
 
 
 def settle(
@@ -200,17 +234,27 @@ def settle(
         if node is None:
             if parameter.default is None:
                 cells = "with `--all` the cells of the matrix, which set it, " if name in in_cells else ""
-                help = f"build with `--set {name}=…`, {cells}or write `with: {{{name}: …}}` where the recipe is used"
+                option = f"--set-file {name}=FILE" if parameter.type == "table" else f"--set {name}=…"
+                help = f"build with `{option}`, {cells}or write `with: {{{name}: …}}` where the recipe is used"
                 message = f"parameter `{name}` has no default and must be given"
                 sink.error("missing-key", message, parameter.span, help=help)
             continue
         value = plain(node)
-        answer = Diagnostic("wrong-type", f"parameter `{name}` is a value") if value is None else parameter.read(value)
+        answer = _missing(name, node) if value is None else parameter.read(value)
         if isinstance(answer, Diagnostic):
-            sink.add(replace(answer, span=node.span, notes=(Note("the parameter is declared here", parameter.span),)))
+            notes = (*answer.notes, Note("the parameter is declared here", parameter.span))
+            sink.add(replace(answer, span=answer.span or node.span, notes=notes))
         else:
             scope[name] = answer
     return scope
+
+
+def _missing(name: str, node: Node) -> Diagnostic:
+    """Return the error about a value that is null, or has null in it."""
+    if isinstance(node, Scalar):
+        return Diagnostic("wrong-type", f"parameter `{name}` is a value")
+    empty = next(each.node for each in walk(node) if isinstance(each.node, Scalar) and each.node.value is None)
+    return Diagnostic("wrong-type", f"a value of parameter `{name}` is missing", empty.span)
 
 
 # Keys that belong to the recipe as a whole, and not to a piece of it.
@@ -299,19 +343,39 @@ def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> 
 _XML = "xml"  # the key of a fragment of MJCF, in which numbers have no unit
 
 
-class Substitution:
-    """Evaluates expressions; `lost` has the keys and texts omitted because of faults, and `gone` their paths."""
+class Turn(Struct):
+    """One turn of a `for`: the values of its names and of the names of entries around it, and their text."""
 
-    def __init__(self, scope: Map[str, Value], broken: frozenset[str], sink: Sink) -> None:
-        self.scope, self.broken, self.sink = scope, broken, sink
+    values: Map[str, Value]
+    text: str
+
+    @classmethod
+    def of(cls, values: Map[str, Value]) -> Turn:
+        return cls(values, ", ".join(f"`{name}` is {shown(value)}" for name, value in values.items()))
+
+
+class Turned(Mapping):
+    """An entry that a turn of a `for` has made: its conditions and expressions are settled."""
+
+
+class Substitution:
+    """Evaluates expressions; `lost` has the keys and texts omitted because of faults, and `gone` their paths.
+
+    The `turn` is the one of the entry. Expressions that are evaluated for each element get its values now.
+    """
+
+    def __init__(self, scope: Map[str, Value], broken: frozenset[str], sink: Sink, turn: Turn | None = None) -> None:
+        self.scope, self.broken, self.sink, self.turn = scope, broken, sink, turn
         self.lost: set[str] = set()
         self.gone: set[Path] = set()
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
         """Return the node with its expressions evaluated, or None if its own value is faulty."""
-        if is_of_elements(path):  # evaluated later, for each element
+        if isinstance(node, Turned) or (self.turn is None and is_of_elements(path)):
             return node
         if isinstance(node, Scalar):
+            if self.turn is not None and is_of_elements(path):
+                return self._bound(node, self.turn)
             return self._scalar(node, is_markup=path[-1:] == (_XML,))
         if isinstance(node, Sequence):
             items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
@@ -333,14 +397,50 @@ class Substitution:
             return node
         from mjcompose.text.evaluate import Template  # most recipes have no expression
 
+        span = node.span if self.turn is None else node.span.repeated(self.turn.text)
         try:
             template = Template.parse(node.value)
             value = template.markup(self.scope) if is_markup else template.value(self.scope)
+            if (source := template.place(self.scope)) is not None:
+                span = replace(span, source=source)
         except ExpressionError as error:
-            self.lost.add(node.text)
-            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
+            self._report(error, replace(node, span=span))
             return None
-        return node_of(value, node.span)
+        return node_of(value, span)
+
+    def _bound(self, node: Scalar, turn: Turn) -> Node | None:
+        """Return a text that is evaluated for each element, with the values of the turn."""
+        if not isinstance(node.value, str) or not is_template(node.value):
+            return node
+        from mjcompose.text.evaluate import Template, bound
+
+        placed = replace(node, span=node.span.repeated(turn.text))
+        known = {**without_attributes(self.scope), **turn.values}
+        try:
+            text = bound(node.value, turn.values, known)
+            template = Template.parse(node.value)
+            if template.is_read and template.keys() <= known.keys():
+                placed = replace(placed, span=replace(placed.span, source=template.place(known)))
+        except ExpressionError as error:
+            self._report(error, placed)
+            return None
+        return replace(placed, value=text, text=text, plain=False)
+
+    def _report(self, error: ExpressionError, node: Scalar) -> None:
+        self.lost.add(node.text)
+        report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
+
+
+def without_attributes(scope: Map[str, Value]) -> dict[str, Value]:
+    """Return the names that mean the same for every element: no element has an attribute with such a name."""
+    return {name: value for name, value in scope.items() if name not in _attributes()}
+
+
+@cache
+def _attributes() -> frozenset[str]:
+    from mjcompose.tree.grammar import GRAMMAR
+
+    return frozenset(name for path in GRAMMAR.paths for name in GRAMMAR.element(path).attributes)
 
 
 def report(error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink) -> None:
@@ -368,4 +468,5 @@ def within(node: Scalar, start: int, end: int) -> Span:
     if quotes not in (0, 2):
         return span
     first = span.column + quotes // 2
-    return Span(span.file, span.line, first + start, end_line=span.line, end_column=first + max(end, start + 1))
+    last = first + max(end, start + 1)
+    return replace(span, column=first + start, end_line=span.line, end_column=last, template=None, source=None)

@@ -20,7 +20,7 @@ from mjcompose.language.element import FRAGMENT, Reader
 from mjcompose.language.element_schema import one_or_more
 from mjcompose.language.forms.context import ByGrammar, Lazy, Schema, Settings, reference, settings, validation_error
 from mjcompose.language.forms.model import IT, Model, Rest
-from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Keys, Name, Text, When
+from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Keys, Name, Text, Turns, When
 from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
@@ -40,6 +40,7 @@ class Entry(Model):
 
     name: Annotated[str, Name(*KINDS)]
     """the name in the built model, or `…` as the last entry for more names"""
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
 
@@ -191,6 +192,7 @@ class Addition(Model):
     to: Place = Field(examples=["world"])
     """The name of a body, `world`, or `{frame: NAME}`."""
     elements: Annotated[tuple[Element, ...], _Added(), Rest()] = Field(alias="<element>")
+    repeats: Turns = Field(None, alias="for")
     when: When = None
 
     @property

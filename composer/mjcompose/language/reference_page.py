@@ -52,8 +52,8 @@ meaning as in MuJoCo's [XML reference]({MANUAL}).
 
 You choose the words that `PREFIX`, `NAME` and the like stand for. `[]` stands for each item of a list. Keys in **bold**
 are required unless `extends` or a variant gives them. Any value can be a `${{…}}`, and any number can have the unit
-`deg` or `rad`. Parts, edits, checks and elements can have `when`, which includes them in some builds only, and a
-fragment of MJCF can take the place of an element: `xml: <geom …/>`.
+`deg` or `rad`. Parts, edits, checks and elements can have `when`, which includes them in some builds only, and `for`,
+which [repeats](../variants.md#for) them. A fragment of MJCF can take the place of an element: `xml: <geom …/>`.
 """
 _CHAPTERS = {
     "selector": (
@@ -69,7 +69,7 @@ _ON = {"edit": ("Edit", "selector"), "randomize": ("DrawField",)}
 """The pages of these tables."""
 _SAME = ("scale", "offset")
 """Keys of a field of `randomize` with the distributions that the field itself may have."""
-_EVERYWHERE = ("when", "xml")
+_EVERYWHERE = ("when", "for", "xml")
 """Keys of many mappings, which the first page explains."""
 _PLACES = {
     "attach": "PREFIX", "with": "PARAMETER", "packages": "PACKAGE", "params": "PARAMETER", "variants": "AXIS",

@@ -11,7 +11,7 @@ from typing import Any
 from mjcompose.language.attach import Attachment
 from mjcompose.language.forms.context import REFERENCE, Schema, define, definition_key
 from mjcompose.language.forms.json_schema import Generator
-from mjcompose.language.forms.scalars import WHEN
+from mjcompose.language.forms.scalars import FOR, WHEN
 from mjcompose.language.parameters import NO_PIECE
 from mjcompose.language.placing import OF_A_FILE
 from mjcompose.language.recipe import Recipe, sections_of
@@ -104,6 +104,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     properties = schema["properties"]
     for name, definition in definitions.items():
         if name in _WITH_WHEN or name.startswith(("variant.", "named.")):
+            _into(definition, "for", FOR)
             _into(definition, "when", WHEN)
     for name in sections_of(Singleton):
         _into(properties[name], "when", WHEN)

@@ -10,32 +10,40 @@ from pydantic import Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
 from mjcompose.base.diagnostic import Diagnostic, Fault, Path, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import closest
 from mjcompose.language.forms.context import Schema, Settings, reference, validated
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects, Hints, Items, Measure, Text, Written
 from mjcompose.language.forms.translate import faults, report
-from mjcompose.language.parameters import Parameter, in_unit, is_usable
+from mjcompose.language.parameters import Parameter, in_unit, is_usable, plain
 from mjcompose.language.value import shown
-from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, Value
-from mjcompose.text.node import Mapping as Located, Node, is_template, locate, to_python
+from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, DataTable, Value
+from mjcompose.text.node import Mapping as Located, Node, find, is_template, locate, to_python
 
 NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as worlds` or `--as union`"
 """What to write instead of `emit`, which `matrix` and `randomize` had."""
 
 
-def _default_fault(value: Any) -> Fault | None:
+def _default_fault(value: Any, at: Path = ()) -> Fault | None:
+    if isinstance(value, dict | list):
+        inside = value.items() if isinstance(value, dict) else enumerate(value)
+        return next(filter(None, (_default_fault(each, (*at, step)) for step, each in inside)), None)
+    if value is None:
+        return Fault("wrong-type", f"a value of {IT} is missing", at)
     if not isinstance(value, str) or not is_template(value):
         return None
     help = "a default is a literal value; use the parameter where the value is needed"
-    return Fault("wrong-type", f"{IT} cannot be an expression", help=help)
+    return Fault("wrong-type", f"{IT} cannot be an expression", at, help=help)
 
 
 _NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
-_ALONE: Schema = {**VALUE, "items": _NUMBER}
-_DEFAULT: Schema = {
-    **_ALONE, "pattern": r"^(?!.*\$\{)",
-    "patternErrorMessage": "a default is a literal value: it cannot be an expression",
+_LITERAL: Schema = {
+    "pattern": r"^(?!.*\$\{)", "patternErrorMessage": "a default is a literal value: it cannot be an expression",
 }  # fmt: skip
+_ALONE: Schema = {**VALUE, "items": {"not": {"type": "null"}}}
+_DEFAULT: Schema = {**_ALONE, "type": [*VALUE["type"], "object"], **_LITERAL}
+_Data = Annotated[Any, Checked(_default_fault)]
+"""A literal value of any kind: a list and a table may have lists and tables inside."""
 Values = Annotated[tuple[Written, ...], Items(1), Expects("a list of values", "[1, 2]")]
 Bound = Annotated[float | Angle, Measure()]
 _Cell = Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping from axes to values", "{load: 1}")]
@@ -43,7 +51,7 @@ Combinations = Annotated[tuple[_Cell, ...], Items(), Expects("a list of mappings
 
 _SCHEMAS: Mapping[str, Schema] = {
     "bool": {"type": "boolean"}, "int": {"type": "integer"}, "float": _NUMBER, "string": {"type": "string"},
-    "vector": {"type": "array", "items": _NUMBER},
+    "vector": {"type": "array", "items": _NUMBER}, "list": {"type": "array"}, "table": {"type": "object"},
 }  # fmt: skip
 """The possible defaults of a parameter, by its type."""
 
@@ -74,22 +82,32 @@ class Declaration(Model):
 
     type: (
         Annotated[
-            Literal["bool", "int", "float", "string", "vector"],
-            Hints({"number": "float", "text": "string", "choice": "`choices: […]` lists the values of a choice"}),
+            Literal["bool", "int", "float", "string", "vector", "list", "table"],
+            Hints(
+                {
+                    "number": "float",
+                    "text": "string",
+                    "mapping": "table",
+                    "dict": "table",
+                    "choice": "`choices: […]` lists the values of a choice",
+                }
+            ),
         ]
         | None
     ) = None
     """the type of the value; by default the type of `default`"""
-    default: Annotated[Written, Checked(_default_fault), WithJsonSchema(_DEFAULT)] | None = None
+    default: Annotated[_Data, WithJsonSchema(_DEFAULT)] | None = None
     """the value if you set none; if omitted, you must set one"""
     min: Bound | None = None
-    """the smallest allowed value, of each component"""
+    """the smallest allowed value, of each number"""
     max: Bound | None = None
-    """the largest allowed value, of each component"""
+    """the largest allowed value, of each number"""
     choices: Values | None = None
     """the allowed values"""
     length: AtLeastOne | None = None
-    """the length of a vector"""
+    """the length of a vector or a list"""
+    columns: Annotated[tuple[Text, ...], Items(1), Expects("a list of names", "[kp, kd]")] | None = None
+    """the columns of each row of a table; by default those of its first row"""
     unit: Text | None = None
     """the unit, for readers; with `deg` or `rad` the parameter is an angle in every expression"""
     doc: str = ""
@@ -107,6 +125,8 @@ class Declaration(Model):
                 message = f"`{name}` of {IT} is an angle, but the parameter has no unit of angles"
                 yield Fault("wrong-type", message, (name,), help=f"write `unit: {bound.unit}`")
                 return
+        if self.columns is not None and parameter.type != "table":
+            yield Fault("wrong-type", f"{IT} is not a table, so it has no `columns`", ("columns",), key=True)
         if parameter.low is not None and parameter.high is not None and parameter.low > parameter.high:
             yield Fault("out-of-range", f"`max` of {IT} is below its `min`", ("max",))
 
@@ -114,32 +134,43 @@ class Declaration(Model):
         """Return the parameter. Its default is as it is written, and may have a type that it does not allow."""
         sample = _of_value(self.default if self.default is not None else (self.choices or (None,))[0])
         guess, unit = _inferred(sample)
-        unit = self.unit or (None if self.type == "string" else unit)
+        unit = self.unit or (None if self.type in ("string", "list", "table") else unit)
         low, high = (_in_unit(bound, unit) for bound in (self.min, self.max))
-        length = len(sample) if isinstance(sample, tuple) else None
+        type = self.type or guess
+        length = len(sample) if isinstance(sample, tuple) and type == "vector" else None
         return Parameter(
-            name, self.type or guess, None if self.default is None else sample, span=span, low=low, high=high,
+            name, type, None if self.default is None else sample, span=span, low=low, high=high,
             choices=tuple(_in_unit(_of_value(each), unit) for each in self.choices or ()),
-            length=self.length or length, unit=unit, doc=self.doc,
+            length=self.length or length, unit=unit, doc=self.doc, columns=self.columns,
         )  # fmt: skip
 
 
 def _of_value(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    if isinstance(value, dict):
+        return DataTable({name: _of_value(each) for name, each in value.items()})
+    return tuple(map(_of_value, value)) if isinstance(value, list) else value
 
 
 def _inferred(sample: Value | None) -> tuple[str, str | None]:
     """Return the type and the unit of a parameter from its value.
 
-    >>> _inferred(1), _inferred("90deg"), _inferred("left"), _inferred(("1rad", "2rad"))
-    (('float', None), ('float', 'deg'), ('string', None), ('vector', 'rad'))
+    >>> _inferred(1), _inferred("90deg"), _inferred("left"), _inferred(("1rad", "2rad")), _inferred((1, "left"))
+    (('float', None), ('float', 'deg'), ('string', None), ('vector', 'rad'), ('list', None))
     """
+    if isinstance(sample, DataTable):
+        return "table", None
     if isinstance(sample, tuple):
         angles = [each for each in map(_angle, sample) if each is not None]
+        if len(angles) < len(sample) and not all(_is_number(each) for each in sample if _angle(each) is None):
+            return "list", None
         return "vector", angles[0].unit if angles else None
     if (angle := _angle(sample)) is not None:
         return "float", angle.unit
     return "string" if isinstance(sample, str) else "bool" if isinstance(sample, bool) else "float", None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _angle(value: Any) -> Angle | None:
@@ -150,8 +181,7 @@ def _bare_beside_angles(value: Any) -> int | float | None:
     """Return the first number of a vector that has no unit, although another one has; 0 needs none."""
     if not isinstance(value, tuple) or all(_angle(each) is None for each in value):
         return None
-    numbers = (each for each in value if isinstance(each, int | float) and not isinstance(each, bool))
-    return next((each for each in numbers if each != 0), None)
+    return next((each for each in value if _is_number(each) and each != 0), None)
 
 
 def _in_unit(value: Any, unit: str | None) -> Any:
@@ -178,7 +208,7 @@ class Grid(Model):
 
 
 _ABOUT = "The default alone, which determines the parameter's type."
-_Value = Annotated[Written, WithJsonSchema({**_ALONE, "description": _ABOUT}), Tag("<value>")]
+_Value = Annotated[_Data, WithJsonSchema({**_ALONE, "description": _ABOUT}), Tag("<value>")]
 _Parameter = Annotated[
     Annotated[Declaration, Tag("<mapping>")] | _Value,
     Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Declaration) else "<value>"),
@@ -228,17 +258,30 @@ def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
     for key, node in section.entries.values():
         if not is_usable(key, "a parameter", sink):
             continue
+        if isinstance(node, Located) and _is_table(node):
+            help = f"write it as its default: `{key.name}: {{default: {{{next(iter(node.entries))}: …}}}}`"
+            sink.error("missing-key", f"parameter `{key.name}` is a table without `default`", key.span, help=help)
+            continue
         data = to_python(node) if isinstance(node, Located) else {"default": to_python(node)}
         declared = read(Declaration, data, document, at=("params", key.name), sink=sink)
         if declared is None:
             continue
         parameter = declared.parameter(key.name, key.span)
+        if (default := find(node, ("default",)) if isinstance(node, Located) else node) is not None:
+            parameter = replace(parameter, default=plain(default))  # which has the places of rows
         settled = None if parameter.default is None else parameter.read(parameter.default)
         if isinstance(settled, Diagnostic):
-            sink.add(replace(settled, span=locate(document, ("params", key.name, "default"))))
+            span = settled.span or locate(document, ("params", key.name, "default"))
+            sink.add(replace(settled, span=span))
         else:
             found[key.name] = replace(parameter, default=settled)
     return found
+
+
+def _is_table(node: Located) -> bool:
+    """Return whether a mapping has rows, and no key of a parameter or a word like one."""
+    known = Declaration.key_names()
+    return bool(node.entries) and not any(name in known or closest(name, known) for name in node.entries)
 
 
 def read_grid(document: Located, sink: Sink) -> Grid | None:

@@ -1,11 +1,13 @@
 """Evaluate expressions and texts with `${…}` in limited time.
 
-A value is a boolean, a text, a vector, a plain number or an angle. An angle stays one through every operation that has
-a meaning for angles, and a plain number next to it is an error, unless it is 0, which is the same in every unit.
+A value is a boolean, a text, a vector, a table, a plain number or an angle. An angle stays one through every operation
+that has a meaning for angles, and a plain number next to it is an error, unless it is 0, which is the same in every
+unit.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,10 +16,13 @@ from functools import lru_cache
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.suggest import did_you_mean
 from mjcompose.text import expression as syntax
 from mjcompose.text.expression import (
     Angle,
+    DataTable,
     Expression,
     ExpressionError,
     Name,
@@ -26,12 +31,14 @@ from mjcompose.text.expression import (
     Value,
     WrongUnits,
     kind,
+    leaves,
     parse,
     shown,
 )
 from mjcompose.text.node import OPENING
 
 _MAX_EXPONENT = 1024
+_SHOWN_ROWS = 12
 _ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv,
     "%": operator.mod, "**": operator.pow,
@@ -66,10 +73,15 @@ def names(tree: Expression) -> Iterator[Name]:
     """Yield every name in an expression, including constants such as `pi`."""
     if isinstance(tree, Name):
         yield tree
+    for child in _children(tree):
+        yield from names(child)
+
+
+def _children(tree: Expression) -> Iterator[Expression]:
     for value in (getattr(tree, each.name) for each in fields(tree)):
         for child in value if isinstance(value, tuple) else (value,):
             if isinstance(child, Expression):
-                yield from names(child)
+                yield child
 
 
 def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
@@ -87,12 +99,49 @@ def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
 
 
 def _item(tree: syntax.Item, scope: Mapping[str, Value]) -> Value:
-    vector = evaluate(tree.vector, scope)
-    if not isinstance(vector, tuple):
-        raise ExpressionError(f"{kind(vector)} has no items", tree.at)
-    if not -len(vector) <= tree.index < len(vector):
-        raise ExpressionError(f"item {tree.index} does not exist: the vector has {len(vector)}", tree.at)
-    return vector[tree.index]
+    whole = evaluate(tree.of, scope)
+    index = evaluate(tree.index, scope)
+    if isinstance(whole, DataTable):
+        return _row(tree, whole, index)
+    if isinstance(index, str):
+        help = "its items have numbers: the first one is `[0]`" if isinstance(whole, tuple) else None
+        raise ExpressionError(f"{kind(whole)} has no row `{index}`", tree.index.at, help)
+    if not isinstance(whole, tuple):
+        raise ExpressionError(f"{kind(whole)} has no items", tree.at)
+    if isinstance(index, bool) or not isinstance(index, int):
+        got = f"`{shown(index)}`" if isinstance(index, float) else kind(index)
+        raise ExpressionError(f"an index is a whole number, got {got}", tree.index.at)
+    if not -len(whole) <= index < len(whole):
+        raise ExpressionError(f"item {index} does not exist: the vector has {len(whole)}", tree.at)
+    return whole[index]
+
+
+def _row(tree: syntax.Item, table: DataTable, name: Value) -> Value:
+    if not isinstance(name, str):
+        raise ExpressionError(f"the rows of a table have names, got {kind(name)}", tree.index.at)
+    if name not in table:
+        raise _missing(tree, name, table)
+    return table[name]
+
+
+def _missing(tree: syntax.Item, name: str, table: DataTable) -> ExpressionError:
+    whole, item = ("the row", "column") if isinstance(tree.of, syntax.Item) else ("the table", "row")
+    names = [f"`{each}`" for each in itertools.islice(table, _SHOWN_ROWS)]
+    more = ", …" if len(table) > _SHOWN_ROWS else ""
+    listed = f"its {item}s are {', '.join(names)}{more}" if names else "it is empty"
+    message = f"{whole} has no {item} `{name}`; {listed}"
+    return ExpressionError(message, tree.index.at, did_you_mean(name, table))
+
+
+def place_of(tree: Expression, scope: Mapping[str, Value]) -> Span | None:
+    """Return where the table has the value of an expression, or None for any other value."""
+    if not isinstance(tree, syntax.Item):
+        return None
+    whole = evaluate(tree.of, scope)
+    if isinstance(whole, DataTable):
+        place = whole.places.get(str(evaluate(tree.index, scope)))
+        return None if place is None else place.value
+    return place_of(tree.of, scope)
 
 
 def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> Number | Angle:
@@ -335,6 +384,9 @@ class Template(Struct):
         values = [piece if isinstance(piece, str) else piece.value(scope) for piece in self.pieces]
         if len(values) == 1:
             return values[0]
+        for piece, value in zip(self.pieces, values, strict=True):
+            if isinstance(value, DataTable) and not isinstance(piece, str):
+                raise _no_table(piece.tree, value).moved(piece.start)
         texts = [shown(value) for value in values]
         given = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
         if given > (most := in_force().string):
@@ -349,12 +401,29 @@ class Template(Struct):
     def markup(self, scope: Mapping[str, Value]) -> Value:
         """Evaluate a fragment of MJCF, whose numbers have no units: an angle in it is an error."""
         for piece in self.pieces:
-            if not isinstance(piece, str) and isinstance(piece.value(scope), Angle):
+            if not isinstance(piece, str) and any(isinstance(each, Angle) for each in leaves(piece.value(scope))):
                 error = WrongUnits(
                     "an angle in a fragment of MJCF would lose its unit", piece.tree.at, _plain(piece.tree)
                 )
                 raise error.helped(piece.text).moved(piece.start)
         return self.value(scope)
+
+    def place(self, scope: Mapping[str, Value]) -> Span | None:
+        """Return where a table has the value, if the text is one expression that reads it, such as `${gains.hip.kp}`.
+
+        The text must have a value with these names.
+        """
+        piece = self.pieces[0]
+        return None if isinstance(piece, str) or not self.is_read else place_of(piece.tree, scope)
+
+    @property
+    def is_read(self) -> bool:
+        """Return whether the text is one item or row of something."""
+        piece = self.pieces[0]
+        return len(self.pieces) == 1 and not isinstance(piece, str) and isinstance(piece.tree, syntax.Item)
+
+    def keys(self) -> frozenset[str]:
+        return frozenset(each.key for each in self.names())
 
     def names(self) -> Iterator[Name]:
         for piece in self.pieces:
@@ -365,6 +434,72 @@ class Template(Struct):
     def parameters(self) -> Iterator[Name]:
         """Yield the names that may be parameters or variants, which attributes of an element are not."""
         return (each for each in self.names() if each.space != syntax.ELEMENT)
+
+
+def bound(text: str, turn: Mapping[str, Value], scope: Mapping[str, Value]) -> str:
+    """Return a text in which the expressions have the values of the names in `turn`; other names stay.
+
+    Items that only need names of the turn and of `scope` become values, too. Raises `ExpressionError`.
+
+    >>> bound("${value * k[i] + name}", {"i": 1}, {"k": (2, -3)})
+    '${value * (-3) + name}'
+    """
+    for piece in reversed(Template.parse(text).pieces):
+        if isinstance(piece, str):
+            continue
+        try:
+            literals = list(_literals(piece.tree, turn, {**scope, **turn}))
+        except ExpressionError as error:
+            raise error.moved(piece.start) from None
+        for (first, last), literal in reversed(literals):
+            text = f"{text[: piece.start + first]}{literal}{text[piece.start + last :]}"
+    return text
+
+
+def _literals(
+    tree: Expression, turn: Mapping[str, Value], scope: Mapping[str, Value]
+) -> Iterator[tuple[syntax.Range, str]]:
+    """Yield the parts of an expression that a turn determines, from left to right, with their values as text."""
+    if isinstance(tree, Name):
+        if tree.key in turn:
+            yield tree.at, _literal(turn[tree.key], tree)
+        return
+    if isinstance(tree, syntax.Item) and _is_read(tree):
+        used = {each.key for each in names(tree)}
+        if not used.isdisjoint(turn) and used <= scope.keys():
+            yield tree.at, _literal(evaluate(tree, scope), tree)
+            return
+    for child in sorted(_children(tree), key=lambda child: child.at):
+        yield from _literals(child, turn, scope)
+
+
+def _is_read(tree: Expression) -> bool:
+    """Return whether an expression begins with a name, whose items it takes; its place covers all its text."""
+    while isinstance(tree, syntax.Item):
+        tree = tree.of
+    return isinstance(tree, Name) and not tree.space
+
+
+def _no_table(tree: Expression, table: DataTable) -> ExpressionError:
+    whole, item = ("a row", "column") if isinstance(tree, syntax.Item) else ("a table", "row")
+    first = next(iter(table), "NAME")
+    example = f".{first}" if first.isidentifier() else f'["{first}"]'
+    return ExpressionError(f"{whole} has no value here", tree.at, f"write which {item} of it, such as `{example}`")
+
+
+def _literal(value: Value, tree: Expression) -> str:
+    """Return a value as an expression writes it. Raises `ExpressionError`."""
+    if isinstance(value, DataTable):
+        raise _no_table(tree, value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(_literal(each, tree) for each in value)}]"
+    if isinstance(value, str):
+        quote = '"' if "'" in value else "'"
+        if quote in value:
+            raise ExpressionError("a text with both kinds of quotes cannot be used here", tree.at)
+        return f"{quote}{value}{quote}"
+    text = syntax.with_units(value)
+    return f"({text})" if text.startswith("-") else text
 
 
 def _check_unit_behind(piece: Inserted, angle: Angle, after: str) -> None:

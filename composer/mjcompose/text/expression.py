@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from string import ascii_letters, digits
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.diagnostic import Span
 
 Unit = Literal["deg", "rad"]
 UNITS: Mapping[str, Unit] = {"deg": "deg", "rad": "rad"}
@@ -57,26 +58,69 @@ class Angle(Struct):
         return f"{self.value:.17g}{self.unit}"
 
 
-Value = bool | int | float | str | Angle | tuple["Value", ...]
+class RowPlace(NamedTuple):
+    """Where the name of a row, and its value, are written."""
+
+    name: Span
+    value: Span
+
+
+class DataTable(dict[str, "Value"]):
+    """The rows of a table by name, or the values of a row by column, with their `places` for messages."""
+
+    __slots__ = ("places",)
+
+    def __init__(self, rows: Mapping[str, Value], places: Mapping[str, RowPlace] | None = None) -> None:
+        super().__init__(rows)
+        self.places = places or {}
+
+
+Value = bool | int | float | str | Angle | tuple["Value", ...] | DataTable
 
 MAX_INTEGER = 2**63
 
 
+def leaves(value: Value) -> Iterator[Value]:
+    """Yield the single values in a value.
+
+    >>> list(leaves((1, DataTable({"a": 2, "b": (3, "x")}))))
+    [1, 2, 3, 'x']
+    """
+    if isinstance(value, tuple | DataTable):
+        for each in value.values() if isinstance(value, DataTable) else value:
+            yield from leaves(each)
+    else:
+        yield value
+
+
+def with_leaves(value: Value, change: Callable[[Value], Value]) -> Value:
+    """Return the value with each single value in it changed.
+
+    >>> with_leaves((1, DataTable({"a": 2})), lambda each: each + 1)
+    (2, {'a': 3})
+    """
+    if isinstance(value, tuple):
+        return tuple(with_leaves(each, change) for each in value)
+    if isinstance(value, DataTable):
+        return DataTable({name: with_leaves(each, change) for name, each in value.items()}, value.places)
+    return change(value)
+
+
 def number_of(value: Value) -> Value:
     """Return the number of an angle, in its own unit, as texts and manifests show it. Other values stay."""
-    if isinstance(value, tuple):
-        return tuple(map(number_of, value))
-    return value.value if isinstance(value, Angle) else value
+    return with_leaves(value, lambda each: each.value if isinstance(each, Angle) else each)
 
 
-def written(value: Value) -> bool | int | float | str | list[Any]:
-    """Return a value as a recipe writes it: an angle as `10deg`, a vector as a list.
+def written(value: Value) -> bool | int | float | str | list[Any] | dict[str, Any]:
+    """Return a value as a recipe writes it: an angle as `10deg`, a vector as a list, a table as a mapping.
 
     >>> written((Angle(10, "deg"), 0.5))
     ['10deg', 0.5]
     """
     if isinstance(value, tuple):
         return [written(each) for each in value]
+    if isinstance(value, DataTable):
+        return {name: written(each) for name, each in value.items()}
     return with_units(value) if isinstance(value, Angle) else value
 
 
@@ -86,16 +130,26 @@ def with_units(value: Value) -> str:
     >>> with_units((Angle(10, "deg"), 0.5))
     '[10deg, 0.5]'
     """
+    return _text_of(value, lambda angle: f"{shown(angle)}{angle.unit}")
+
+
+def _text_of(value: Value, of_angle: Callable[[Angle], str]) -> str:
     if isinstance(value, tuple):
-        return f"[{', '.join(map(with_units, value))}]"
-    return f"{shown(value)}{value.unit}" if isinstance(value, Angle) else shown(value)
+        return f"[{', '.join(_text_of(each, of_angle) for each in value)}]"
+    if isinstance(value, DataTable):
+        return f"{{{', '.join(f'{name}: {_text_of(each, of_angle)}' for name, each in value.items())}}}"
+    if isinstance(value, Angle):
+        return of_angle(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)
 
 
 def kind(value: Value) -> str:
     """Return the noun in messages for a value's type.
 
-    >>> kind(True), kind(2), kind(2.0), kind("x"), kind((1, 2)), kind(Angle(2, "deg"))
-    ('a boolean', 'a number', 'a number', 'text', 'a vector', 'an angle')
+    >>> kind(True), kind(2), kind(2.0), kind("x"), kind((1, 2)), kind(Angle(2, "deg")), kind(DataTable({}))
+    ('a boolean', 'a number', 'a number', 'text', 'a vector', 'an angle', 'a table')
     """
     if isinstance(value, bool):
         return "a boolean"
@@ -103,20 +157,18 @@ def kind(value: Value) -> str:
         return "a number"
     if isinstance(value, Angle):
         return "an angle"
+    if isinstance(value, DataTable):
+        return "a table"
     return "text" if isinstance(value, str) else "a vector"
 
 
 def shown(value: Value) -> str:
     """Return a value as text: the shortest text that reads back as the same number.
 
-    >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left")
-    ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left')
+    >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left"), shown(DataTable({"a": 1}))
+    ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left', '{a: 1}')
     """
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, tuple):
-        return "[" + ", ".join(shown(each) for each in value) + "]"
-    return value if isinstance(value, str) else repr(number_of(value))
+    return _text_of(value, lambda angle: repr(angle.value))
 
 
 Number = int | float
@@ -241,10 +293,10 @@ class Name(Struct):
 
 
 class Item(Struct):
-    """An item of a vector: `vector[index]`."""
+    """An item of a vector or a row of a table: `of[index]`, and `of.row` for `of["row"]`."""
 
-    vector: Expression
-    index: int
+    of: Expression
+    index: Expression
     at: Range
 
 
@@ -313,7 +365,7 @@ _TOKEN = re.compile(
       | (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
       | (?P<name>(?:(?:params|element)\.)?[^\W\d]\w*)
       | (?P<text>'[^']*'|"[^"]*")
-      | (?P<operator>\*\*|//|<=|>=|==|!=|[-+*/%<>()\[\],])
+      | (?P<operator>\*\*|//|<=|>=|==|!=|[-+*/%<>()\[\],.])
     )""",
     re.VERBOSE,
 )
@@ -352,8 +404,6 @@ def _unreadable(text: str, at: int) -> ExpressionError:
     for foreign, ours in _FOREIGN.items():
         if text.startswith(foreign, at):
             return ExpressionError(f"`{foreign}` is not an operator", (at, at + len(foreign)), f"write `{ours}`")
-    if text[at] == ".":
-        return ExpressionError("expressions have no attributes", (at, at + 1))
     return ExpressionError(f"`{text[at]}` has no meaning in an expression", (at, at + 1))
 
 
@@ -413,6 +463,8 @@ class _Parser:
         if token.kind == "end":
             return ExpressionError(f"the expression ends without {wanted}", (max(token.start - 1, 0), token.start))
         help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
+        if token.kind == "number" and token.text.startswith("."):
+            help = f'a row with such a name is `["{token.text[1:]}"]`'
         return ExpressionError(f"expected {wanted}, got `{token.text}`", token.at, help)
 
     def descend(self) -> None:
@@ -472,14 +524,16 @@ class _Parser:
         return Binary("**", base, exponent, at=_over(base, exponent))
 
     def item(self) -> Expression:
+        first = self.next
         value = self.atom()
-        while opened := self.take("["):
-            sign = self.take("-")
-            token = self.take("number")
-            if token is None or not token.text.isdigit():
-                raise ExpressionError("an index must be a whole number, as digits", _over(opened, self.next))
-            index = -int(token.text) if sign else int(token.text)
-            value = Item(value, index, at=_over(value, self.expect("]", opened)))
+        while opened := self.take("[", "."):
+            if opened.kind == "[":
+                index = self.choice()
+                value = Item(value, index, at=_over(first, self.expect("]", opened)))
+            elif row := self.take("name", *KEYWORDS):
+                value = Item(value, Constant(row.text, row.at), at=_over(first, row))
+            else:
+                raise self.unexpected("the name of a row")
         return value
 
     def atom(self) -> Expression:

@@ -72,6 +72,8 @@ class Document(Struct, frozen=False):
 
 Path = tuple[str, ...]
 
+FOR = "for"
+"""A key that may be in every entry. It comes first: it declares the names that the other keys use."""
 # Written by `composer/mjcompose/language/reference_page.py`.
 _TABLES = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
 
@@ -110,7 +112,7 @@ def _sort(node: Collection, path: Path) -> None:
     order, whole = _table(path)
     if not order:
         return
-    rank = {name: index for index, name in enumerate(order)}
+    rank = {FOR: -1} | {name: index for index, name in enumerate(order)}
     ranks: list[int] = []
     for entry in node.entries:
         ranks.append(rank.get(_name(entry), (ranks[-1] if ranks else -1) if whole else len(order)))

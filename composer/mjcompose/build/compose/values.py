@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.diagnostic import Fault, Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.language.parameters import within
@@ -52,8 +53,22 @@ def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None =
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
     span, subjects = editing.span(fault.at, key=fault.key), (*fault.names, *editing.subjects(node))
+    if not fault.key and (source := _source(editing, node, fault.at)) is not None:
+        span = replace(span, source=source)
     editing.sink.error(fault.code, fault.message, span, notes=notes, help=fault.help, subjects=subjects, fix=fault.fix)
     raise UnusableValue
+
+
+def _source(editing: Editing, node: Node, at: Path) -> Span | None:
+    """Return where a table has the value of an expression for an element; None for other values."""
+    written = find(editing.making.document, at)
+    if not isinstance(written, Scalar) or not is_template(written.text):
+        return None
+    try:
+        template = Template.parse(written.text)
+        return template.place(ElementScope(Values(editing, node, 0, at=at)))
+    except (ExpressionError, AmbiguousName):
+        return None
 
 
 VALUE = "value"

@@ -17,7 +17,8 @@ from mjcompose.base.suggest import closest, renaming, unknown_name
 from mjcompose.build.checks.unchanged import Unchanged
 from mjcompose.build.plan.plan import AttachPart, Plan, part_name
 from mjcompose.language.attach import Axis
-from mjcompose.language.expand import expand, has_conditions
+from mjcompose.language.condition import has_conditions
+from mjcompose.language.expand import expand
 from mjcompose.language.keyframe import FROM
 from mjcompose.language.parameters import choose, node_of, read_axes
 from mjcompose.language.validate import validate_what_remains
@@ -267,7 +268,7 @@ _OF_PIECES = ("variants", "matrix")
 
 
 def parameters_choose(recipe: Node | None) -> bool:
-    """Return whether a parameter can change the models: by `when`, or by an expression in a reference. No I/O."""
+    """Return whether a parameter can change the models: by `when`, `for`, or an expression in a reference. No I/O."""
     waiting = [(recipe, False)]
     while waiting:
         node, naming = waiting.pop()
@@ -277,7 +278,7 @@ def parameters_choose(recipe: Node | None) -> bool:
         elif isinstance(node, Sequence):
             waiting += [(each, naming) for each in node.items]
         elif isinstance(node, Mapping):
-            if "when" in node.entries:
+            if not node.entries.keys().isdisjoint(("when", "for")):
                 return True
             waiting += [(value, naming or name in _OF_MODELS) for name, (_, value) in node.entries.items()]
     return False

@@ -465,7 +465,7 @@ def _of_urdf(source: Source) -> Iterator[Path]:
 
 
 _TABLES: dict[str, Table[Any]] = {"checks": KINDS, "verbs": VERBS, "datasheets": SHEETS}
-_OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*Edit.key_names()}}
+_OURS = {"checks": {*KINDS.own, SEVERITY, "when", "for"}, "verbs": {*Edit.key_names()}}
 
 
 def _load_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:

@@ -304,6 +304,18 @@ WHEN: Schema = {
 }
 When = Annotated[Any, WithJsonSchema(WHEN)]
 """The condition of an item. `expand` decides it before the forms read a recipe."""
+FOR: Schema = {
+    "type": "object", "minProperties": 1,
+    "additionalProperties": {
+        "anyOf": [
+            {"type": "integer", "minimum": 0}, {"type": ["array", "object"]}, {"type": "string", "pattern": r"\$\{"},
+        ]
+    },
+    "description": "Names and their values: `{i: 3}`, `{side: [left, right]}`. The entry is repeated for each"
+    " combination of these, with `${i}` in its values and in its key.",
+}  # fmt: skip
+Turns = Annotated[Any, WithJsonSchema(FOR)]
+"""The names of a repeated entry and their values. `expand` repeats it before the forms read a recipe."""
 
 
 class Hints:
