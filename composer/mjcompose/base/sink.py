@@ -88,7 +88,7 @@ class Sink:
 
     def has_named(self, span: Span) -> None:
         """Remember that the entry at `span` is carried out."""
-        self._later = [later for later in self._later if later.span != span]
+        self._later = [later for later in self._later if (later.span, later.span.turn) != (span, span.turn)]
 
     def suppresses(self, name: str) -> bool:
         """Return whether an earlier error may be the reason that this name does not exist."""
