@@ -31,7 +31,7 @@ NOTHING_GROWS = {
     "doctor": "reports this installation",
     "help": "prints a text",
     "install": "downloads a package",
-    "lsp": "a server: see `test_keystrokes`",
+    "lsp": "a server: `tests/lsp/test_glance.py` counts a keystroke",
     "mcp": "a server that calls the functions of other commands",
     "migrate": "see `fmt`: both rewrite a file in place; proving needs another MuJoCo",
     "new": "writes one recipe",

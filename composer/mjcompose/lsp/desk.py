@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import os
+import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import field, replace
@@ -24,7 +25,8 @@ from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.stages import Request, build
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
-from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, moved, shown, span_after
+from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, shown
+from mjcompose.lsp.glance import carried, glance, waits_for_pause
 from mjcompose.lsp.markup import ModelAnalysis, including, read_model
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
@@ -48,28 +50,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-def carried(found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]) -> tuple[Diagnostic, ...]:
-    """Return diagnostics of an earlier text at their places in a new one. Diagnostics on changed lines are left out."""
-    if list(old) == list(new):
-        return tuple(found)
-    lines = moved(old, new)
-
-    def there(span: Span | None) -> Span | None:
-        return span if span is None or span.file != file else span_after(span, lines)
-
-    kept = []
-    for each in found:
-        span, fix = there(each.span), each.fix
-        if fix is not None and fix.span is not None:
-            fix = replace(fix, span=there(fix.span))
-            if fix.span is None:
-                continue
-        if each.span is None or span is not None:
-            notes = tuple(Note(note.message, there(note.span)) for note in each.notes)
-            kept.append(replace(each, span=span, notes=notes, fix=fix))
-    return tuple(kept)
-
-
 def by_file(
     found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
 ) -> Mapping[str, list[Diagnostic]]:
@@ -88,12 +68,17 @@ def by_file(
 
 
 def uses_of(analysis: Analysis) -> dict[str, Span]:
-    found: dict[str, Span] = {}
+    """Return the first place of each file of a model that the recipe names."""
+    first: dict[Path, Span] = {}
     for place in analysis.plan.walk() if analysis.plan is not None else ():
         path = getattr(place.model, "path", None)
-        if place.span is not None and path is not None and place.span.file == analysis.file:
-            for now in analysis.all_now([place.span], analysis.plan_of):
-                found.setdefault(shown(path, analysis.folder), now)
+        if path is None or path in first or place.span is None or place.span.file != analysis.file:
+            continue
+        if (now := analysis.now(place.span, analysis.plan_of)) is not None:
+            first[path] = now
+    found: dict[str, Span] = {}
+    for path, span in first.items():
+        found.setdefault(shown(path, analysis.folder), span)
     return found
 
 
@@ -286,6 +271,9 @@ class Document(Struct, frozen=False, slots=False, eq=False):
     The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version` is the
     editor's own number for the newest text, and `seen` its number for the analyzed text. `tried` says for the fixes of
     a numbered text whether they hold.
+
+    The last analysis, `whole`, took `seconds` of processor time. If that is too long for each keystroke, `analysis` is
+    the result of a glance at the text number `glanced` until nobody types.
     """
 
     path: Path
@@ -296,6 +284,10 @@ class Document(Struct, frozen=False, slots=False, eq=False):
     count: int = 1
     done: int = 0
     analysis: Analysis | None = None
+    whole: Analysis | None = None
+    seconds: float = 0
+    glanced: int = 0
+    glancing: asyncio.Task[None] | None = None
     verified: tuple[Diagnostic, ...] = ()
     tried: tuple[int, dict[Diagnostic, bool]] = (0, {})
     verified_lines: list[str] = field(default_factory=list)
@@ -309,9 +301,21 @@ class Document(Struct, frozen=False, slots=False, eq=False):
             self._lines = self.text, lines_of(self.text)
         return self._lines[1]
 
+    @property
+    def waits_for_pause(self) -> bool:
+        return self.kind == "recipe" and waits_for_pause(self.text, self.seconds)
+
     def stop(self) -> None:
         if self.timer is not None:
             self.timer.cancel()
+            self.timer = None
+
+
+def _timed(work: Callable[..., T], *arguments: object) -> tuple[T, float]:
+    """Return the result of some work, and the processor time that it takes."""
+    start = time.thread_time()
+    result = work(*arguments)
+    return result, time.thread_time() - start
 
 
 class Desk:
@@ -324,7 +328,9 @@ class Desk:
         self.documents: dict[Path, Document] = {}
         self.workspace, self.verifier = Workspace(folder), Workspace(folder, remembers=True)
         self._publish, self._log = publish, log
-        self._analysing, self._verifying = ThreadPoolExecutor(1, "analysis"), ThreadPoolExecutor(1, "verification")
+        self._analysing = ThreadPoolExecutor(1, "analysis")
+        self._verifying = ThreadPoolExecutor(1, "verification")
+        self._glancing = ThreadPoolExecutor(1, "glance")
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
@@ -367,15 +373,21 @@ class Desk:
         document = self.documents.get(path)
         if document is None or not document.kind:
             return None
-        while document.work is not None and (document.analysis is None or (newest and document.done < document.count)):
+        while document.analysis is None or (newest and document.done < document.count):
+            if document.work is None and document.timer is not None:  # nobody waits for a pause any longer
+                self._begin(document)
+            if document.work is None:
+                break
             await asyncio.wait([document.work])
         analysis = document.analysis
         if not traced or analysis is None or document.kind == "model":
             return analysis
-        whole = await self._analyse(self.workspace.traced, analysis)
+        with_trace = await self._analyse(self.workspace.traced, analysis)
+        if document.whole is analysis:
+            document.whole = with_trace
         if document.analysis is analysis:
-            document.analysis = whole
-        return whole
+            document.analysis = with_trace
+        return with_trace
 
     async def including(self, path: Path) -> list[Analysis]:
         return await self._analyse(self.workspace.including, path, self.texts())
@@ -404,26 +416,66 @@ class Desk:
 
     def _start(self, document: Document) -> None:
         document.stop()
+        if not document.waits_for_pause:
+            self._begin(document)
+            return
+        document.timer = asyncio.get_running_loop().call_later(PAUSE, self._begin, document)
+        self._glance_at(document)
+
+    def _begin(self, document: Document) -> None:
+        document.stop()
         if document.work is None or document.work.done():
             document.work = asyncio.get_running_loop().create_task(self._work(document))
 
+    def _glance_at(self, document: Document) -> None:
+        if document.glancing is None or document.glancing.done():
+            document.glancing = asyncio.get_running_loop().create_task(self._glance(document))
+
+    async def _glance(self, document: Document) -> None:
+        """Report what is certain about the newest text, as long as it is not analyzed."""
+        while document.glanced < document.count and self.documents.get(document.path) is document:
+            count, text, version, whole = document.count, document.text, document.version, document.whole
+            if whole is None:
+                return
+            try:
+                glanced = await asyncio.get_running_loop().run_in_executor(self._glancing, glance, text, whole)
+            except Exception:
+                self._log(traceback.format_exc())
+                return
+            document.glanced = count
+            if document.done < count and document.whole is whole and self.documents.get(document.path) is document:
+                document.analysis = glanced
+                document.seen = version
+                self._report_found(document)
+
     async def _work(self, document: Document) -> None:
-        loop = asyncio.get_running_loop()
         while document.done < document.count and self.documents.get(document.path) is document:
+            if document.timer is not None:  # somebody types again
+                break
             count, text, version = document.count, document.text, document.version
             try:
                 if document.kind:
-                    work = self.workspace.analyze if document.kind == "recipe" else self.workspace.analyze_model
-                    given = document.path, text, self.texts(document.path), document.analysis
-                    document.analysis = await self._analyse(work, *given)
+                    await self._analyze(document, text)
             except Exception:
                 self._log(traceback.format_exc())
             document.done, document.seen = count, version
-            if document.kind and self.documents.get(document.path) is document:
+            if document.timer is not None:
+                document.glanced = 0
+                self._glance_at(document)
+            elif document.kind and self.documents.get(document.path) is document:
                 self._report_found(document)
         document.work = None
-        if document.kind and self.documents.get(document.path) is document:
+        if document.kind and document.timer is None and self.documents.get(document.path) is document:
+            loop = asyncio.get_running_loop()
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
+
+    async def _analyze(self, document: Document, text: str) -> None:
+        work = self.workspace.analyze if document.kind == "recipe" else self.workspace.analyze_model
+        given = document.path, text, self.texts(document.path), document.whole
+        analysis, seconds = await self._analyse(_timed, work, *given)
+        document.analysis = analysis
+        document.whole = analysis
+        document.seconds = seconds
 
     async def _verify(self, document: Document) -> None:
         """Build a recipe with MuJoCo, or lint a model. The result is dropped if the text changes in the meantime."""
@@ -504,6 +556,7 @@ class Desk:
     async def shut(self) -> None:
         for document in self.documents.values():
             document.stop()
+        self._glancing.shutdown(wait=False, cancel_futures=True)
         self._analysing.shutdown(wait=False, cancel_futures=True)
         self._verifying.shutdown(wait=False, cancel_futures=True)
         self.end()
