@@ -375,7 +375,9 @@ class Manifest(_Part):
     merged: Mapping[str, Mapping[str, str]] = Field(
         {}, description="Assets by kind and name, each with the equal asset that copies of its part share instead."
     )
-    deduplicated: bool = Field(False, description="Of `--dedup`: `merged` has equal assets of all parts.")
+    deduplicated: bool = Field(
+        False, description="Of `--dedup`: `merged` has equal assets of all parts; omitted without the option."
+    )
     picture: FileName | None = Field(
         None, description="Of `--picture`: the picture next to the bundle; omitted if none."
     )
@@ -403,7 +405,7 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 def to_json(manifest: Manifest) -> bytes:
     """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
-    for name in ("picture", "target", "union", "made", "extensions"):
+    for name in ("deduplicated", "picture", "target", "union", "made", "extensions"):
         if not data[name]:
             del data[name]
     for each in data["inputs"]:
