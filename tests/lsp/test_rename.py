@@ -99,7 +99,7 @@ def test_a_parameter(editor: Editor, inner: Path) -> None:
         ("  le▮ft: {model", "right", "there is a part `right` already"),
         ("  le▮ft: {model", "a/b", "cannot be the key of a part"),
         ("  le▮ft: {model", "base", "cannot be the key of a part"),
-        ("condim: ▮4", "x", "only parts, parameters and variants"),
+        ("condim: ▮4", "x", "only parts, parameters, variants and names of `for`"),
     ],
 )
 def test_what_cannot_be_is_said(editor: Editor, inner: Path, where: str, new: str, words: str) -> None:

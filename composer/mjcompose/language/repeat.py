@@ -17,7 +17,7 @@ from mjcompose.language.parameters import Axes, Substitution, Turn, Turned, is_u
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import DataTable, ExpressionError, Value, kind, shown
 from mjcompose.text.merge import Path, in_own_model
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template, walk
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, walk
 
 FOR = "for"
 _HELP = "write `for: {i: 3}` for 0, 1 and 2, or `for: {side: [left, right]}`"
@@ -92,7 +92,7 @@ class Repeater:
         if not isinstance(node, Mapping) or FOR not in node.entries or not is_item(path):
             yield key, self._inside(node, path, around)
             return
-        turns = self._turns(*node.entries[FOR], path, around)
+        turns = self.turns(*node.entries[FOR], path, around)
         if turns is None:
             self._lose(node, key)
             return
@@ -118,7 +118,7 @@ class Repeater:
             names.update([] if own is None else [own.name])
             yield own, made
 
-    def _turns(self, key: Key, node: Node, path: Path, around: Map[str, Value]) -> list[dict[str, Value]] | None:
+    def turns(self, key: Key, node: Node, path: Path, around: Map[str, Value]) -> list[dict[str, Value]] | None:
         """Return the values of each turn by name, or None after an error."""
         if len(inside := in_own_model(path)) == 1:
             message = f"`{FOR}` repeats an entry, and there is one `{inside[0]}`"
@@ -260,3 +260,27 @@ def _repeated(node: Node) -> Node:
         name: (Key(key.name, key.span.repeated("")), _repeated(value)) for name, (key, value) in node.entries.items()
     }
     return Mapping(entries, span)
+
+
+def turns_at(document: Mapping, path: Path, scope: Map[str, Value]) -> Iterator[dict[str, Value]]:
+    """Yield the values that the names of each `for` around a path have, turn by turn; errors are reported elsewhere.
+
+    `scope` has the values of parameters and variants. The path of a name of a `for` has the turns around that `for`.
+    """
+    repeater = Repeater(scope, {}, frozenset(), Sink())
+    yield from _turns_below(repeater, document, path, 1, {})
+
+
+def _turns_below(
+    repeater: Repeater, document: Mapping, path: Path, length: int, around: dict[str, Value]
+) -> Iterator[dict[str, Value]]:
+    for size in range(length, len(path) + 1):
+        entry = find(document, path[:size])
+        if not isinstance(entry, Mapping) or FOR not in entry.entries or not is_item(path[:size]):
+            continue
+        if path[size : size + 1] == (FOR,):
+            break
+        for turn in repeater.turns(*entry.entries[FOR], path[:size], around) or []:
+            yield from _turns_below(repeater, document, path, size + 1, {**around, **turn})
+        return
+    yield around

@@ -13,18 +13,22 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.report import counted
+from mjcompose.language.expand import scope_of
+from mjcompose.language.repeat import FOR
 from mjcompose.lsp import mjcf
 from mjcompose.lsp.analysis import Completion, Item, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Key, keys_of, words_of
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, wanted_key
-from mjcompose.lsp.subject import Settable, of_nested, sets, settables, wanted_as_value
+from mjcompose.lsp.subject import Settable, TurnName, of_nested, place_of, sets, settables, turn_names, wanted_as_value
+from mjcompose.lsp.turns import Reading, reading_at, values_of
 from mjcompose.sources.fetching import model_files
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.reference import FORMATS
-from mjcompose.text.expression import CONSTANTS, FUNCTIONS
+from mjcompose.text.expression import CONSTANTS, FUNCTIONS, DataTable, with_units
 from mjcompose.text.faults import quoted
+from mjcompose.text.node import Mapping
 
 
 def offer(question: Question) -> Iterator[Item]:
@@ -54,6 +58,13 @@ def begun(question: Question) -> str | None:
 def offer_expressions(question: Question) -> Iterator[Item]:
     if begun(question) is None:
         return
+    reading = _reading(question)
+    if reading is not None:
+        yield from _keys_of(reading, question)
+        if reading.is_dotted:
+            return
+    for turn in turn_names(question.tree, place_of(question)):
+        yield Item(turn.key.name, "value", f"of `for`: {_values_of(turn, question)}", rank=5)
     for each in settables(question.data).values():
         yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=10)
     if "edit" in question.path:
@@ -63,6 +74,46 @@ def offer_expressions(question: Question) -> Iterator[Item]:
         yield Item(name, "function", f"{count} argument{'s' * (count != '1')}", rank=30, insert=f"{name}(")
     for name, value in CONSTANTS.items():
         yield Item(name, "constant", str(value), rank=30)
+
+
+def _reading(question: Question) -> Reading | None:
+    """Return the row or column that is being written, after `gains.` or `gains[`."""
+    if not isinstance(question.tree, Mapping):
+        return None
+    return reading_at(question.cursor.word, question.tree, place_of(question))
+
+
+def _keys_of(reading: Reading, question: Question) -> Iterator[Item]:
+    quote = "'" if question.cursor.quote == '"' else '"'
+    for at, key in enumerate(reading.keys):
+        if not reading.is_dotted:
+            insert = key if reading.is_quoted else f"{quote}{key}{quote}"
+            yield Item(key, "row", "of the table", rank=min(at, 9000) / 10000, insert=insert)
+        elif key.isidentifier():
+            yield Item(key, "row", "of the table", rank=min(at, 9000) / 10000)
+
+
+_VALUES_MOST = 8
+
+
+def _values_of(name: TurnName, question: Question) -> str:
+    values = values_of(name, question.tree) if isinstance(question.tree, Mapping) else []
+    more = f", … ({len(values)} in all)" if len(values) > _VALUES_MOST else ""
+    return f"{', '.join(map(with_units, values[:_VALUES_MOST]))}{more}"
+
+
+def offer_repeated(question: Question) -> Iterator[Item]:
+    """Yield the tables and lists over which a `for` can repeat its entry."""
+    cursor = question.cursor
+    if cursor.role not in ("value", "either") or cursor.path[-2:-1] != (FOR,) or not isinstance(question.tree, Mapping):
+        return
+    for name, value in scope_of(question.tree, {}).items():
+        if isinstance(value, DataTable | tuple):
+            text = f"${{{name}}}"
+            insert = text if cursor.quote else quoted(text)
+            yield Item(
+                text, "parameter", "a table" if isinstance(value, DataTable) else "a list", rank=5, insert=insert
+            )
 
 
 def offer_keys(question: Question) -> Iterator[Item]:
@@ -209,7 +260,7 @@ def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
 Offer = Callable[[Question], Iterator[Item]]
 _OPENING = ("*", "&", "!", "|", ">", "%", "@", "`", '"', "'", "#", "?", "{", "}", "[", "]", ",", ":", "-")
 OFFERS: tuple[Offer, ...] = (
-    offer_names, offer_parameters, offer_references, offer_selectors, offer, offer_keys,
+    offer_names, offer_parameters, offer_repeated, offer_references, offer_selectors, offer, offer_keys,
 )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from mjcompose.base.report import counted
@@ -12,14 +12,27 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.read import files_of_source
-from mjcompose.language.expand import cells, scope_of
+from mjcompose.language.expand import cells
 from mjcompose.link import numbers
 from mjcompose.lsp import mjcf
 from mjcompose.lsp.analysis import Analysis, Hover, Known, Question
+from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import doc_of, words_of
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import label, matches, part_of_reference, selector_around
-from mjcompose.lsp.subject import Settable, in_model, named_at, names_in, of_nested, settables, unit_of
+from mjcompose.lsp.subject import (
+    Settable,
+    in_model,
+    named_at,
+    names_in,
+    of_nested,
+    place_of,
+    settables,
+    turn_name_at,
+    turn_names,
+    unit_of,
+)
+from mjcompose.lsp.turns import readings_in, scopes, values_of as values_of_name
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, with_units
@@ -116,33 +129,61 @@ _EXPRESSION_MOST = 12
 
 def show_expression(question: Question) -> Hover | None:
     """Return the value of the text with `${…}` at the cursor, or None."""
-    text = question.cursor.whole
+    text, path = question.cursor.whole, place_of(question)
     if not is_template(text) or not isinstance(question.tree, Located):
         return None
-    values = values_of(text, question.tree)
-    if not values:
-        return None
+    values = values_of(text, question.tree, path)
     lines = [f"`{text}`", ""]
     if len(set(values.values())) == 1:
         lines.append(f"= **{next(iter(values.values()))}**")
+    elif values:
+        head = "for" if any(turn_names(question.tree, path)) else "cell"
+        lines += _table(head, values)
     else:
-        lines += ["| cell | value |", "|---|---|"]
-        lines += [f"| {cell} | **{value}** |" for cell, value in list(values.items())[:_EXPRESSION_MOST]]
-        if len(values) > _EXPRESSION_MOST:
-            lines.append(f"| … and {len(values) - _EXPRESSION_MOST} more | |")
+        scope = next(iter(scopes(question.tree, path, {})), {})
+        for reading, rows in readings_in(text, scope):
+            lines += _table(f"`{reading}`", {name: with_units(value) for name, value in rows.items()})
+    if len(lines) == 2:
+        return None
     declared, used = settables(question.data), dict.fromkeys(name for name, _, _ in names_in(text))
     about = _settable_lines(declared[name] for name in used if name in declared)
     return Hover("\n".join([*lines, "", *about]), question.word)
 
 
-def values_of(text: str, document: Located) -> dict[str, str]:
-    """Return the value of a text by cell, or by an empty name without a matrix; nothing if a name has no value yet."""
+def _table(head: str, values: Mapping[str, str]) -> Iterator[str]:
+    yield from (f"| {head} | value |", "|---|---|")
+    yield from (f"| {name} | **{value}** |" for name, value in list(values.items())[:_EXPRESSION_MOST])
+    if len(values) > _EXPRESSION_MOST:
+        yield f"| … and {len(values) - _EXPRESSION_MOST} more | |"
+
+
+def show_turn_name(question: Question) -> Hover | None:
+    """Return the values of the name of a `for` at the cursor, or None."""
+    name = turn_name_at(question, question.tree)
+    if name is None or not isinstance(question.tree, Located):
+        return None
+    values = [with_units(value) for value in values_of_name(name, question.tree)]
+    shown = ", ".join(values[:_EXPRESSION_MOST])
+    more = f" … and {len(values) - _EXPRESSION_MOST} more" if len(values) > _EXPRESSION_MOST else ""
+    about = f"**`{name.key.name}`**, a name of `for` with {counted(len(values), 'value')}: {shown}{more}"
+    expression = show_expression(question)
+    return Hover(about if expression is None else f"{expression.text}\n\n{about}", question.word)
+
+
+def values_of(text: str, document: Located, path: Path) -> dict[str, str]:
+    """Return the value of a text at a path by cell and turn, or by an empty name if there is only one.
+
+    Nothing if a name has no value yet.
+    """
+    names = [each.key.name for each in turn_names(document, path)]
     try:
         template = Template.parse(text)
         values: dict[str, str] = {}
         for given in [cell.given for cell in cells(document, "", Sink())] or [{}]:
-            name = ", ".join(f"{name} {getattr(node, 'text', '…')}" for name, node in given.items())
-            values[name] = with_units(template.value(scope_of(document, given)))
+            cell = [f"{name} {getattr(node, 'text', '…')}" for name, node in given.items()]
+            for scope in scopes(document, path, given):
+                turn = [f"{name} {with_units(scope[name])}" for name in names]
+                values[", ".join([*cell, *turn])] = with_units(template.value(scope))
     except ExpressionError:
         return {}
     return values
@@ -261,7 +302,7 @@ def _values(path: tuple[str, ...], question: Question) -> Iterator[str]:
                 yield f"| {name} | `{value}` ({span.file}:{span.line}) |" if is_part else f"| {name} | **`{value}`** |"
 
 
-SHOWS = (show_expression, show, show_model, show_setting, show_selector, show_key)
+SHOWS = (show_turn_name, show_expression, show, show_model, show_setting, show_selector, show_key)
 
 
 def hover(question: Question) -> Hover | None:

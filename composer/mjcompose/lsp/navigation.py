@@ -42,6 +42,9 @@ def _named(question: Question) -> Iterator[Span]:
 
 def _declared(question: Question) -> Iterator[Span]:
     analysis = question.analysis
+    if (turn := subject.turn_name_at(question, analysis.tree)) is not None:
+        yield from analysis.all_now([turn.key.span], analysis.tree_of)
+        return
     tree, paths = analysis.mapping, [at] if (at := subject.part_named_at(question)) is not None else []
     if (parameter := subject.parameter_at(question)) is not None:
         name, nested = parameter
@@ -139,14 +142,14 @@ def hints(analysis: Analysis) -> list[Hint]:
             hints += _angles(at.key.name, at.node, at.around, at.above, unit)
         if isinstance(at.node, Scalar):
             if is_template(at.node.text) and at.path[:1] != ("params",):
-                hints += _value(at.node, tree)
+                hints += _value(at.node, tree, at.path)
         elif isinstance(at.node, Mapping) and is_selector(at.path, at.data):
             hints += _count(at.node, at.path, at.data, analysis)
     return hints
 
 
-def _value(node: Scalar, tree: Mapping) -> Iterator[Hint]:
-    values = list(dict.fromkeys(values_of(node.text, tree).values()))
+def _value(node: Scalar, tree: Mapping, path: Path) -> Iterator[Hint]:
+    values = list(dict.fromkeys(values_of(node.text, tree, path).values()))
     if values:
         more = f" | … {len(values) - _HINTS_MOST} more" if len(values) > _HINTS_MOST else ""
         yield Hint(node.span, f"= {' | '.join(values[:_HINTS_MOST])}{more}")
@@ -241,7 +244,9 @@ def references(question: Question, declaration: bool = True, others: Iterable[tu
     if (at := subject.part_named_at(question)) is not None:
         uses = [use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)]
         found += analysis.all_now(uses, analysis.tree_of)
-    if (parameter := subject.parameter_at(question)) is not None and parameter[1] is None:
+    if (turn := subject.turn_name_at(question, analysis.tree)) is not None:
+        found += analysis.all_now(turn.uses, analysis.tree_of)
+    elif (parameter := subject.parameter_at(question)) is not None and parameter[1] is None:
         found += analysis.all_now(subject.parameter_uses(parameter[0], analysis.tree), analysis.tree_of)
     return list(dict.fromkeys(found))
 

@@ -13,6 +13,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
+from mjcompose.language.parameters import is_usable
 from mjcompose.lsp import mjcf, subject
 from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.cursor import Path
@@ -22,7 +23,7 @@ from mjcompose.lsp.navigation import name_there
 from mjcompose.lsp.places import PART, part_called
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Scalar, find, locate, walk
+from mjcompose.text.node import Change, Key, Mapping, Scalar, find, locate, walk
 from mjcompose.tree.unit import Unit
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
@@ -92,10 +93,15 @@ def renameable(question: Question) -> Span | None:
         return None
     if at is not None and len(at) == 2:
         return question.word
+    if (turn := subject.turn_name_at(question, question.analysis.tree)) is not None:
+        return _at_cursor(turn.uses, question)
     if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
+    return _at_cursor(subject.parameter_uses(parameter[0], question.analysis.tree), question)
+
+
+def _at_cursor(uses: Iterable[Span], question: Question) -> Span | None:
     line, column = question.line + 1, question.column + 1
-    uses = subject.parameter_uses(parameter[0], question.analysis.tree)
     return next((at for at in uses if at.line == line and at.column <= column <= (at.end_column or 0)), None)
 
 
@@ -111,10 +117,14 @@ def rename(
         return _rename_in_model(question, new, others, models=models)
     at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
-        raise Refused("only parts, parameters and variants can be renamed, if the recipe has no YAML errors")
+        raise Refused(
+            "only parts, parameters, variants and names of `for` can be renamed, if the recipe has no YAML errors"
+        )
     try:
         if at is not None and len(at) == 2:
             changes = _rename_part(str(at[1]), new, question.analysis, others)
+        elif (turn := subject.turn_name_at(question, question.analysis.tree)) is not None:
+            changes = _rename_turn_name(turn, new, question)
         else:
             assert parameter is not None
             changes = _rename_parameter(parameter[0], new, question, others)
@@ -224,6 +234,20 @@ def _written(span: Span, text: str, analysis: Analysis) -> Change:
     lines = analysis.lines if span.file == analysis.file else []
     before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
     return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
+
+
+def _rename_turn_name(turn: subject.TurnName, new: str, question: Question) -> list[Change]:
+    fault = Sink()
+    if not is_usable(Key(new, turn.key.span), "a name of `for`", fault):
+        raise Refused(fault.errors[0].message)
+    if new in subject.settables(question.data):
+        raise Refused(f"there is a parameter or variant `{new}` already")
+    tree = question.analysis.tree
+    entry = None if tree is None else find(tree, turn.path)
+    places = [turn.path, *(() if entry is None else (path for path, _, _ in walk(entry, turn.path)))]
+    if any(each.key.name == new for path in places for each in subject.turn_names(tree, path)):
+        raise Refused(f"`for` has a name `{new}` already")
+    return [Change(span, new) for span in turn.uses]
 
 
 def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[Change]:

@@ -10,6 +10,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.read import read_recipe
+from mjcompose.language.condition import is_item
+from mjcompose.language.repeat import FOR
 from mjcompose.lsp.analysis import Analysis, Known, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, forms_at, forms_below
@@ -19,7 +21,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python, walk
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, to_python, walk
 from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -134,6 +136,8 @@ def text(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{name}: {text(each)}' for name, each in value.items())}}}"
     return f"[{', '.join(map(text, value))}]" if isinstance(value, list) else str(value)
 
 
@@ -161,8 +165,68 @@ def parameter_uses(name: str, tree: Node | None) -> list[Span]:
     if tree is None:
         return []
     keys = [at.key.span for at in walk(tree) if at.key is not None and at.key.name == name and sets(at.path[:-1])]
-    scalars = (at.node for at in walk(tree) if isinstance(at.node, Scalar))
-    return [*keys, *(span for node in scalars for each, span in _names_of(node) if each == name)]
+    return [*keys, *expression_uses(name, tree)]
+
+
+def expression_uses(name: str, tree: Node) -> list[Span]:
+    """Return the places of a name in the expressions of a tree, in values and in keys."""
+    return [span for text in _texts(tree) for each, span in _names_of(text) if each == name]
+
+
+def _texts(tree: Node) -> Iterator[Scalar]:
+    for _, key, node in walk(tree):
+        if key is not None and is_template(key.name):
+            width = (key.span.end_column or key.span.column) - key.span.column
+            yield Scalar(key.name, key.span, key.name, plain=width == len(key.name))
+        if isinstance(node, Scalar):
+            yield node
+
+
+class TurnName(NamedTuple):
+    """A name of a `for`: the path of the repeated entry, the entry with its own key, and the key of the name."""
+
+    path: Path
+    entry: Mapping
+    key: Key
+
+    @property
+    def uses(self) -> list[Span]:
+        """The places of the name: its declaration, and the expressions of the entry."""
+        return [self.key.span, *expression_uses(self.key.name, self.entry)]
+
+
+def turn_names(tree: Node | None, path: Path) -> Iterator[TurnName]:
+    """Yield the names of each `for` around a path, the outermost first. A `for` does not see its own names."""
+    holder = tree
+    for size, step in enumerate(path, 1):
+        entry = None if holder is None else find(holder, (step,))
+        is_repeated = isinstance(entry, Mapping) and is_item(path[:size]) and path[size : size + 1] != (FOR,)
+        names = find(entry, (FOR,)) if isinstance(entry, Mapping) and is_repeated else None
+        if isinstance(names, Mapping) and isinstance(entry, Mapping):
+            own = entry
+            if isinstance(holder, Mapping) and isinstance(step, str):
+                own = Mapping({step: holder.entries[step]}, holder.span)
+            yield from (TurnName(path[:size], own, key) for key, _ in names.entries.values())
+        holder = entry
+
+
+def turn_name_at(question: Question, tree: Node | None) -> TurnName | None:
+    """Return the name of a `for` at the cursor: where `for` declares it, or where an expression uses it."""
+    cursor, path = question.cursor, place_of(question)
+    if cursor.role != "value" and path[-2:-1] == (FOR,):
+        declared = turn_names(tree, path[:-2])
+        return next((each for each in declared if each.path == path[:-2] and each.key.name == path[-1]), None)
+    at = question.column - cursor.start
+    name = next((name for name, start, end in names_in(cursor.whole) if start <= at <= end), None)
+    return next((each for each in turn_names(tree, path) if each.key.name == name), None)
+
+
+def place_of(question: Question) -> Path:
+    """Return the path of the cursor. At a key, it ends with that key."""
+    cursor = question.cursor
+    if cursor.role == "value" or not cursor.whole or isinstance(question.at(cursor.path), list):
+        return cursor.path
+    return (*cursor.path, cursor.whole)
 
 
 def sets(path: Path) -> bool:
