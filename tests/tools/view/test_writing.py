@@ -450,3 +450,78 @@ variants:
     assert page.ask("look", "a")["pos"] == (1.0, 0.0, 0.0)
     page.move("a", Pose((1.5, 0, 0)))
     assert page.text == recipe.replace("[1, 0, 0]", "[1.5, 0, 0]")
+
+
+REPEATED = """\
+recipe: 1
+params:
+  places:                                       # measured
+    default:
+      a: {pos: [0, 0, 0], euler: [0, 0, 0]}
+      b: {pos: [1, 0, 0], euler: [0, 0, 0]}     # moved on Monday
+  tips: {default: {c: {at: [3, 0, 0]}}}
+attach:
+  "ball_${i}": {for: {i: [a, b]}, model: ./ball.xml, pos: "${places[i].pos}", euler: "${places[i].euler}"}
+  "arm${k}": {for: {k: 2}, model: ./arm.xml, pos: [0, 0, 2]}
+  "tip_${i}": {for: {i: [c]}, model: ./ball.xml, pos: "${tips[i].at}"}
+add:
+  - {for: {k: 2}, to: world, site: {name: "s${k}", pos: ["${k}", 0, 0]}}
+"""
+
+
+def test_a_turn_of_a_for_changes_the_row_that_made_it(tmp_path: Path, session: Session) -> None:
+    page = Page(tmp_path, session, REPEATED)
+    looked = page.ask("look", "ball_b")
+    assert (looked["pos"], looked["where"]) == ((1.0, 0.0, 0.0), "cell.yaml:6")
+    before = Pose(tuple(looked["pos"]), tuple(looked["quat"]))
+    answer = page.move("ball_b", PLACE)
+    assert answer["said"].startswith("ball_b: pos: [")
+    changed = [(a, b) for a, b in zip(REPEATED.splitlines(), page.text.splitlines(), strict=True) if a != b]
+    assert len(changed) == 1 and changed[0][0].strip().startswith("b: ") and "# moved on Monday" in changed[0][1]
+    page.is_at("ball_b", PLACE, before)
+    assert page.ask("look", "ball_a")["pos"] == (0.0, 0.0, 0.0)
+    assert page.ask("undo")["redo"] and page.text == REPEATED
+
+
+@pytest.mark.parametrize(
+    ("label", "reason"),
+    [
+        ("arm0", "the `for` at cell.yaml:10 makes this, and no table has its place: change the entry"),
+        ("arm1", "the `for` at cell.yaml:10 makes this, and no table has its place: change the entry"),
+        ("tip_c", "the `for` at cell.yaml:11 reads `pos` from columns with other names: change the table"),
+        ("s1", "the `for` at cell.yaml:13 makes this, and no table has its place: change the entry"),
+    ],
+)
+def test_a_turn_of_a_for_is_refused_with_the_reason(tmp_path: Path, session: Session, label: str, reason: str) -> None:
+    page = Page(tmp_path, session, REPEATED)
+    for answer in (page.ask("look", label), page.move(label, PLACE)):
+        assert answer == {"refused": reason}
+    assert page.text == REPEATED
+
+
+def test_columns_that_the_entry_does_not_read_stay(tmp_path: Path, session: Session) -> None:
+    turned = Pose((1, 2, 3), quat_from_euler([0, 0, 1], "xyz"))
+    unread = REPEATED.replace(', euler: "${places[i].euler}"', "")
+    page = Page(tmp_path, session, unread)
+    assert page.move("ball_b", turned)["refused"] == "the entry does not read the column `euler` of the table"
+    absent = unread.replace(", euler: [0, 0, 0]", "")
+    page = Page(tmp_path, session, absent)
+    assert "the table has no column `euler`" in page.move("ball_b", turned)["refused"]
+    assert page.text == absent
+    assert "refused" not in page.move("ball_b", Pose((1, 2, 3)))
+    assert "b: {pos: [1, 2, 3]}     # moved on Monday" in page.text
+
+
+def test_a_row_that_several_turns_read_is_refused(tmp_path: Path, session: Session) -> None:
+    recipe = REPEATED.replace('"ball_${i}": {for: {i: [a, b]}', '"ball_${i}_${n}": {for: {i: [a, b], n: 2}')
+    page = Page(tmp_path, session, recipe)
+    assert "makes several from this row of its table" in page.move("ball_b_1", PLACE)["refused"]
+    assert page.text == recipe
+
+
+def test_a_turn_of_a_for_stays_where_it_is_attached(tmp_path: Path, session: Session) -> None:
+    page = Page(tmp_path, session, REPEATED)
+    number = page.scene["site"]["name"].index("arm0/tip")
+    answer = page.ask("place", "ball_b", site=number)
+    assert answer["refused"] == "a `for` makes this part, and the others would move, too: change the entry"
+    assert page.text == REPEATED

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
-from dataclasses import field
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from mjcompose.base.files import RECIPES
 from mjcompose.base.rotation import Pose
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import AddElement
+from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import Part
 from mjcompose.link.numbers import pose_in_world, read_pose
@@ -31,7 +32,8 @@ KINDS = ("body", "geom", "site", "camera")
 class Target(Struct):
     """A part or an added element: the recipe that sets its place, and the path of its mapping there.
 
-    `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe.
+    `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe. With
+    `is_shared`, several turns of a `for` read the same row of a table.
     """
 
     label: str
@@ -39,6 +41,19 @@ class Target(Struct):
     at: Steps
     span: Span
     outer: tuple[str, ...] = ()
+    is_shared: bool = False
+
+    @property
+    def is_repeated(self) -> bool:
+        """Whether a turn of a `for` has made it."""
+        return self.span.turn is not None or self.mapping.span.turn is not None
+
+    @property
+    def columns(self) -> dict[str, Span]:
+        """The places in a table that have the values of its offset, by key; empty if something else has one."""
+        keys = [key for key in ("pos", *ORIENTATIONS) if key in self.mapping.entries]
+        places = {key: self.mapping.entries[key][1].span.source for key in keys}
+        return {key: place for key, place in places.items() if place is not None} if all(places.values()) else {}
 
     @property
     def mapping(self) -> Located:
@@ -66,7 +81,7 @@ def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | No
     is_known = side.plan is not None and side.traced is not None and is_recipe
     if side.plan is None or not is_known or not (folder / side.plan.file).samefile(folder / operand.label):
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
-    found = _Movable(side, scene)
+    found = _Movable(side, scene, texts)
     rows = [*found.parts(), *found.additions()]
     paths = {name: path for name in texts if operand.fetched(path := folder / name) is None}
     names = list(texts)
@@ -77,7 +92,8 @@ def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | No
 
 
 class _Movable:
-    def __init__(self, side: Side, scene: Mapping[str, Any]) -> None:
+    def __init__(self, side: Side, scene: Mapping[str, Any], files: Collection[str]) -> None:
+        self.files = files
         assert side.traced is not None and side.plan is not None
         self.traced, self.plans = side.traced, list(side.plan.plans())
         found = {kind: nodes_of(kind, scene[kind]["name"], side.traced) for kind in KINDS}
@@ -89,21 +105,19 @@ class _Movable:
 
     def parts(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each part and each of its copies."""
-        steps = {step.span: (plan, step.at) for plan in self.plans for step in plan.parts}
+        steps = {_turn_of(step.span): (plan, step.at) for plan in self.plans for step in plan.parts}
         for part in dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts):
-            if part.content is None or part.span not in steps or not part.span.file:
+            if part.content is None or part.span is None or _turn_of(part.span) not in steps or not part.span.file:
                 continue
             content, moves = part.content, bool(part.joints or part.mocap)
             top = content.getparent() if moves and content.tag == "frame" else content
             if top is None or top.tag not in ("frame", "body"):
                 continue
-            plan, at = steps[part.span]
+            plan, at = steps[_turn_of(part.span)]
             final = content.get("childclass") or part.prefix
             is_outer = plan is self.plans[0] or not str(final).endswith(part.prefix)
             outer = "" if is_outer else str(final).removesuffix(part.prefix)
-            earlier = self.targets.get((part.span.file, part.span.line, part.span.column))
-            outers = {outer: None} if earlier is None else {**dict.fromkeys(earlier.outer), outer: None}
-            target = Target(part.key, plan, at, span=part.span, outer=tuple(outers))
+            target = Target(part.key, plan, at, span=part.span, outer=(outer,))
             nodes = [top] if moves else list(through_frames(top))
             yield self._row(target, "part", nodes, place=self._place(part, top))
 
@@ -149,7 +163,13 @@ class _Movable:
         return start, pose
 
     def _row(self, target: Target, kind: str, nodes: list[Node], place: tuple[Node | None, Pose]) -> dict[str, Any]:
-        at = (target.span.file, target.span.line, target.span.column)
+        span = next(iter(target.columns.values()), target.span) if target.is_repeated else target.span
+        span = span if span.file in self.files else target.span
+        at = (span.file, span.line, span.column)
+        earlier = self.targets.get(at)
+        if earlier is not None:
+            outer = tuple(dict.fromkeys([*earlier.outer, *target.outer]))
+            target = replace(target, outer=outer, is_shared=target.is_repeated and earlier.label != target.label)
         self.targets[at] = target
         moved: dict[str, list[int]] = defaultdict(list)
         for of, number in (self.numbers[node] for node in nodes if node in self.numbers):
@@ -161,3 +181,8 @@ class _Movable:
         frame = None if mount is None or not pose.is_finite else [*pose.pos, *pose.quat]
         number = mount[1] if mount else 0
         return {"at": [*at], "label": target.label, "kind": kind, "mount": number, "frame": frame, "moved": moved}
+
+
+def _turn_of(span: Span) -> tuple[Span, str | None]:
+    """Return a place with the turn of the `for` that repeats it, which spans do not compare."""
+    return span, span.turn

@@ -150,12 +150,34 @@ class Writer:
         for key, path in _ELSEWHERE.items():
             if find(mapping, path) is not None:
                 raise Refused(f"`{key}` sets this place: change it there")
+        if target.is_repeated:
+            return self._row_offset(target, said)
         spans = [mapping.entries[key][1].span for key in ("pos", *ORIENTATIONS) if key in mapping.entries]
         files = list(dict.fromkeys(span.file for span in spans)) or [target.span.file]
         if len(files) > 1:
             raise Refused(f"{' and '.join(f'`{each}`' for each in files)} set this place together: change it there")
         draft = self._draft(files[0], said)
         holder = self._raw_path(spans[0], key=False)[:-1] if spans else self._raw_path(target.span, key=True)
+        return self._offset_in(draft, holder, target, said)
+
+    def _row_offset(self, target: Target, said: Any) -> Offset:
+        """Return the offset of one turn of a `for`, which is in a row of a table."""
+        columns, maker = target.columns, f"the `for` at {target.span.file}:{target.span.line}"
+        if not columns:
+            raise Refused(f"{maker} makes this, and no table has its place: change the entry")
+        if any(place.file not in self._now.targets.texts for place in columns.values()):
+            raise Refused(f"{maker} makes this from a table that is not in a recipe: change the table")
+        rows = {(place.file, self._raw_path(place, key=False)) for place in columns.values()}
+        holders = {(file, path[:-1]) for file, path in rows}
+        if len(holders) > 1 or {path[-1] for _, path in rows} != set(columns):
+            names = " and ".join(f"`{name}`" for name in columns)
+            raise Refused(f"{maker} reads {names} from columns with other names: change the table")
+        if target.is_shared:
+            raise Refused(f"{maker} makes several from this row of its table: change the row")
+        ((file, holder),) = holders
+        return self._offset_in(self._draft(file, said), holder, target, said)
+
+    def _offset_in(self, draft: Draft, holder: Steps, target: Target, said: Any) -> Offset:
         known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
         saved = draft.tree if known else load(read_regular(draft.path), draft.file, Sink()) or draft.tree
         before, now = find(saved, holder), find(draft.tree, holder)
@@ -217,13 +239,29 @@ class Writer:
     def _place(self, said: Any) -> Answer:
         target = self._target(said)
         offset = self._offset(target, said)
-        if said.get("site") is None:
+        if target.is_repeated:
+            written = self._move_row(offset, target, said)
+        elif said.get("site") is None:
             written = offset.move(_pose(said))
         else:
             written = [self._to_site(offset, target, self._name("site", said["site"]))]
             written += offset.move(Pose(), anew=True)
         offset.draft.notes += [also] if (also := self._also(offset.draft.file)) else []
         return self._finish(offset.draft, f"{target.label}: {', '.join(written)}", said)
+
+    def _move_row(self, offset: Offset, target: Target, said: Any) -> list[str]:
+        """Write a pose into the columns of a row. Columns that the entry does not read stay as they are."""
+        if said.get("site") is not None:
+            raise Refused("a `for` makes this part, and the others would move, too: change the entry")
+        before, written = to_python(offset.mapping), offset.move(_pose(said))
+        after = offset.draft.wanted
+        for step in offset.holder:
+            after = after[step]
+        if added := [key for key in after if key not in before]:
+            raise Refused(f"the table has no column `{added[0]}`: add it to the table and to the entry")
+        if unread := [key for key in after if after[key] != before[key] and key not in target.columns]:
+            raise Refused(f"the entry does not read the column `{unread[0]}` of the table")
+        return written
 
     def _target(self, said: Any) -> Target:
         name, line, column = said["at"]
