@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import field, replace
 from itertools import count
 from pathlib import Path
@@ -345,6 +345,11 @@ _ORDER = (
 ).split()
 
 
+def in_order(entries: Iterable[Entry]) -> list[Entry]:
+    """Return entries in the order in which the recipe has them."""
+    return sorted(entries, key=lambda entry: (_ORDER.index(entry.section), entry.group, entry.rank))
+
+
 def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
     """Return the text, and the entry on each line (from 1). Entries with a note are comments."""
     lines = list(proposal.head)
@@ -361,7 +366,7 @@ def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
             continue
         lines.append(f"{section}:" if live else f"# {section}:")
         group = note = None
-        for entry in sorted(entries, key=lambda entry: (entry.group, entry.rank)):
+        for entry in in_order(entries):
             if entry.group != group and entry.group:
                 live = any(each.note is None for each in entries if each.group == entry.group)
                 lines.append(f"{'' if live else '# '}  {entry.group}:")

@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
-from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.bundle.bundle import MODEL, Bundle
 from mjcompose.build.bundle.staging import sibling
 from mjcompose.build.stages import Request, build
 from mjcompose.build.verify.compile import WHOLE
@@ -26,7 +26,8 @@ from mjcompose.tools.diff.changes import Change, Contrast, Value
 from mjcompose.tools.diff.models import contrast, contrast_of
 from mjcompose.tools.diff.text import sentences, shown, subject
 from mjcompose.tools.importing import elements
-from mjcompose.tools.importing.propose import Proposal, propose, recipe_text
+from mjcompose.tools.importing.folding import folded
+from mjcompose.tools.importing.propose import Proposal, in_order, propose, recipe_text
 from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit
@@ -196,7 +197,19 @@ class _Recovery:
                 message = f"`{merged}` has no body with the names of `{missing}`"
                 help = "mjcompose finds only parts that keep their names, with a prefix or without"
                 self.context.sink.warning("unknown-name", message, help=help)
-        return found
+        return self.shortened(found)
+
+    def shortened(self, found: Recovered) -> Recovered:
+        """Return the recipe with `for` instead of similar entries, if its model stays the same to the last byte."""
+        entries = in_order(found.proposal.entries)
+        proposal = replace(found.proposal, entries=folded(entries))
+        if found.bundle is None or len(proposal.entries) == len(entries):
+            return found
+        text, _ = recipe_text(proposal)
+        bundle, faults = self.built(text)
+        if bundle is None or bundle.files[MODEL] != found.bundle.files[MODEL]:
+            return found
+        return replace(found, text=text, proposal=proposal, bundle=bundle, faults=tuple(faults))
 
     def likeness(self, each: Instance, names: elements.Names) -> elements.Likeness:
         """Return the equal elements of the part and the merged model; empty if MuJoCo rejects one of them."""
