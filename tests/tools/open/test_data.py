@@ -296,6 +296,41 @@ def test_values_name_their_place() -> None:
         mjcompose.model(cell(params={"mass": 1}), mass=np.nan)
 
 
+def repeated() -> dict[str, Any]:
+    joint, motor = "${leg}_${j}", {"type": "position", "joint": "${leg}_${j}", "kp": "${gains[j].kp}"}
+    body = {"name": "${leg}", "joint": {"name": "${leg}_hip"}, "geom": {"size": [0.1]}}
+    return {
+        "recipe": 1,
+        "params": {"gains": {"type": "table"}, "legs": ("L", "R")},
+        "add": [{"for": {"leg": "${legs}"}, "to": "world", "body": body}],
+        "actuator": {joint: {"for": {"leg": "${legs}", "j": "${gains}"}, **motor}},
+    }
+
+
+def test_tables_lists_and_for_work_in_a_mapping() -> None:
+    model = mjcompose.model(repeated(), gains={"hip": {"kp": np.float64(20)}})
+    assert [model.actuator(i).name for i in range(model.nu)] == ["L_hip", "R_hip"]
+    np.testing.assert_array_equal(model.actuator_gainprm[:, 0], 20)
+    assert mjcompose.model(repeated(), gains={"hip": {"kp": 1}}, legs=np.array(["M"])).actuator(0).name == "M_hip"
+    text = mjcompose.dumps(repeated())
+    assert '  "${leg}_${j}":\n    for: {leg: "${legs}", j: "${gains}"}\n    type: position\n' in text
+
+
+def test_a_fault_in_all_turns_is_one_error_with_its_keys() -> None:
+    with pytest.raises(mjcompose.BuildError) as caught:
+        mjcompose.model(repeated(), gains={"knee": {"kp": 1}})
+    (error,) = caught.value.diagnostics
+    assert error.notes[0].message.startswith("at recipe['actuator']['${leg}_${j}']['joint']: ")
+    assert "<recipe>" not in str(caught.value)
+
+
+def test_a_fault_in_a_value_has_its_keys(folder: Path) -> None:
+    (folder / "legs.yaml").write_text(mjcompose.dumps(repeated()))
+    for recipe in (repeated(), "legs.yaml"):
+        with pytest.raises(mjcompose.BuildError, match=r"note: at gains\['hip'\]\['kp'\]"):
+            mjcompose.model(recipe, gains={"hip": {"kp": "2k"}})
+
+
 def cyclic() -> dict[str, Any]:
     recipe = cell()
     recipe["attach"]["arm"]["model"] = recipe

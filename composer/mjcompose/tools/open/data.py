@@ -115,6 +115,17 @@ class ProgramRecipe:
         return _Keys(self.text)
 
 
+def with_value_keys(diagnostics: Iterable[Diagnostic], written: Mapping[str, str]) -> list[Diagnostic]:
+    """Return diagnostics with the keys of each place in a value of a program; `written` has its text by name."""
+    found: list[Diagnostic] = []
+    for each in diagnostics:
+        name = each.span.file.removesuffix("=") if each.span is not None else ""
+        keys = _Keys(written[name]).path_at(each.span) if each.span is not None and name in written else None
+        notes = (Note(f"at {place(name, keys)}"), *each.notes) if keys else each.notes
+        found.append(replace(each, notes=notes))
+    return found
+
+
 _WIDEST = 120
 """The number of characters of a line that a note shows."""
 

@@ -40,7 +40,7 @@ from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
 from mjcompose.text.dump import in_brackets, plain
 from mjcompose.text.load import load
-from mjcompose.tools.open.data import ProgramRecipe, RecipeLike, opened
+from mjcompose.tools.open.data import ProgramRecipe, RecipeLike, opened, with_value_keys
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.xml_text import write
 
@@ -147,6 +147,7 @@ class _Opening(Struct):
 
     def named(self, diagnostics: Iterable[Diagnostic], shown: str) -> Iterable[Diagnostic]:
         """Return diagnostics with the recipe's name in messages; `shown` is its path there."""
+        diagnostics = with_value_keys(diagnostics, self.written)
         return diagnostics if isinstance(self.recipe, str) else self.recipe.named(diagnostics, shown)
 
 
