@@ -2,7 +2,8 @@
 
     import mjcompose
 
-    spec = mjcompose.spec("cell.yaml", tool="flange")    # a recipe as a `mujoco.MjSpec`; `mjcompose.tree` compiles it
+    spec = mjcompose.spec("cell.yaml", tool="flange")    # a recipe as a `mujoco.MjSpec`; `mjcompose.model` compiles it
+    model = mjcompose.model({"recipe": 1, "base": "./arm.xml"})    # a recipe as data, as a `mujoco.MjModel`
     robot = mjcompose.load("build/robot/")               # a bundle: its model, its manifest, an index of names
     arm = mjcompose.mjcf.from_path("arm.xml")            # a model to read, edit, attach and write
     study = mjcompose.worlds.load("build/study/")        # one model and the numbers that differ between its samples

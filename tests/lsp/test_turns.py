@@ -8,6 +8,9 @@ import pytest
 from lsp.client import MARK, Editor, applied, labels, stretch
 from lsp.test_hover import mark, shown
 from lsp.test_rename import edits
+from mjcompose.base.sink import Sink
+from mjcompose.lsp.glance import faults_of_entries
+from mjcompose.text.load import load
 
 NAME = "repeated.yaml"
 LEGS = """\
@@ -193,3 +196,35 @@ attach:
     assert editor.diagnostics(uri) == []
     found = labels(editor.complete(text.replace('"${i + k}"', f'"${{{MARK}}}"'), "nested_for.yaml", previous=text))
     assert found[:2] == ["i", "k"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("scale: 2", "scale: 2", []),
+        ("kp: 20, kd: 1", "kp: 20, kd: 1", []),
+        ("{default: {hip: {kp: 20, kd: 1}, knee: {kp: 40, kd: 2}}}", "{type: table}", []),
+        ("type: position, joint", "type: position, jont", [("unknown-attribute", 14)]),
+    ],
+)
+def test_a_keystroke_in_a_long_recipe_finds_no_false_errors(old: str, new: str, found: list[tuple[str, int]]) -> None:
+    text = changed(old, new)
+    count = len(text.splitlines())
+    tree = load(text, NAME, Sink())
+    assert tree is not None
+    faults = list(faults_of_entries(tree, count, frozenset(range(count))))
+    assert [(each.code, each.span.line) for each in faults if each.span is not None] == found
+
+
+def test_columns_of_a_list_of_mappings(editor: Editor) -> None:
+    text = """\
+recipe: 1
+add:
+  - {for: {g: [{name: a, x: 1}, {name: b, x: 2}]}, to: world, site: {name: "${g.name}", pos: ["${g.x}", 0, 0]}}
+"""
+    assert editor.diagnostics(editor.open("rows.yaml", text)) == []
+    found = editor.complete(text.replace("${g.x}", f"${{g.{MARK}}}"), "rows.yaml", previous=text)
+    assert labels(found) == ["name", "x"]
+    assert "**`g`**, a name of `for` with 2 values: {name: a, x: 1}, {name: b, x: 2}" in shown(
+        editor, mark(text, "${▮g.x}"), "rows.yaml"
+    )

@@ -121,3 +121,12 @@ def test_import_writes_for(tmp_path: Path) -> None:
     (tmp_path / "row.xml").write_text(merged(4))
     few = recover(tmp_path / "row.xml", [tmp_path / "arm.xml"], tmp_path / "row.yaml", context)
     assert few is not None and "for:" not in few.text
+
+
+def test_a_recipe_that_makes_another_model_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "arm.xml").write_text(ARM.format(height=0))
+    (tmp_path / "row.xml").write_text(merged(6))
+    monkeypatch.setattr("mjcompose.tools.importing.recover.folded", lambda entries: entries[:-1])
+    found = recover(tmp_path / "row.xml", [tmp_path / "arm.xml"], tmp_path / "row.yaml", Context(folder=tmp_path))
+    assert found is not None and found.outcome is not None and found.outcome.same
+    assert found.text.count("at5") == 1 and "for:" not in found.text

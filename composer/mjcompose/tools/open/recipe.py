@@ -98,6 +98,7 @@ def model(
 
         model = mjcompose.model("cell.yaml", tool="flange")
         data = mujoco.MjData(model)
+        model = mjcompose.model({"recipe": 1, "base": "./arm.xml", "option": {"timestep": 0.001}}, base_dir="models")
 
     Takes the same recipes and values as `mjcompose.spec`. Raises BuildError, and TypeError for a value that a recipe
     cannot have; warns with RecipeWarning.
@@ -208,6 +209,8 @@ def _text_of(opening: _Opening) -> str:
 
 def files_of(recipe: RecipeLike, *, base_dir: str | PathLike[str] | None = None) -> tuple[str, ...]:
     """Return the files that a recipe depends on, to watch them: all inputs of its models in this process.
+
+        times = {path: os.stat(path).st_mtime for path in mujoco_plugin.files_of("cell.yaml")}
 
     It has no files before `mjcompose.spec`, `mjcompose.model` or MuJoCo has built it. A mapping or a text is in no file
     itself: build it again when your program changes it.
