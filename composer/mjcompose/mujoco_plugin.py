@@ -6,7 +6,7 @@
     mujoco_plugin.register()
     model = mujoco.MjSpec.from_file("cell.yaml").compile()
 
-Needs MuJoCo 4.0. Without it, `mjcompose.spec` and `mjcompose.tree` build a recipe in this process.
+Needs MuJoCo 4.0. Without it, `mjcompose.spec` and `mjcompose.model` build a recipe in this process.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`mjcompose.spec` and `mjcompose.tree`: recipes as models of this process."""
+"""`mjcompose.spec` and `mjcompose.model`: recipes as models of this process."""
 
 from __future__ import annotations
 
