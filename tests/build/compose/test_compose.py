@@ -9,19 +9,20 @@ from mjcompose.build.compose import load as module
 from mjcompose.build.compose.compose import Composer
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.sources.context import Context
+from mjcompose.sources.reference import Source
 
 Compose = Callable[..., Any]
 
 
 def test_a_source_is_read_once(compose: Compose, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Path] = []
-    parse = module.parse_file
+    read_source = module.read_source
 
-    def counted(path: Path, *rest: Any, **more: Any) -> Any:
-        read.append(path)
-        return parse(path, *rest, **more)
+    def counted(source: Source, *rest: Any, **more: Any) -> Any:
+        read.append(source.path)
+        return read_source(source, *rest, **more)
 
-    monkeypatch.setattr(module, "parse_file", counted)
+    monkeypatch.setattr(module, "read_source", counted)
     inner = "recipe: 1\nbase: ./robot.xml\nattach: {copy: {model: ./robot.xml, site: flange}}\n"
     model = compose(
         "recipe: 1\nbase: ./robot.xml\nattach:\n  a: {model: ./robot.xml}\n  b: {model: ./inner.yaml}\n  c: {model: ./inner.yaml}\n",

@@ -118,7 +118,7 @@ class Proof:
         """Whether the value stands at the place, or in the attribute of the start tag that begins there."""
         text = self._text(span)
         if not text.startswith("<"):
-            return _same(text, value)
+            return _same(text, value) or _is_a_turn(text, value)
         tag = _START_TAG.match(self._file(span.file), self._at(span.file, span.line, span.column))
         if tag is None:
             return False
@@ -155,6 +155,12 @@ def _is_reason(change: Changed) -> bool:
     if words.endswith(_OWN_FORM):
         return _converted(str(before), str(after))
     return bool(words)
+
+
+def _is_a_turn(key: str, value: str) -> bool:
+    """Whether a key with `${…}`, which `for` repeats, gives that name."""
+    pieces = re.split(r"\$\{[^}]*\}", key.strip("\"'"))
+    return len(pieces) > 1 and re.fullmatch(".*".join(map(re.escape, pieces)), value) is not None
 
 
 def _converted(recipe: str, text: str) -> bool:
