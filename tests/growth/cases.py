@@ -207,14 +207,29 @@ def unknown(n: int) -> Words:
     return ["check", "r.yaml", "--limit", "faults=100000"]
 
 
-@case("check: checks of one joint each", 20)
+@case("check: checks of one joint each", 40)
 def checks(n: int) -> Words:
-    _model(_bodies(30, _HINGE))
+    _model(_bodies(n, _HINGE))
     rows = (
-        f"  c{number}: {{expect: {{select: {{joint: j{number % 30}}}, attr: axis, equals: [0, 0, 1]}}}}"
+        f"  c{number}: {{expect: {{select: {{joint: j{number}}}, attr: axis, equals: [0, 0, 1]}}}}"
         for number in range(n)
     )
     _recipe(["check:", *rows])
+    return ["check", "r.yaml", "--no-cache"]
+
+
+@case("check: checks of one pattern each", 90)
+def checks_of_patterns(n: int) -> Words:
+    _model(_bodies(n, _HINGE).replace('name="j', 'name="x_j'))
+    rows = (f"  c{number}: {{expect: {{select: {{joint: '*_j{number}'}}, count: 1}}}}" for number in range(n))
+    _recipe(["check:", *rows])
+    return ["check", "r.yaml", "--no-cache"]
+
+
+@case("check: distances of all geoms from each other", 90)
+def distances(n: int) -> Words:
+    _model(_bodies(n, _HINGE))
+    _recipe(["check:", "  apart: {clearance: {min: 1mm, between: ['g*', 'g*']}}"])
     return ["check", "r.yaml", "--no-cache"]
 
 
@@ -229,6 +244,13 @@ def robots(n: int) -> Words:
     motors = "".join(f'<motor name="m{number}" joint="j{number}"/>' for number in range(n))
     _model(_bodies(n, _HINGE), f"<actuator>{motors}</actuator>")
     return ["lint", "base.xml", "-q", "--ignore", "no-license"]
+
+
+@case("lint: fixes of motors without names", 30)
+def unnamed(n: int) -> Words:
+    motors = "\n".join(f'<motor joint="j{number}"/>' for number in range(n))
+    _model(_bodies(n, _HINGE), f"<actuator>{motors}</actuator>")
+    return ["lint", "base.xml", "--fix", "-q", "--ignore", "no-license"]
 
 
 @case("plan: parts", 40)

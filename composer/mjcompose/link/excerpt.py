@@ -201,7 +201,7 @@ class _Copy:
     def _shell(self, node: Node) -> Node:
         """Return a copy without children."""
         attributes = {str(name): str(value) for name, value in node.attrib.items()}
-        twin = node.makeelement(str(node.tag), attributes, node.nsmap)
+        twin = node.makeelement(str(node.tag), attributes, node.nsmap)  # type: ignore[arg-type]  # None is no prefix
         twin.text = node.text
         twin.tail = node.tail
         set_line(twin, line_of(node))

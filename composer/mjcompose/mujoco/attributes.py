@@ -6,7 +6,7 @@ Everything is read from the arrays of the model object, so MuJoCo itself is neve
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -93,6 +93,7 @@ class NameTable:
 
     def __init__(self, model: Model) -> None:
         self.model = model
+        self.kept: dict[Hashable, Any] = {}  # what others derive from these names
         self.names: dict[str, list[str]] = {}
         self.ids: dict[str, dict[str, int]] = {}
         for kind in KINDS:

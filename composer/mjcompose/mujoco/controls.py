@@ -259,6 +259,18 @@ def moment_arms(mujoco: Any, model: Model, data: Any) -> np.ndarray:
     return found if first is None else found[first]
 
 
+def sparse_arms(model: Model, data: Any) -> list[dict[int, float]]:
+    """Return the moment arms of the first output of each actuator (m, or 1) by dof, without zeros."""
+    outputs = getattr(model, "actuator_outadr", None)
+    rows = range(len(data.moment_rownnz)) if outputs is None else outputs.tolist()
+    columns = data.moment_colind.ravel().tolist()
+    values = data.actuator_moment.ravel().tolist()
+    starts = data.moment_rowadr.tolist()
+    counts = data.moment_rownnz.tolist()
+    places = (range(starts[row], starts[row] + counts[row]) for row in rows)
+    return [{columns[at]: values[at] for at in inside if values[at]} for inside in places]
+
+
 def _moments(mujoco: Any, model: Model, data: Any) -> np.ndarray:
     """Return the moment arms of all outputs, shape (outputs, nv)."""
     found = np.zeros((len(data.moment_rownnz), model.nv))

@@ -14,7 +14,7 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.attributes import Model
-from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin, moment_arms
+from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin, sparse_arms
 from mjcompose.mujoco.references import ON_JOINTS
 
 _GROWS = 1e-3
@@ -38,8 +38,18 @@ class Servos:
         self.mujoco, self.model, self.data = mujoco, model, data
 
     @cached_property
-    def moment(self) -> np.ndarray:
-        return moment_arms(self.mujoco, self.model, self.data)
+    def arms(self) -> list[dict[int, float]]:
+        """The moment arms of each actuator by degree of freedom."""
+        return sparse_arms(self.model, self.data)
+
+    @cached_property
+    def _actuators(self) -> dict[int, list[int]]:
+        """The actuators that act on each degree of freedom."""
+        found: dict[int, list[int]] = {}
+        for actuator, arms in enumerate(self.arms):
+            for dof in arms:
+                found.setdefault(dof, []).append(actuator)
+        return found
 
     def gains(self, actuator: int) -> tuple[float, float]:
         """Return the stiffness and the damping of an actuator along its length; zeros if they are not constant."""
@@ -48,32 +58,38 @@ class Servos:
             return 0.0, 0.0
         return -float(model.actuator_biasprm[actuator, 1]), -float(model.actuator_biasprm[actuator, 2])
 
-    @cached_property
-    def stiffness(self) -> np.ndarray:
-        """Stiffness of the actuators and joints, shape (nv, nv)."""
-        found = self._by_actuators(0)
-        for joint, stiffness in enumerate(np.reshape(self.model.jnt_stiffness, (self.model.njnt, -1))[:, 0].tolist()):
+    def stiffness(self, dofs: slice) -> np.ndarray:
+        """Return the stiffness of the actuators and joints at some degrees of freedom, a square matrix."""
+        found = self._by_actuators(0, dofs)
+        for at, dof in enumerate(range(dofs.start, dofs.stop)):
+            joint = int(self.model.dof_jntid[dof])
             if int(self.model.jnt_type[joint]) >= int(self.mujoco.mjtJoint.mjJNT_SLIDE):
-                dof = int(self.model.jnt_dofadr[joint])
-                found[dof, dof] += stiffness
+                found[at, at] += float(np.ravel(self.model.jnt_stiffness[joint])[0])
         return found
 
-    @cached_property
-    def damping(self) -> np.ndarray:
-        """Damping of the actuators, shape (nv, nv)."""
-        return self._by_actuators(1)
+    def damping(self, dofs: slice) -> np.ndarray:
+        """Return the damping of the actuators at some degrees of freedom, a square matrix."""
+        return self._by_actuators(1, dofs)
 
-    def _by_actuators(self, at: int) -> np.ndarray:
-        gains = np.array([self.gains(each)[at] for each in range(len(self.moment))])
-        return np.asarray(self.moment.T @ (gains[:, None] * self.moment))
-
-    @cached_property
-    def inertia(self) -> np.ndarray:
-        """The joint-space inertia, shape (nv, nv)."""
-        found = np.eye(self.model.nv)
-        for row in found:
-            self.mujoco.mj_mulM(self.model, self.data, row, row.copy())
+    def _by_actuators(self, gain: int, dofs: slice) -> np.ndarray:
+        count = dofs.stop - dofs.start
+        found = np.zeros((count, count))
+        for actuator in sorted({each for dof in range(dofs.start, dofs.stop) for each in self.of_dof(dof)}):
+            arms = np.zeros(count)
+            for dof, arm in self.arms[actuator].items():
+                if dofs.start <= dof < dofs.stop:
+                    arms[dof - dofs.start] = arm
+            found += self.gains(actuator)[gain] * np.outer(arms, arms)
         return found
+
+    def inertia(self, dofs: slice) -> np.ndarray:
+        """Return the joint-space inertia of some degrees of freedom, a square matrix."""
+        found = np.zeros((dofs.stop - dofs.start, self.model.nv))
+        for dof, row in zip(range(dofs.start, dofs.stop), found, strict=True):
+            unit = np.zeros(self.model.nv)
+            unit[dof] = 1
+            self.mujoco.mj_mulM(self.model, self.data, row, unit)
+        return found[:, dofs]
 
     @cached_property
     def coupled(self) -> set[int]:
@@ -100,8 +116,10 @@ class Servos:
         for tree in sorted(set(range(model.ntree)) - self.coupled):
             first = int(model.tree_dofadr[tree])
             dofs = slice(first, first + int(model.tree_dofnum[tree]))
-            is_passive = (np.diag(self.stiffness)[dofs] >= 0).all() and (np.diag(self.damping)[dofs] >= 0).all()
-            if is_passive and (self.stiffness[dofs, dofs].any() or self.damping[dofs, dofs].any()):
+            stiffness = self.stiffness(dofs)
+            damping = self.damping(dofs)
+            is_passive = (np.diag(stiffness) >= 0).all() and (np.diag(damping) >= 0).all()
+            if is_passive and (stiffness.any() or damping.any()):
                 yield from self._unstable(dofs)
 
     def _unstable(self, dofs: slice) -> Iterator[Mode]:
@@ -112,7 +130,7 @@ class Servos:
         wrong = np.abs(values) > 1 + _GROWS
         seen = set()
         for at in np.flatnonzero(wrong)[np.argsort(-np.abs(values[wrong]))].tolist():
-            weights = np.abs(vectors[count:, at]) ** 2 * np.diag(self.inertia[dofs, dofs])
+            weights = np.abs(vectors[count:, at]) ** 2 * np.diag(self.inertia(dofs))
             dof = dofs.start + int(np.argmax(weights))
             if dof not in seen and not self.model.dof_frictionloss[dof]:  # friction holds small motions
                 seen.add(dof)
@@ -129,9 +147,11 @@ class Servos:
     def _step(self, dofs: slice, timestep: float) -> Any:
         """Return the matrix by which a step multiplies positions and velocities; None for other integrators."""
         integrators, model = self.mujoco.mjtIntegrator, self.model
-        kind, mass, spring = int(model.opt.integrator), self.inertia[dofs, dofs], self.stiffness[dofs, dofs]
+        kind = int(model.opt.integrator)
+        mass = self.inertia(dofs)
+        spring = self.stiffness(dofs)
         passive = np.diag(np.reshape(model.dof_damping, (model.nv, -1))[dofs, 0])
-        damping, unit = passive + self.damping[dofs, dofs], np.eye(len(mass))
+        damping, unit = passive + self.damping(dofs), np.eye(len(mass))
         if kind == int(integrators.mjINT_RK4):
             change = timestep * np.block([
                 [0 * unit, unit], [-np.linalg.solve(mass, spring), -np.linalg.solve(mass, damping)]
@@ -153,7 +173,7 @@ class Servos:
     # Forces
 
     def of_dof(self, dof: int) -> list[int]:
-        return [int(each) for each in np.flatnonzero(self.moment[:, dof])]
+        return self._actuators.get(dof, [])
 
     def strongest(self, dof: int) -> tuple[float, float] | None:
         """Return the smallest and the largest force on a hinge or slide (N m, N), or None."""
@@ -161,9 +181,9 @@ class Servos:
         low = high = 0.0
         for actuator in self.of_dof(dof):
             ends = self._forces(actuator)
-            if ends is None or np.count_nonzero(self.moment[actuator]) > 1:
+            if ends is None or len(self.arms[actuator]) > 1:
                 return None
-            ends = sorted(float(self.moment[actuator, dof]) * each for each in ends)
+            ends = sorted(self.arms[actuator][dof] * each for each in ends)
             low, high = low + ends[0], high + ends[1]
         if not self.of_dof(dof):
             return None

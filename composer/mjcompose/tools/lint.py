@@ -305,8 +305,10 @@ class _Comments:
             lines = [] if text is None else text.text.split("\n")
             self._lines[span.file] = lines
             self._of_files[span.file] = {code for line in lines for code in _ignored(line, "ignore-file")}
-        above = self._lines[span.file][: span.line][::-1] if span.line <= len(self._lines[span.file]) else []
-        near = [*above[:1], *takewhile(lambda line: line.strip().startswith(("<!--", "#")), above[1:])]
+        lines = self._lines[span.file]
+        own = lines[span.line - 1 : span.line]
+        above = (lines[number] for number in range(span.line - 2, -1, -1)) if own else ()
+        near = [*own, *takewhile(lambda line: line.strip().startswith(("<!--", "#")), above)]
         is_ignored = any(diagnostic.code in _ignored(line, "ignore") for line in near)
         return is_ignored or diagnostic.code in self._of_files[span.file]
 

@@ -6,6 +6,8 @@ from bisect import bisect_left, bisect_right, insort
 from collections.abc import Iterable
 from itertools import accumulate
 
+_FEW = 8
+"""So many names are looked at, without another search."""
 _BETWEEN = "\0"
 """A character that no name in XML has."""
 
@@ -62,6 +64,21 @@ class NameOrder:
             found.append(self._names[number])
             place = self._text.find(part, self._starts[number + 1])
         return found
+
+    def narrowed(self, starts: Iterable[str], part: str) -> list[str]:
+        """Return names among which are all that begin with one of the texts and contain `part`, and few others.
+
+        >>> order = NameOrder([f"pad{number}" for number in range(20)])
+        >>> order.narrowed(["pad19"], ""), order.narrowed([""], "d9"), order.narrowed(["p"], "d9")
+        (['pad19'], ['pad9'], ['pad9'])
+        """
+        starts = list(starts)
+        if "" in starts:
+            return self.containing(part) if part else self.all()
+        begun = list(dict.fromkeys(name for start in starts for name in self.beginning(start)))
+        if not part or len(begun) <= _FEW:
+            return begun
+        return min(begun, self.containing(part), key=len)
 
     def _has(self, name: str) -> bool:
         at = bisect_left(self._names, name)

@@ -69,7 +69,7 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
 
 
 class Literals(Struct):
-    """The literal text that a pattern requires: a name begins with one of `starts`, and contains `part`."""
+    """The literal text that a pattern requires: a name begins with one of `starts`, and contains `part` behind it."""
 
     starts: tuple[str, ...] = ("",)
     part: str = ""
@@ -87,14 +87,15 @@ def literals_of(pattern: str, separator: str = "/") -> Literals:
     """
     if is_regular(pattern):
         return Literals((_literal_start(pattern[1:-1]),))
-    tokens = _tokens(pattern, separator)
+    rest = _tokens(pattern, separator)
     starts = [""]
-    for token in tokens:
-        choices = _literal_choices(token)
+    while rest:
+        choices = _literal_choices(rest[0])
         if choices is None or len(starts) * len(choices) > _MOST_STARTS:
             break
         starts = [start + choice for start in starts for choice in choices]
-    part = max((token for token in tokens if isinstance(token, str)), key=len, default="")
+        rest = rest[1:]
+    part = max((token for token in rest if isinstance(token, str)), key=len, default="")
     return Literals(tuple(dict.fromkeys(starts)), part)
 
 

@@ -321,14 +321,8 @@ class Selection:
         if self.index is None or not is_narrow or not namespaces or not _is_written_as_name(paths):
             return None
         literals = literals_of(selector.pattern, self.separator)
-        orders = [self.index.order(namespace) for namespace in namespaces]
-        if literals.starts != ("",):
-            found = (name for order in orders for start in literals.starts for name in order.beginning(start))
-        elif literals.part:
-            found = (name for order in orders for name in order.containing(literals.part))
-        else:
-            found = (name for order in orders for name in order.all())
-        return list(dict.fromkeys(found))
+        orders = (self.index.order(namespace) for namespace in namespaces)
+        return list(dict.fromkeys(name for order in orders for name in order.narrowed(literals.starts, literals.part)))
 
     def _of_part(self, selector: Selector) -> list[Node] | None:
         """Return the elements of the selector's kind in one part; None if its part is a pattern or the base."""

@@ -14,9 +14,10 @@ from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
 from mjcompose.language.check import MODULES
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
-from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder
+from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder, name_table
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.pattern import BadPattern, fitter, paths_of
+from mjcompose.tree.name_order import NameOrder
+from mjcompose.tree.pattern import BadPattern, fitter, is_pattern, literals_of, paths_of
 from mjcompose.tree.values import is_in_degrees
 
 
@@ -70,6 +71,13 @@ SOLVED = 4
 """Digits kept of simulated or solved values."""
 
 
+class OwnNames(Struct, eq=False):
+    """The names of elements of one kind as a recipe writes them: their ids by name, and the names in order."""
+
+    ids: Mapping[str, Sequence[int]]
+    order: NameOrder
+
+
 @dataclass
 class Scope:
     """The names of a recipe in a compiled model, where each of them starts with `prefix`.
@@ -89,7 +97,7 @@ class Scope:
 
     @cached_property
     def roster(self) -> NameTable:
-        return NameTable(self.model)
+        return name_table(self.model)
 
     def before(self, kind: str) -> str:
         return (self.keys or "") if kind == "key" else self.prefix
@@ -141,10 +149,25 @@ class Scope:
         """Return the ids of elements that a pattern matches; `**` also matches unnamed ones. Raises BadPattern."""
         if glob == "**":
             return list(self.own(kind))
-        before = self.before(kind)
-        named = [(index, self.roster.names[kind][index].removeprefix(before)) for index in self.own(kind)]
-        fitting = self.fitting(glob, {name for _, name in named if name})
-        return [index for index, name in named if name in fitting]
+        own = self._own_names(kind)
+        if not is_pattern(glob):
+            return list(own.ids.get(glob, ()))
+        literals = literals_of(glob, self.separator)
+        fitting = self.fitting(glob, own.order.narrowed(literals.starts, literals.part))
+        return sorted(index for name in fitting for index in own.ids[name])
+
+    def _own_names(self, kind: str) -> OwnNames:
+        """Return the names that many checks of one recipe look up."""
+        key = "own names", kind, self.prefix, tuple(self.others), self.keys, self.whole
+        if key not in self.roster.kept:
+            before = self.before(kind)
+            ids: dict[str, list[int]] = {}
+            for index in self.own(kind):
+                if name := self.roster.names[kind][index].removeprefix(before):
+                    ids.setdefault(name, []).append(index)
+            self.roster.kept[key] = OwnNames(ids, NameOrder(ids))
+        own: OwnNames = self.roster.kept[key]
+        return own
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
         """Return the `names`, as the recipe writes them, that a pattern matches. Raises BadPattern."""

@@ -141,15 +141,18 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
 
     mujoco, model = scope.mujoco, scope.model
     mujoco.mj_kinematics(model, data)
+    reach = max(least, 0.0)
+    others = np.array(sides[1], dtype=int)
+    places = data.geom_xpos[others]
+    radii = model.geom_rbound[others]
+    bodies = model.geom_bodyid[others]
     for one in sides[0]:
-        for other in sides[1]:
-            if one == other or model.geom_bodyid[one] == model.geom_bodyid[other]:
-                continue
-            apart = float(np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]))
-            radius = float(model.geom_rbound[one] + model.geom_rbound[other])
-            if model.geom_rbound[one] and model.geom_rbound[other] and apart - radius >= max(least, 0.0):
-                continue  # their bounding spheres are apart: no need to ask MuJoCo
-            distance = float(mujoco.mj_geomDistance(model, data, one, other, max(least, 0.0) + _SLACK, None))
+        # Bounding spheres that are apart need no look by MuJoCo. A plane has none.
+        apart = np.linalg.norm(places - data.geom_xpos[one], axis=1)
+        own = model.geom_rbound[one]
+        is_near = (apart - (own + radii) < reach) | (radii == 0) | (own == 0)
+        for other in others[is_near & (bodies != model.geom_bodyid[one])].tolist():
+            distance = float(mujoco.mj_geomDistance(model, data, one, other, reach + _SLACK, None))
             yield (("geom", one), ("geom", other)), distance
 
 

@@ -203,9 +203,10 @@ def servo_undamped(subject: Subject) -> Found:
     model, servos = subject.model, subject.servos
     for joint, dof in _single(subject):
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
-        damping = model.dof_damping[dof].ravel()[0] + servos.damping[dof, dof]
+        own = slice(dof, dof + 1)
+        damping = model.dof_damping[dof].ravel()[0] + servos.damping(own).item()
         if stiff and damping == 0 and model.dof_frictionloss[dof] == 0:
-            stiffness = f"{servos.stiffness[dof, dof]:.4g} {_unit(subject, joint)}"
+            stiffness = f"{servos.stiffness(own).item():.4g} {_unit(subject, joint)}"
             held = f"it holds {subject.name('joint', joint)} with {stiffness}, without damping or friction"
             message = f"nothing damps {subject.name('actuator', stiff[0])}: {held}"
             yield Finding(subject.node("actuator", stiff[0]), message, help='add `dampratio="1"`')
