@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -228,3 +229,44 @@ add:
     assert "**`g`**, a name of `for` with 2 values: {name: a, x: 1}, {name: b, x: 2}" in shown(
         editor, mark(text, "${▮g.x}"), "rows.yaml"
     )
+
+
+def test_a_table_without_a_default_has_the_columns_that_it_lists(editor: Editor) -> None:
+    text = LEGS.replace("{default: {hip: {kp: 20, kd: 1}, knee: {kp: 40, kd: 2}}}", "{type: table, columns: [kp, kd]}")
+    found = editor.complete(text.replace("gains[j].kp}", f"gains[j].{MARK}}}"), NAME, previous=text)
+    assert labels(found) == ["kp", "kd"]
+    found = editor.complete(text.replace("gains[j].kp}", f"gains[{MARK}].kp}}"), NAME, previous=text)
+    assert next(each["detail"] for each in found if each["label"] == "j") == "of `for`"
+
+
+ARMS = """\
+recipe: 1
+params: {side: x}
+attach:
+  "arm${i}_${side}": {for: {i: 2}, model: {add: [{to: world, body: {name: b}}]}, pos: ["${i}", 0, 0]}
+add:
+  - {to: arm1_x/b, site: {name: tip}}
+keyframe: {home: {from: {arm1_x: none}}}
+edit:
+  - {select: {body: "*/b", part: arm1_x}, set: {gravcomp: 1}}
+"""
+
+
+@pytest.mark.parametrize("place", ["part: arm▮1_x", '"ar▮m${i}_'])
+def test_a_part_that_a_for_makes_is_not_renamed(editor: Editor, place: str) -> None:
+    params, _ = editor.at(mark(ARMS, place), "arms.yaml")
+    with pytest.raises(Exception, match="a `for` makes `arm.*: change the key of its entry"):
+        editor.ask("textDocument/rename", {**params, "newName": "left"})
+
+
+@pytest.mark.parametrize(("place", "old", "new"), [('"arm${▮i}_', "i", "number"), ("_${si▮de}", "side", "word")])
+def test_names_in_the_key_of_a_part_are_renamed(editor: Editor, place: str, old: str, new: str) -> None:
+    found = edits(editor, mark(ARMS, place), new, "arms.yaml")
+    after = applied(ARMS, found[editor.uri("arms.yaml")])
+    assert after == re.sub(rf"(?<={{){old}(?=[:}}])", new, ARMS)
+
+
+def test_the_definition_of_a_part_that_a_for_makes_is_its_entry(editor: Editor) -> None:
+    params, _ = editor.at(mark(ARMS, "part: arm▮1_x"), "arms.yaml")
+    (place,) = editor.ask("textDocument/definition", params)
+    assert place["range"]["start"]["line"] == 3

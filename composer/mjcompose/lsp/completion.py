@@ -64,7 +64,8 @@ def offer_expressions(question: Question) -> Iterator[Item]:
         if reading.is_dotted:
             return
     for turn in turn_names(question.tree, place_of(question)):
-        yield Item(turn.key.name, "value", f"of `for`: {_values_of(turn, question)}", rank=5)
+        values = _values_of(turn, question)
+        yield Item(turn.key.name, "value", f"of `for`: {values}" if values else "of `for`", rank=5)
     for each in settables(question.data).values():
         yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=10)
     if "edit" in question.path:

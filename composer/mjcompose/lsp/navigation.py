@@ -20,7 +20,7 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
-from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
+from mjcompose.lsp.places import PART, is_selector, label, matches, part_at, part_called, part_of_reference
 from mjcompose.text.layout import format_recipe
 from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, locate, spans
 from mjcompose.tree.names import NameIndex
@@ -45,7 +45,12 @@ def _declared(question: Question) -> Iterator[Span]:
     if (turn := subject.turn_name_at(question, analysis.tree)) is not None:
         yield from analysis.all_now([turn.key.span], analysis.tree_of)
         return
-    tree, paths = analysis.mapping, [at] if (at := subject.part_named_at(question)) is not None else []
+    at = subject.part_named_at(question)
+    step = None if at is None else part_at(at, analysis.plan)
+    if step is not None and step.span.turn is not None:
+        yield from analysis.all_now([step.span], analysis.tree_of)
+        return
+    tree, paths = analysis.mapping, [] if at is None else [at]
     if (parameter := subject.parameter_at(question)) is not None:
         name, nested = parameter
         tree = tree if nested is None else subject.nested_document(nested, question)

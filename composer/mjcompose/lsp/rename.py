@@ -20,10 +20,10 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.mjcf import Refused
 from mjcompose.lsp.navigation import name_there
-from mjcompose.lsp.places import PART, part_called
+from mjcompose.lsp.places import PART, part_at, part_called
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Key, Mapping, Scalar, find, locate, walk
+from mjcompose.text.node import Change, Key, Mapping, Scalar, find, is_template, locate, walk
 from mjcompose.tree.unit import Unit
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
@@ -88,16 +88,22 @@ def renameable(question: Question) -> Span | None:
     """Return the word at the cursor that can be renamed: a part, a parameter of this recipe, or a name in MJCF."""
     if isinstance(question, ModelQuestion):
         return mjcf.renameable(question)
-    at, parameter = subject.part_named_at(question), subject.parameter_at(question)
+    at, parameter = _part_at(question), subject.parameter_at(question)
     if not question.analysis.is_current:
         return None
-    if at is not None and len(at) == 2:
+    if at is not None:
         return question.word
     if (turn := subject.turn_name_at(question, question.analysis.tree)) is not None:
         return _at_cursor(turn.uses, question)
     if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
     return _at_cursor(subject.parameter_uses(parameter[0], question.analysis.tree), question)
+
+
+def _part_at(question: Question) -> Path | None:
+    """Return the path of the own part that the cursor names, but not inside an expression in its name."""
+    at = subject.part_named_at(question)
+    return None if at is None or len(at) != 2 or subject.is_in_expression(question) else at
 
 
 def _at_cursor(uses: Iterable[Span], question: Question) -> Span | None:
@@ -115,13 +121,13 @@ def rename(
     """
     if isinstance(question, ModelQuestion):
         return _rename_in_model(question, new, others, models=models)
-    at, parameter = subject.part_named_at(question), subject.parameter_at(question)
+    at, parameter = _part_at(question), subject.parameter_at(question)
     if renameable(question) is None:
         raise Refused(
             "only parts, parameters, variants and names of `for` can be renamed, if the recipe has no YAML errors"
         )
     try:
-        if at is not None and len(at) == 2:
+        if at is not None:
             changes = _rename_part(str(at[1]), new, question.analysis, others)
         elif (turn := subject.turn_name_at(question, question.analysis.tree)) is not None:
             changes = _rename_turn_name(turn, new, question)
@@ -162,6 +168,9 @@ def _rename_in_model(
 def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[Change]:
     if (lower := _extended_with(("attach", old), analysis)) is not None:
         raise Refused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
+    step = part_at(("attach", old), analysis.plan)
+    if is_template(old) or (step is not None and step.span.turn is not None):
+        raise Refused(f"a `for` makes `{old}`: change the key of its entry")
     tree = analysis.mapping
     attach = None if tree is None else find(tree, ("attach",))
     if not new or new == RESERVED or any(each.isspace() for each in new) or analysis.separator in new:

@@ -149,8 +149,8 @@ def parameter_at(question: Question) -> tuple[str, Path | None] | None:
             return cursor.whole, None
         if cursor.path[-1:] == ("with",):
             return cursor.whole, cursor.path[:-1]
-    at = question.column - cursor.start
-    return next(((name, None) for name, start, end in names_in(cursor.whole) if start <= at <= end), None)
+    name = _name_at(question)
+    return None if name is None else (name, None)
 
 
 def names_in(template: str) -> list[tuple[str, int, int]]:
@@ -216,9 +216,18 @@ def turn_name_at(question: Question, tree: Node | None) -> TurnName | None:
     if cursor.role != "value" and path[-2:-1] == (FOR,):
         declared = turn_names(tree, path[:-2])
         return next((each for each in declared if each.path == path[:-2] and each.key.name == path[-1]), None)
-    at = question.column - cursor.start
-    name = next((name for name, start, end in names_in(cursor.whole) if start <= at <= end), None)
+    name = _name_at(question)
     return next((each for each in turn_names(tree, path) if each.key.name == name), None)
+
+
+def _name_at(question: Question) -> str | None:
+    """Return the name at the cursor in an expression."""
+    at = question.column - question.cursor.start
+    return next((name for name, start, end in names_in(question.cursor.whole) if start <= at <= end), None)
+
+
+def is_in_expression(question: Question) -> bool:
+    return _name_at(question) is not None
 
 
 def place_of(question: Question) -> Path:

@@ -13,7 +13,7 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.subject import TurnName
 from mjcompose.text.evaluate import Template, evaluate
 from mjcompose.text.expression import DataTable, Expression, ExpressionError, Item, Name, Value, parse
-from mjcompose.text.node import Mapping, Node
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find
 
 MOST_TURNS = 200
 """The number of turns that an answer of the editor computes."""
@@ -115,5 +115,13 @@ def reading_at(before: str, document: Mapping, path: Path) -> Reading | None:
     for scope in scopes(document, path, {}):
         for _, value in _read(tree, scope):
             keys.update(dict.fromkeys(value) if isinstance(value, DataTable) else {})
+    if not keys and isinstance(tree, Item) and isinstance(tree.of, Name):
+        keys.update(dict.fromkeys(_declared_columns(document, tree.of.name)))
     opening = found["opening"]
     return Reading(list(keys), found["begun"], opening == ".", opening[-1:] in ("'", '"'))
+
+
+def _declared_columns(document: Mapping, name: str) -> list[str]:
+    """Return the columns that a parameter lists, for a table without a default."""
+    listed = find(document, ("params", name, "columns"))
+    return [item.text for item in listed.items if isinstance(item, Scalar)] if isinstance(listed, Sequence) else []
