@@ -525,3 +525,11 @@ def test_a_turn_of_a_for_stays_where_it_is_attached(tmp_path: Path, session: Ses
     answer = page.ask("place", "ball_b", site=number)
     assert answer["refused"] == "a `for` makes this part, and the others would move, too: change the entry"
     assert page.text == REPEATED
+
+
+def test_the_parameters_of_a_turn_are_offered(tmp_path: Path, session: Session) -> None:
+    recipe = 'recipe: 1\nparams: {w: 0.3}\nattach:\n  "a${i}": {for: {i: 2}, model: ./ball.xml, pos: ["${w * i}", 0, "${w}"]}\n'
+    page = Page(tmp_path, session, recipe)
+    answer = page.ask("look", "a1")
+    assert answer["refused"].startswith("the `for` at cell.yaml:4 makes this")
+    assert answer["parameters"] == [["w", "0.3"]]

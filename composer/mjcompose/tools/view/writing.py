@@ -164,7 +164,9 @@ class Writer:
         """Return the offset of one turn of a `for`, which is in a row of a table."""
         columns, maker = target.columns, f"the `for` at {target.span.file}:{target.span.line}"
         if not columns:
-            raise Refused(f"{maker} makes this, and no table has its place: change the entry")
+            message = f"{maker} makes this, and no table has its place: change the entry"
+            used = self._parameters_of(target, said)
+            raise Refused(message, **({"parameters": used} if used else {}))
         if any(place.file not in self._now.targets.texts for place in columns.values()):
             raise Refused(f"{maker} makes this from a table that is not in a recipe: change the table")
         rows = {(place.file, self._raw_path(place, key=False)) for place in columns.values()}
@@ -176,6 +178,14 @@ class Writer:
             raise Refused(f"{maker} makes several from this row of its table: change the row")
         ((file, holder),) = holders
         return self._offset_in(self._draft(file, said), holder, target, said)
+
+    def _parameters_of(self, target: Target, said: Any) -> list[list[str]]:
+        """Return the parameters in the expressions that give a target its place."""
+        entries = (target.mapping.entries.get(key) for key in ("pos", *ORIENTATIONS))
+        nodes = (each.node for entry in entries if entry is not None for each in yaml_tree.walk(entry[1]))
+        templates = dict.fromkeys(node.span.template for node in nodes if node.span.template is not None)
+        found = {name: number for text in templates for name, number in self._parameters_in(text, said)}
+        return [[name, number] for name, number in found.items()]
 
     def _offset_in(self, draft: Draft, holder: Steps, target: Target, said: Any) -> Offset:
         known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
