@@ -160,14 +160,21 @@ edit:
     entry = concrete(text)["edit"][0]
     assert entry["select"] == {"joint": "hip", "where": '${range[0] > (-1) and name != "le\'ft"}'}
     assert entry["set"] == {
-        "damping": "${value * 20 + index}", "ref": "${(-30.0deg)}",
+        "damping": "${value * 20 + index}", "ref": "-30.0deg",
         "armature": "${size[(-1)] + element.damping}",  # `size` may be an attribute, too
-        "user": ["${(-1)}", "x${(-1)}"],
+        "user": [-1, "x-1"],
     }  # fmt: skip
     assert entry["rename"] == "${name}_${'hip'}_${pi}"
 
 
-def test_a_text_of_a_table_is_not_evaluated_again() -> None:
+def test_an_expression_in_a_given_text_is_not_evaluated() -> None:
+    given = "{t: '${value}'}"
+    found, _ = expanded("params: {t: x}\nedit: [{for: {i: [a]}, set: {user: '${t}', name: '${i}${t}'}}]", given)
+    entry = to_python(found.document)["edit"][0]
+    assert entry["set"] == {"user": "${t}", "name": "${'a'}${t}"}
+
+
+def test_a_given_text_is_not_evaluated_again() -> None:
     found, _ = expanded('sensor: {"s${i}": {for: {i: 1}, a: "${t}"}}\nparams: {t: x}', "{t: '${1 + 1}'}")
     assert to_python(found.document)["sensor"] == {"s0": {"a": "${1 + 1}"}}
 

@@ -38,6 +38,16 @@ class Span(Struct):
         """Return the place with the values that a `for` has there."""
         return Span(self.file, self.line, self.column, self.end_line, self.end_column, self.template, turn, self.source)
 
+    @property
+    def where(self) -> str:
+        """The turn of a `for`, in words that follow the place."""
+        return f" where {self.turn}" if self.turn else ""
+
+    @property
+    def origin(self) -> str:
+        """The turn of a `for` and the row of a table that has the value, in words that follow the place."""
+        return self.where + ("" if self.source is None else f", from {self.source.file}:{self.source.line}")
+
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"
 

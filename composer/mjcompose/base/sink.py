@@ -248,7 +248,7 @@ class Sink:
 
 
 def _cause(diagnostic: Diagnostic) -> Cause | None:
-    """Return what merges findings at a place that a `for` repeats, or None for other places."""
+    """Return the cause that merges findings at a place that a `for` repeats, or None for other places."""
     span = diagnostic.span
     if span is None or span.turn is None:
         return None

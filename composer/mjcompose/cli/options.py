@@ -196,10 +196,10 @@ class Choices(Group):
         from mjcompose.build.cache.cache_key import content_of, name_of
 
         found: dict[str, str] = {}
-        for written, named in zip(self.set_files, self._files(context), strict=True):
-            found[name_of(written)] = "unreadable"
+        for file, named in zip(self.set_files, self._files(context), strict=True):
+            found[name_of(file)] = "unreadable"
             with contextlib.suppress(OSError):
-                found[name_of(written)] = content_of(self._text(named.file, context))
+                found[name_of(file)] = content_of(self._text(named.file, context))
         if len(self.set_files) > 1:  # a value of a later file counts
             found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))
         for written in self.sets:

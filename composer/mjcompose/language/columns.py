@@ -1,4 +1,4 @@
-"""The columns of a table: every row has those that a parameter lists, or else those of its first row."""
+"""The columns of a table: a parameter lists the columns of each row, or the first row declares them."""
 
 from __future__ import annotations
 

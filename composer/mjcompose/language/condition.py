@@ -62,8 +62,8 @@ class Condition:
             return node
         if isinstance(node, Mapping):
             entries = node.entries.items()
-            kept = ((name, key, self.of(value, (*path, name))) for name, (key, value) in entries)
-            return Mapping({name: (key, value) for name, key, value in kept if value is not None}, node.span)
+            inside = ((name, key, self.of(value, (*path, name))) for name, (key, value) in entries)
+            return Mapping({name: (key, value) for name, key, value in inside if value is not None}, node.span)
         if isinstance(node, Sequence):
             items = (self.of(item, (*path, index)) for index, item in enumerate(node.items))
             return Sequence(tuple(item for item in items if item is not None), node.span)

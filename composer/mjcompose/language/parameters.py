@@ -107,8 +107,9 @@ def with_unit(value: Value, unit: Unit) -> Value:
     """Return the value with an angle in that unit for each bare number."""
 
     def angle(single: Value) -> Value:
-        is_number = isinstance(single, int | float) and not isinstance(single, bool)
-        return Angle(single, unit) if is_number else single
+        if isinstance(single, int | float) and not isinstance(single, bool):
+            return Angle(single, unit)
+        return single
 
     return with_leaves(value, angle)
 
@@ -361,7 +362,7 @@ class Turned(Mapping):
 class Substitution:
     """Evaluates expressions; `lost` has the keys and texts omitted because of faults, and `gone` their paths.
 
-    The `turn` is the one of the entry. Expressions that are evaluated for each element get its values now.
+    `turn` is the turn of the entry. Expressions that are evaluated for each element get its values now.
     """
 
     def __init__(self, scope: Map[str, Value], broken: frozenset[str], sink: Sink, turn: Turn | None = None) -> None:
@@ -419,8 +420,8 @@ class Substitution:
         try:
             text = bound(node.value, turn.values, known)
             template = Template.parse(node.value)
-            if template.is_read and template.keys() <= known.keys():
-                placed = replace(placed, span=replace(placed.span, source=template.place(known)))
+            if template.keys() <= known.keys() and _is_final(value := template.value(known)):
+                return node_of(value, replace(placed.span, source=template.place(known)))
         except ExpressionError as error:
             self._report(error, placed)
             return None
@@ -429,6 +430,13 @@ class Substitution:
     def _report(self, error: ExpressionError, node: Scalar) -> None:
         self.lost.add(node.text)
         report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
+
+
+def _is_final(value: Value) -> bool:
+    """Return whether a value means the same without `${…}`: a condition needs these, and a text must not have any."""
+    if isinstance(value, bool):
+        return False
+    return not any(isinstance(each, str) and is_template(each) for each in leaves(value))
 
 
 def without_attributes(scope: Map[str, Value]) -> dict[str, Value]:

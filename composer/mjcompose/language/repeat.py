@@ -222,7 +222,7 @@ class Repeater:
         )  # fmt: skip
 
     def _lose(self, node: Node, key: Key | None) -> None:
-        """Suppress errors about what an entry with errors has."""
+        """Suppress errors about names of an entry that has errors."""
         self.lost.update(each.node.text for each in walk(node) if isinstance(each.node, Scalar))
         if key is not None:
             self.lost.add(key.name)
@@ -239,7 +239,7 @@ def _listed(values: Values[Value] | int) -> Values[Value]:
 def _apart(key: Key | None, turn: Map[str, Value]) -> str:
     """Return the help for a key that is the same in several turns."""
     used = {each.name for each in Template.parse(key.name).names()} if key is not None else set()
-    absent = next((name for name in reversed(turn) if name not in used), None)
+    absent = next((name for name in reversed([*turn]) if name not in used), None)
     return "write each value once" if absent is None else f"put `${{{absent}}}` into the name"
 
 

@@ -107,7 +107,7 @@ class Declaration(Model):
     length: AtLeastOne | None = None
     """the length of a vector or a list"""
     columns: Annotated[tuple[Text, ...], Items(1), Expects("a list of names", "[kp, kd]")] | None = None
-    """the columns of each row of a table; by default those of its first row"""
+    """the columns of each row of a table; by default the columns of its first row"""
     unit: Text | None = None
     """the unit, for readers; with `deg` or `rad` the parameter is an angle in every expression"""
     doc: str = ""

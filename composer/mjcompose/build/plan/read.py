@@ -129,12 +129,13 @@ _COLUMN = 60
 
 
 def expanded_text(plan: Plan) -> str:
-    """Return YAML, each line with the file and line of its value as a comment."""
+    """Return YAML, each line with the file and line of its value, and its turn of a `for`, as a comment."""
     read = [
         f"# in {file}: angle: {each.angle or 'none'}, eulerseq: {each.eulerseq}"
         for file, each in plan.angle_context.others.items()
     ]
-    written = [f"{text:<{_COLUMN}}  # {span.file}:{span.line}" for text, span in _lines(plan.document, "")]
+    lines = _lines(plan.document, "")
+    written = [f"{text:<{_COLUMN}}  # {span.file}:{span.line}{span.origin}" for text, span in lines]
     return "\n".join([*read, *written])
 
 
@@ -161,12 +162,14 @@ def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[s
 
 
 def _is_short(node: Node) -> bool:
-    """Return whether a node contains only values from one line of one file."""
+    """Return whether a node contains only values from one line of one file, and from one turn of a `for`."""
     if isinstance(node, Scalar):
         return True
     inside = list(node.items) if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
     places = {(each.span.file, each.span.line) for each in inside}
-    return len(places) <= 1 and all(isinstance(each, Scalar) or _is_short(each) for each in inside)
+    turns = {each.span.turn for each in inside if each.span.turn}
+    alike = len(places) <= 1 and len(turns) <= 1
+    return alike and all(isinstance(each, Scalar) or _is_short(each) for each in inside)
 
 
 def _flow(node: Node) -> str:

@@ -171,7 +171,8 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
     yield from ("", paint("bold", "where it comes from"))
     for number, each in enumerate(it.written):
         comma = "" if each.words == "read from" else ","
-        yield f"  {each.words}" + ("" if each.span is None else f"{comma} {each.span.file}:{each.span.line}")
+        place = "" if each.span is None else f"{comma} {each.span.file}:{each.span.line}{each.span.origin}"
+        yield f"  {each.words}{place}"
         yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint=paint)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.sets:
@@ -220,7 +221,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
     yield from _table([_level(each) for each in it.levels])
     winner = next((each.span for each in it.levels if each.wins and each.span is not None), None)
     if winner is not None:
-        yield f"  {winner.file}:{winner.line}"
+        yield f"  {winner.file}:{winner.line}{winner.origin}"
         yield from _source(winner, None, read_source, paint=paint)
     if it.rows:
         yield from ("", paint("bold", "number by number"))
@@ -304,7 +305,7 @@ def _at(span: Span | None, before: str = "") -> str:
     file = span.file
     if len(file) > _PATH and file.count("/") > 2:
         file = "…/" + "/".join(file.rsplit("/", 2)[1:])
-    return f"{before}{file}:{span.line}"
+    return f"{before}{file}:{span.line}{span.where}"
 
 
 def _cut(text: str) -> str:
