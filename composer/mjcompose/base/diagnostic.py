@@ -38,6 +38,12 @@ class Span(Struct):
         """Return the place with the values that a `for` has there."""
         return Span(self.file, self.line, self.column, self.end_line, self.end_column, self.template, turn, self.source)
 
+    def taken_from(self, source: Span | None) -> Span:
+        """Return the place with the place of its value in a table, if there is one."""
+        if source is None:
+            return self
+        return Span(self.file, self.line, self.column, self.end_line, self.end_column, self.template, self.turn, source)
+
     @property
     def where(self) -> str:
         """The turn of a `for`, in words that follow the place."""

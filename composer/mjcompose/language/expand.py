@@ -65,12 +65,13 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     rest = without_ids(Mapping(unsettled, document.span), sink)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     lost: set[str] = set()
+    misplaced = misplaced_names(rest)
     if has_repetitions(rest):
         repeater = Repeater(scope, axes, broken, sink=sink, any=any)
         rest = repeater.repeated(rest)
         lost |= repeater.lost
     condition = Condition(scope, axes, broken, sink=sink, any=any)
-    substitution = Substitution(scope, broken | misplaced_names(rest), sink=sink)
+    substitution = Substitution(scope, broken | misplaced, sink=sink)
     substituted = substitution.of(condition.kept(rest))
     assert isinstance(substituted, Mapping)
     lost |= condition.in_doubt | substitution.lost

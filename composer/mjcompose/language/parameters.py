@@ -390,8 +390,12 @@ class Substitution:
                 self.lost.add(name)
                 self.gone.add((*path, name))
             else:
-                entries[name] = (key, found)
-        return Mapping(entries, node.span)
+                entries[name] = (self._in_turn(key) if isinstance(found, Mapping) else key, found)
+        return Mapping(entries, node.span if self.turn is None else node.span.repeated(self.turn.text))
+
+    def _in_turn(self, key: Key) -> Key:
+        """Return the key of an element or of settings, whose place also says the turn."""
+        return key if self.turn is None else Key(key.name, key.span.repeated(self.turn.text))
 
     def _scalar(self, node: Scalar, is_markup: bool) -> Node | None:
         if not isinstance(node.value, str) or not is_template(node.value):
@@ -402,8 +406,7 @@ class Substitution:
         try:
             template = Template.parse(node.value)
             value = template.markup(self.scope) if is_markup else template.value(self.scope)
-            if (source := template.place(self.scope)) is not None:
-                span = replace(span, source=source)
+            span = span.taken_from(template.place(self.scope))
         except ExpressionError as error:
             self._report(error, replace(node, span=span))
             return None
@@ -413,19 +416,26 @@ class Substitution:
         """Return a text that is evaluated for each element, with the values of the turn."""
         if not isinstance(node.value, str) or not is_template(node.value):
             return node
-        from mjcompose.text.evaluate import Template, bound
+        from mjcompose.text.evaluate import Template, bound, keys_in
 
-        placed = replace(node, span=node.span.repeated(turn.text))
-        known = {**without_attributes(self.scope), **turn.values}
+        span = node.span.repeated(turn.text)
         try:
+            names = keys_in(node.value)
+            known = {name: self.scope[name] for name in names if self._is_same_for_all(name, turn)}
+            if len(known) == len(names):
+                template = Template.parse(node.value)
+                value = template.value(known)
+                if _is_final(value):
+                    return node_of(value, span.taken_from(template.place(known)))
             text = bound(node.value, turn.values, known)
-            template = Template.parse(node.value)
-            if template.keys() <= known.keys() and _is_final(value := template.value(known)):
-                return node_of(value, replace(placed.span, source=template.place(known)))
         except ExpressionError as error:
-            self._report(error, placed)
+            self._report(error, replace(node, span=span))
             return None
-        return replace(placed, value=text, text=text, plain=False)
+        return Scalar(text, span, text, plain=False)
+
+    def _is_same_for_all(self, name: str, turn: Turn) -> bool:
+        """Return whether a name of the turn, or one that is no attribute, means the same for every element."""
+        return name in turn.values or (name in self.scope and name not in _attributes())
 
     def _report(self, error: ExpressionError, node: Scalar) -> None:
         self.lost.add(node.text)
@@ -434,18 +444,14 @@ class Substitution:
 
 def _is_final(value: Value) -> bool:
     """Return whether a value means the same without `${…}`: a condition needs these, and a text must not have any."""
-    if isinstance(value, bool):
+    if isinstance(value, bool | DataTable):
         return False
     return not any(isinstance(each, str) and is_template(each) for each in leaves(value))
 
 
-def without_attributes(scope: Map[str, Value]) -> dict[str, Value]:
-    """Return the names that mean the same for every element: no element has an attribute with such a name."""
-    return {name: value for name, value in scope.items() if name not in _attributes()}
-
-
 @cache
 def _attributes() -> frozenset[str]:
+    """Return all names of attributes: in an edit, such a name may be an attribute of the element."""
     from mjcompose.tree.grammar import GRAMMAR
 
     return frozenset(name for path in GRAMMAR.paths for name in GRAMMAR.element(path).attributes)

@@ -191,7 +191,7 @@ class Repeater:
         if self.sink.error_count > before or (key is None and written.key is not None):
             self._lose(made, key or written.key)
             return key, None
-        return key, Turned(made.entries, written.node.span.repeated(turn.text))
+        return key, Turned(made.entries, made.span)
 
     def _key(self, key: Key, scope: Map[str, Value], turn: Turn) -> Key | None:
         span = key.span.repeated(turn.text)

@@ -12,7 +12,7 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
@@ -78,10 +78,16 @@ def names(tree: Expression) -> Iterator[Name]:
 
 
 def _children(tree: Expression) -> Iterator[Expression]:
-    for value in (getattr(tree, each.name) for each in fields(tree)):
+    for name in _fields(type(tree)):
+        value = getattr(tree, name)
         for child in value if isinstance(value, tuple) else (value,):
             if isinstance(child, Expression):
                 yield child
+
+
+@cache
+def _fields(kind: type[Expression]) -> tuple[str, ...]:
+    return tuple(each.name for each in fields(kind))
 
 
 def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
@@ -422,9 +428,6 @@ class Template(Struct):
         piece = self.pieces[0]
         return len(self.pieces) == 1 and not isinstance(piece, str) and isinstance(piece.tree, syntax.Item)
 
-    def keys(self) -> frozenset[str]:
-        return frozenset(each.key for each in self.names())
-
     def names(self) -> Iterator[Name]:
         for piece in self.pieces:
             if not isinstance(piece, str):
@@ -500,6 +503,12 @@ def _literal(value: Value, tree: Expression) -> str:
         return f"{quote}{value}{quote}"
     text = syntax.with_units(value)
     return f"({text})" if text.startswith("-") else text
+
+
+@lru_cache(maxsize=64)
+def keys_in(text: str) -> frozenset[str]:
+    """Return the names in the expressions of a text, with their space. Raises `ExpressionError`."""
+    return frozenset(each.key for each in Template.parse(text).names())
 
 
 def _check_unit_behind(piece: Inserted, angle: Angle, after: str) -> None:

@@ -133,12 +133,12 @@ def from_json(text: bytes) -> Record:
     data["licenses"] = tuple(LicenseRow(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
-        Outcome(**{**each, "span": Span(**each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))})
+        Outcome(**{**each, "span": _place(each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))})
         for each in data["checks"]
     )
     data["cells_at"] = _span(data["cells_at"])
     data["adopted"] = tuple(
-        Adopted(path, value, tuple(parts), at=partial(known, Span(**span)), is_written=is_written)
+        Adopted(path, value, tuple(parts), at=partial(known, _place(span)), is_written=is_written)
         for path, value, parts, span, is_written in data["adopted"]
     )
     data["allowed"] = tuple(data["allowed"])
@@ -157,7 +157,11 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
 
 
 def _span(data: dict[str, Any] | None) -> Span | None:
-    return None if data is None else Span(**data)
+    return None if data is None else _place(data)
+
+
+def _place(data: dict[str, Any]) -> Span:
+    return Span(**{**data, "source": _span(data["source"])})
 
 
 _ANSWERS = 4

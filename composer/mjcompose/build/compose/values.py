@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -53,8 +52,8 @@ def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None =
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
     span, subjects = editing.span(fault.at, key=fault.key), (*fault.names, *editing.subjects(node))
-    if not fault.key and (source := _source(editing, node, fault.at)) is not None:
-        span = replace(span, source=source)
+    if not fault.key:
+        span = span.taken_from(_source(editing, node, fault.at))
     editing.sink.error(fault.code, fault.message, span, notes=notes, help=fault.help, subjects=subjects, fix=fault.fix)
     raise UnusableValue
 

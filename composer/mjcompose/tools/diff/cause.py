@@ -89,6 +89,9 @@ class Causes:
             return Cause(cause.words, before, after or self._opposite(0, before, cause.after))
         if depth > _DEEP:
             return None
+        rows = [None if span is None else span.source for span in spans]
+        if any(rows) and (found := self._settled(Cause(cause.words, *rows), depth + 1)) is not None:
+            return found
         names = [each for side, span in zip(self.both, spans, strict=True) for each in side.recipes.names_at(span)]
         for each in dict.fromkeys(names):
             places = [list(side.recipes.parameter(each)) for side in self.both]

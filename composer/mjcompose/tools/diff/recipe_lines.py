@@ -15,11 +15,12 @@ from textwrap import dedent
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.build.plan.plan import AttachPart, Plan
+from mjcompose.language.repeat import FOR
 from mjcompose.link.linking import Part
 from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Mapping, Node, Scalar, common_ends, find, is_template, walk
+from mjcompose.text.node import Mapping, Node, Scalar, common_ends, find, is_template, spans, walk
 from mjcompose.tools.diff.changes import Cause
 from mjcompose.tools.diff.sides import Side
 
@@ -119,7 +120,8 @@ class Recipes:
         end = span.end_column if span.end_line == span.line and len(lines) == 1 else None
         found = (names for (file, line, column), names in self._expressions.items()
                  if file == span.file and line in lines and (end is None or span.column <= column < end))  # fmt: skip
-        return tuple(chain.from_iterable(found))
+        turns = self._turns.get((span.file, span.line, span.column), ()) if span.turn is not None else ()
+        return (*chain.from_iterable(found), *turns)
 
     def parameter(self, name: str) -> Iterator[Span]:
         """Yield the place where a parameter gets its value: its given value, or else its declaration."""
@@ -128,7 +130,7 @@ class Recipes:
             for piece in (node, *_pieces(node)):
                 declared = find(piece, ("params", name))
                 if isinstance(declared, Mapping):
-                    yield from (value.span for _, value in declared.entries.values())
+                    yield from (each.node.span for each in walk(declared) if isinstance(each.node, Scalar))
                 elif declared is not None:
                     yield declared.span
 
@@ -161,6 +163,19 @@ class Recipes:
     @property
     def _documents(self) -> list[Node]:
         return [recipe.node for recipe in self._read if recipe.node is not None]
+
+    @cached_property
+    def _turns(self) -> dict[_Place, tuple[str, ...]]:
+        """The names in the `for` of the entry around each place."""
+        found: dict[_Place, tuple[str, ...]] = {}
+        for _, key, entry in chain.from_iterable(map(walk, self._documents)):
+            if isinstance(entry, Mapping) and FOR in entry.entries:
+                values = [(each.file, each.line, each.column) for each in spans(entry.entries[FOR][1])]
+                names = tuple(chain.from_iterable(self._expressions.get(place, ()) for place in values))
+                for span in (*spans(entry), *([] if key is None else [key.span])):
+                    place = span.file, span.line, span.column
+                    found[place] = (*found.get(place, ()), *names)
+        return found
 
     @cached_property
     def _expressions(self) -> dict[_Place, tuple[str, ...]]:
