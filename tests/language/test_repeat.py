@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
 import pytest
+import yaml
+from fuzz.targets import repeat
 from growth.counting import calls_of
 from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
@@ -261,3 +264,20 @@ edit: [{{for: {{i: {turns}}}, select: {{site: "s${{i}}"}}, set: {{group: "${{val
 
     work(2)
     assert work(400) < 4.3 * work(100)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_repeated_entries_are_the_entries_written_out(seed: int) -> None:
+    random = Random(seed)
+    seeds = [each.data for each in repeat._seeds(None)]
+    repeated = 0
+    for _ in range(40):
+        data = repeat._mutate(random.choice(seeds), random, ())
+        tree_of_case = repeat._read(data)
+        assert tree_of_case is not None
+        found, sink = expanded(data.decode())
+        written, others = expanded(yaml.safe_dump(repeat._written(tree_of_case), sort_keys=False))
+        assert [each.code for each in sink.errors] == [each.code for each in others.errors]
+        assert to_python(found.document) == to_python(written.document)
+        repeated += "for:" in data.decode()
+    assert repeated > 20

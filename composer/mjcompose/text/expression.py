@@ -361,8 +361,8 @@ class Token(NamedTuple):
 KEYWORDS = frozenset({"and", "or", "not", "if", "else", "true", "false"})
 _TOKEN = re.compile(
     r"""\s*(?:
-        (?P<angle>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?:deg|rad)(?![\w.]))
-      | (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+        (?P<angle>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?:deg|rad)(?![\w.]))
+      | (?P<number>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)
       | (?P<name>(?:(?:params|element)\.)?[^\W\d]\w*)
       | (?P<text>'[^']*'|"[^"]*")
       | (?P<operator>\*\*|//|<=|>=|==|!=|[-+*/%<>()\[\],.])
