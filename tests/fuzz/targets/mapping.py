@@ -5,6 +5,7 @@ A case is YAML, which PyYAML reads: its data has numbers as keys, dates, NaN and
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,9 @@ def _seeds(corpus: Path | None) -> Iterator[Seed]:
 def _outcome(recipe: Any, **options: Any) -> tuple[str | None, list[str]]:
     """The text of the model, and the codes of the errors."""
     try:
-        return opening._text_of(opening._Opening.of(recipe, **options)), []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return opening._text_of(opening._Opening.of(recipe, **options)), []
     except mjcompose.BuildError as error:
         if DATA in str(error):
             return None, ["unnamed"]
