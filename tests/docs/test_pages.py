@@ -17,7 +17,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
     "combine", "urdf", "split", "keyframes", "actuators", "troubleshooting", "train", "randomize",
-    "open_in_mujoco", "python", "simulators", "teams", "from_mjspec", "lint", "interface",
+    "open_in_mujoco", "python", "repeat", "simulators", "teams", "from_mjspec", "lint", "interface",
 )  # fmt: skip
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),

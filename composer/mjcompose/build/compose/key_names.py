@@ -8,7 +8,7 @@ from mjcompose.tree.pattern import fitter, is_pattern
 
 
 def entries_by_name(written: Collection[str], names: Collection[str], separator: str) -> dict[str, list[str]]:
-    """Return each name that entries set, with these entries: the one with that name, or else all globs that fit it.
+    """Return each name that entries set, with these entries: the entry with that name, or else all globs that fit.
 
     Raises `BadPattern`.
 

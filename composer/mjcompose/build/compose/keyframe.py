@@ -183,7 +183,7 @@ class _KeyWriter(Struct, frozen=False):
             self._place(vector, claim.name, claim.holder, entry=claim.entry, path=claim.path)
 
     def _claims(self, vector: str, entries: Mapping[str, Entry]) -> list[_Claim]:
-        """Return what the entries of a vector say about each element. Report names and globs of nothing."""
+        """Return the claims of the entries of a vector. Report names that do not exist, and globs that fit none."""
         kind = VECTORS[vector]
         holders = self.holders[kind]
         if vector != CTRL:

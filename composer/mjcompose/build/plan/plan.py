@@ -379,7 +379,7 @@ class Plan(Struct):
 
     @property
     def copies(self) -> dict[str, Hashable]:
-        """The prefixes of the copies that `replicate` makes and of parts in them, with a value for what they copy."""
+        """The prefixes of the copies that `replicate` makes and of parts in them, with a value for each original."""
         parts = {place.prefix: (id(place.outer), place.step.at) for place in self.walk() if place.step is not None}
         counts = Counter(parts.values())
         return {prefix: part for prefix, part in parts.items() if counts[part] > 1}
