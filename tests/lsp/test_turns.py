@@ -270,3 +270,8 @@ def test_the_definition_of_a_part_that_a_for_makes_is_its_entry(editor: Editor) 
     params, _ = editor.at(mark(ARMS, "part: arm▮1_x"), "arms.yaml")
     (place,) = editor.ask("textDocument/definition", params)
     assert place["range"]["start"]["line"] == 3
+
+
+def test_nobody_counts_what_a_selector_with_an_expression_matches(editor: Editor) -> None:
+    assert "matches" not in shown(editor, mark(LEGS, "select: {jo▮int"), NAME)
+    assert "**matches 3 elements**" in shown(editor, mark(LEGS, "select: {po▮sition"), NAME)

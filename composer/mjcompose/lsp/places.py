@@ -17,6 +17,7 @@ from mjcompose.language.select import NARROWING, read_selector
 from mjcompose.lsp.analysis import Known, Names, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.pattern import BadPattern, paths_of
@@ -47,6 +48,8 @@ def is_selector(path: Path, written: dict[str, Any]) -> bool:
 
 def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Node] | None:
     """Return the elements that a selector matches, or None if that is not known. `where` is not evaluated."""
+    if any(isinstance(value, str) and is_template(value) for value in written.values()):
+        return None
     selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
     if selector is None:
         return None
