@@ -421,6 +421,8 @@ class Substitution:
         span = node.span.repeated(turn.text)
         try:
             names = keys_in(node.value)
+            if names.isdisjoint(turn.values):
+                return replace(node, span=span)
             known = {name: self.scope[name] for name in names if self._is_same_for_all(name, turn)}
             if len(known) == len(names):
                 template = Template.parse(node.value)

@@ -107,7 +107,7 @@ def _written(tree: dict[str, Any]) -> dict[str, Any]:
 
 
 def _turns(key: str, entry: Any) -> Iterator[tuple[str, Any]]:
-    if not isinstance(entry, dict) or "for" not in entry:
+    if not isinstance(entry, dict) or "turn" not in entry.get("for", ()):  # a recipe may have a `for` of its own
         yield key, entry
         return
     values = [_VALUES[str(each)] for each in entry["for"].values()]
