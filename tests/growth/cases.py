@@ -107,7 +107,7 @@ def parts(n: int) -> Words:
     return _BUILD
 
 
-@case("build: parts in a chain", 20)
+@case("build: parts in a chain", 40)
 def chain(n: int) -> Words:
     Path("part.xml").write_text(PART)
     rest = (f"  p{number}: {{model: ./part.xml, site: p{number - 1}/tip}}" for number in range(1, n))

@@ -296,16 +296,15 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
 def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
     """Warn about actuators that push a free body of a turned part along the axes of the world."""
     assert hung.part.content is not None
-    found = hung.part.unit.root.findall("actuator/*")
-    joints = [each for each in found if each.get("joint") or each.get("jointinparent")]
-    turn = pose_in_world(hung.part.content, degrees, sequence).quat if joints else (1.0, 0.0, 0.0, 0.0)
+    free = [
+        actuator for actuator in hung.part.unit.root.iterfind("actuator/*") if _acts_on_free_joint(linking, actuator)
+    ]
+    # The pose takes a look at everything around the part.
+    turn = pose_in_world(hung.part.content, degrees, sequence).quat if free else (1.0, 0.0, 0.0, 0.0)
     if abs(turn[0]) == 1.0:
         return
     unit, kind = linking.base, GRAMMAR.element("actuator/general")
-    for actuator in joints:
-        joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
-        if joint is None or joint_type(joint, linking.base.classes) != "free":
-            continue
+    for actuator in free:
         gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
         # MuJoCo 4.0 turns a free body about its own axes, or about the world's axes with `jointinparent`.
@@ -314,6 +313,12 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
             what = f"pushes along the axes of the world, which differ for `{hung.part.called}`: it is turned"
             help = "let it act on a site of the body: its `gear` is in the axes of the site"
             _warn(linking, hung.part, actuator, what=what, help=help)
+
+
+def _acts_on_free_joint(linking: Linking, actuator: Node) -> bool:
+    name = actuator.get("joint") or actuator.get("jointinparent")
+    joint = linking.names.find("joint", str(name)) if name else None
+    return joint is not None and joint_type(joint, linking.base.classes) == "free"
 
 
 def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:

@@ -305,9 +305,8 @@ class Document(Struct, frozen=False, slots=False, eq=False):
     def waits_for_pause(self) -> bool:
         return self.kind == "recipe" and waits_for_pause(self.text, self.seconds)
 
-    @property
     def is_touched_again(self) -> bool:
-        """Whether the next analysis waits for a pause, while an earlier text is analyzed."""
+        """Return whether the next analysis waits for a pause, while an earlier text is analyzed."""
         return self.timer is not None
 
     def stop(self) -> None:
@@ -455,7 +454,7 @@ class Desk:
 
     async def _work(self, document: Document) -> None:
         while document.done < document.count and self.documents.get(document.path) is document:
-            if document.is_touched_again:
+            if document.is_touched_again():
                 break
             count, text, version = document.count, document.text, document.version
             try:
@@ -464,13 +463,13 @@ class Desk:
             except Exception:
                 self._log(traceback.format_exc())
             document.done, document.seen = count, version
-            if document.is_touched_again:
+            if document.is_touched_again():
                 document.glanced = 0
                 self._glance_at(document)
             elif document.kind and self.documents.get(document.path) is document:
                 self._report_found(document)
         document.work = None
-        if document.kind and not document.is_touched_again and self.documents.get(document.path) is document:
+        if document.kind and not document.is_touched_again() and self.documents.get(document.path) is document:
             loop = asyncio.get_running_loop()
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
 

@@ -50,6 +50,9 @@ def _in_head(head: bytes) -> int:
 _known: Memory[int] = Memory(lambda path: _in_head(read_regular(path)[:_HEAD]), lambda _: 0)
 
 
+_WITH_FACTORS = XPath("ancestor-or-self::frame[@scale or @massscale]")
+
+
 def scales(frame: Node) -> bool:
     """Return whether a frame changes sizes or masses.
 
@@ -68,8 +71,9 @@ def scaled_above(element: Node | None) -> Node | None:
 
 def all_scaled_above(element: Node | None) -> Iterator[Node]:
     """Yield the frames that resize `element`, innermost first."""
-    around = () if element is None else (element, *element.iterancestors())
-    yield from (each for each in around if each.tag == "frame" and scales(each))
+    # Each part of a chain asks for all frames around it, so C leaves out those without factors.
+    around: list[Node] = [] if element is None else _WITH_FACTORS(element)  # type: ignore[assignment]
+    yield from (frame for frame in reversed(around) if scales(frame))
 
 
 def first_scaled(root: Node) -> Node | None:
