@@ -84,6 +84,14 @@ def test_the_demo(editor: Editor) -> None:
     editor.change(editor.uri("demo.yaml"), DEMO)
 
 
+def test_globs_of_a_keyframe(editor: Editor) -> None:
+    key = 'keyframe:\n  k: {qpos: {"{arm,gripper}/*": 0.1rad}, ctrl: {"arm/*": hold, joint: {"arm/w*": hold}}}\n'
+    found = edits(editor, mark(DEMO + key, "  arm:\n"), "robot", "demo.yaml")
+    after = applied(DEMO + key, found[editor.uri("demo.yaml")])
+    assert after.endswith(key.replace("arm", "robot"))
+    editor.change(editor.uri("demo.yaml"), DEMO)
+
+
 def test_a_parameter(editor: Editor, inner: Path) -> None:
     found = edits(editor, mark(INNER, "params: {ga▮p"), "space", "renamed_inner.yaml")
     after = applied(INNER, found[editor.uri("renamed_inner.yaml")])

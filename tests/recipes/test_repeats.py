@@ -61,7 +61,7 @@ def test_the_piano_moves_as_the_one_of_robopianist() -> None:
 def sensors(made: Built) -> dict[str, str]:
     return {
         str(sensor.get("name")): " ".join(
-            [str(sensor.tag), *(f"{name}={value}" for name, value in sorted(sensor.items()) if name != "name")]
+            [str(sensor.tag), *(f"{name!s}={value!s}" for name, value in sorted(sensor.items()) if name != "name")]
         )
         for sensor in made.composed.model.root.iterfind("sensor/*")
     }
@@ -97,7 +97,7 @@ def test_teams_of_any_size_have_all_their_sensors(players: int) -> None:
 
 
 def test_a_motor_of_the_quadruped_is_a_row_of_the_table() -> None:
-    rows = {
+    rows: dict[str, dict[str, Any]] = {
         "hip": {"kp": 70, "kv": 2, "torque": 20, "armature": 0.01, "low": "-40deg", "high": "40deg", "stand": "0deg"},
         "thigh": {
             "kp": 80,

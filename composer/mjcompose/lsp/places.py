@@ -139,9 +139,9 @@ def wanted_key(path: Path) -> Wanted | None:
         if path[2] == FROM:
             return Wanted((PART,))
         kind = VECTORS.get(str(path[2]))
-        return None if kind is None else Wanted((kind.removeprefix("mocap "),))
+        return None if kind is None else Wanted((kind.removeprefix("mocap "),), pattern=True)
     is_joint = len(path) == 4 and path[0] == "keyframe" and path[3] == "joint"
-    return Wanted(("joint",)) if is_joint else None
+    return Wanted(("joint",), pattern=True) if is_joint else None
 
 
 def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:

@@ -322,8 +322,8 @@ class Traced:
     def _shared_for(self, asked: query.Asked) -> Node | None:
         """Return the asset of another copy that is used instead of the asset that a query names, or None."""
         for kind, names in self.merged.items():
-            if asked.name in names and (asked.kinds is None or kind in asked.kinds):
-                kept = names[asked.name]
+            kept = None if asked.name is None else names.get(asked.name)
+            if kept is not None and (asked.kinds is None or kind in asked.kinds):
                 return next(each for each in self.model.root.iterfind(f"asset/{kind}") if each.get("name") == kept)
         return None
 
