@@ -77,6 +77,12 @@ def test_merge(lower: str, upper: str, expected: Any) -> None:
     assert merged(lower, upper) == expected
 
 
+@pytest.mark.parametrize("place", ["params: {t: {default: {a: ROW}}}", "attach: {p: {with: {t: {a: ROW}}}}"])
+def test_a_row_of_a_table_keeps_columns_that_are_called_like_alternatives(place: str) -> None:
+    lower, upper = (place.replace("ROW", row) for row in ("{euler: [0, 0, 1], x: 1}", "{quat: [1, 0, 0, 0]}"))
+    assert "{'euler': [0, 0, 1], 'x': 1, 'quat': [1, 0, 0, 0]}" in repr(merged(lower, upper))
+
+
 def test_every_value_keeps_its_place() -> None:
     found = merge(
         tree("option:\n  timestep: 1\n  cone: elliptic\n", "lower.yaml"),

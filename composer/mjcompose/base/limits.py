@@ -46,7 +46,7 @@ class Limits(Struct):
         "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
     parts: int = _limit(10_000, "the parts of a recipe, including nested recipes and all copies")
-    copies: int = _limit(10_000, "the copies that one `replicate` of a recipe makes")
+    copies: int = _limit(10_000, "the copies that one `replicate` of a recipe makes, and the turns of one `for`")
     attributes: int = _limit(1000, "the attributes of one element")
     faults: int = _limit(1000, "the errors that mjcompose looks for")
     nesting: int = _limit(50, "depth of recipes, or files of a model, that include one another")
@@ -55,7 +55,9 @@ class Limits(Struct):
     text_size: int = _limit(16 * MIB, "one attribute, comment or text in XML", "bytes")
     recipe_size: int = _limit(16 * MIB, "one recipe file", "bytes")
     edits: int = _limit(200_000, "the values that edits write, and the cost of selecting and drawing")
-    yaml_values: int = _limit(500_000, "the values in one YAML file, aliases expanded")
+    yaml_values: int = _limit(
+        500_000, "the values in one YAML file, aliases expanded, and those that `for` makes in a recipe"
+    )
     yaml_depth: int = _limit(100, "depth of lists and mappings in one YAML file")
     string: int = _limit(10_000, "the characters of a text that an expression gives")
     cells: int = _limit(100_000, "the cells of a matrix")

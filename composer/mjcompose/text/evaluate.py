@@ -12,8 +12,8 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from functools import cache, lru_cache
-from typing import Any
+from functools import lru_cache
+from typing import Any, get_args
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
@@ -44,6 +44,7 @@ _ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
     "%": operator.mod, "**": operator.pow,
 }  # fmt: skip
 _OF_ANGLES = ("+", "-", "//", "%")  # both operands are angles, or none is; `//` counts how often one is in the other
+_FIELDS = {kind: tuple(each.name for each in fields(kind)) for kind in get_args(Expression)}
 _ORDER: Mapping[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
 }  # fmt: skip
@@ -78,16 +79,11 @@ def names(tree: Expression) -> Iterator[Name]:
 
 
 def _children(tree: Expression) -> Iterator[Expression]:
-    for name in _fields(type(tree)):
+    for name in _FIELDS[type(tree)]:
         value = getattr(tree, name)
         for child in value if isinstance(value, tuple) else (value,):
             if isinstance(child, Expression):
                 yield child
-
-
-@cache
-def _fields(kind: type[Expression]) -> tuple[str, ...]:
-    return tuple(each.name for each in fields(kind))
 
 
 def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:

@@ -95,6 +95,8 @@ _SHORT = {("base",): "model", ("params", "*"): "default"}
 _TYPED = frozenset({("sensor", "*"), ("actuator", "*"), ("equality", "*"), ("tendon", "*")})
 # Keys that belong to one model, and are dropped for another one.
 _OF_MODEL = ("with", "compiler", "subtree", "drop", "edit", "mate")
+# Keys with data, whose own keys have no meaning here.
+_DATA = frozenset({"with", "for"})
 _ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 # Alternative keys: keys of one group may be combined, keys of different groups may not.
 _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {
@@ -213,6 +215,8 @@ def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
 def _replaced(lower: Mapping, upper: Mapping, path: MergePath) -> Collection[str]:
     """Return the keys of `lower` that a different choice in `upper` makes void."""
     kind = _pattern(path)
+    if kind[:1] == ("params",) or not _DATA.isdisjoint(kind[1:]):
+        return ()
     void: set[str] = set()
     if kind in (("base",), ("attach", "*")) and _differ(lower, upper, "model"):
         void.update(key for key in _OF_MODEL if key in lower.entries)

@@ -332,8 +332,9 @@ class _Planner:
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
         arguments = []
         for name, value in attachment.given.items():
-            if isinstance(value, list):
-                message = f"the argument `{name}` of a xacro template is text or a number, got a list"
+            if isinstance(value, list | dict):
+                got = "a list" if isinstance(value, list) else "a mapping"
+                message = f"the argument `{name}` of a xacro template is text or a number, got {got}"
                 self.sink.error("wrong-type", message, locate(document, (*at, "with", name)))
             else:
                 arguments.append((name, str(value).lower() if isinstance(value, bool) else str(value)))

@@ -89,9 +89,11 @@ class Causes:
             return Cause(cause.words, before, after or self._opposite(0, before, cause.after))
         if depth > _DEEP:
             return None
-        rows = [None if span is None else span.source for span in spans]
-        if any(rows) and (found := self._settled(Cause(cause.words, *rows), depth + 1)) is not None:
-            return found
+        before, after = (None if span is None else span.source for span in spans)
+        if before is not None or after is not None:
+            row = self._settled(Cause(cause.words, before, after), depth + 1)
+            if row is not None:
+                return row
         names = [each for side, span in zip(self.both, spans, strict=True) for each in side.recipes.names_at(span)]
         for each in dict.fromkeys(names):
             places = [list(side.recipes.parameter(each)) for side in self.both]
