@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from mjcompose.build.bundle.bundle import Outcome
 from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
 
@@ -40,7 +41,7 @@ def test_a_recipe_that_joins_no_names_fits_any_separator(folder: Path, separator
         "attach: {cell: {model: ./inner.yaml}, line: {model: {separator: '/', base: ./inner.yaml}}}\n"
     )
     context = Context(environment={}, folder=folder)
-    outcomes = []
+    outcomes: list[Outcome] = []
     built = build(Request(folder / "outer.yaml"), context, outcomes=outcomes)
     assert built is not None, context.sink.diagnostics
     names = {str(geom.get("name")): geom.get("group") for geom in built.composed.model.root.iter("geom")}
