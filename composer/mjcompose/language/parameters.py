@@ -436,7 +436,7 @@ class Substitution:
         return Scalar(text, span, text, plain=False)
 
     def _is_same_for_all(self, name: str, turn: Turn) -> bool:
-        """Return whether a name of the turn, or one that is no attribute, means the same for every element."""
+        """Return whether a name of the turn, or one that is not an attribute, means the same for every element."""
         return name in turn.values or (name in self.scope and name not in _attributes())
 
     def _report(self, error: ExpressionError, node: Scalar) -> None:

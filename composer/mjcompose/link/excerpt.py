@@ -1,7 +1,7 @@
 """Excerpts of a source: one body with all elements that may belong to its subtree, without the rest of the source.
 
 `take_subtree` decides in an excerpt as in a copy of the whole source. An index of the source serves all of its bodies,
-and each excerpt costs what is in it.
+and the cost of an excerpt grows with its own size alone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _WORLD = "worldbody"
 
 
 class Excerpt(Struct, eq=False):
-    """A unit that is `body` of the unit `whole` and all that may belong to it; `names` are those of the whole world."""
+    """A unit that is `body` of the unit `whole` and all that may belong to it; `names` has all names of the world."""
 
     unit: Unit
     body: str
@@ -143,7 +143,7 @@ class ExcerptSource:
         return kept
 
     def _add_support(self, kept: set[Node], body: Node) -> None:
-        """Add what the body and the kept elements refer to: classes, assets, and elements of sections."""
+        """Add the elements that the body and the kept elements refer to: classes, assets, and elements of sections."""
         tops = list(self._unit.root.iterchildren("default"))
         waiting = [*kept, *tops]
         kept.update(tops)
@@ -201,7 +201,7 @@ class _Copy:
     def _shell(self, node: Node) -> Node:
         """Return a copy without children."""
         attributes = {str(name): str(value) for name, value in node.attrib.items()}
-        twin = node.makeelement(str(node.tag), attributes, node.nsmap)  # type: ignore[arg-type]  # None is no prefix
+        twin = node.makeelement(str(node.tag), attributes, node.nsmap)  # type: ignore[arg-type]  # None stands for no prefix
         twin.text = node.text
         twin.tail = node.tail
         set_line(twin, line_of(node))

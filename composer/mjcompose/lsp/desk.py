@@ -436,7 +436,7 @@ class Desk:
             document.glancing = asyncio.get_running_loop().create_task(self._glance(document))
 
     async def _glance(self, document: Document) -> None:
-        """Report what is certain about the newest text, as long as it is not analyzed."""
+        """Report the certain faults of the newest text, as long as it is not analyzed."""
         while document.glanced < document.count and self.documents.get(document.path) is document:
             count, text, version, whole = document.count, document.text, document.version, document.whole
             if whole is None:

@@ -1,4 +1,4 @@
-"""What a keystroke in a long recipe shows at once: faults of the text, and of the entries on the changed lines.
+"""Diagnostics for each keystroke in a long recipe: faults of the text, and of the entries on the changed lines.
 
 Everything else waits for a pause. Other diagnostics of the last analysis move with their lines.
 """
@@ -25,7 +25,7 @@ _SLOW = 0.15
 """The seconds of processor time from which an analysis is too slow for each keystroke."""
 _OF_TEXT = "yaml-"
 _FEW = 8
-"""Sections with at most so many entries are validated whole."""
+"""The most entries of a section that is validated whole."""
 
 
 def waits_for_pause(text: str, seconds: float) -> bool:
@@ -34,7 +34,7 @@ def waits_for_pause(text: str, seconds: float) -> bool:
 
 
 def glance(text: str, before: Analysis) -> Analysis:
-    """Return the last analysis with the tree of a new text and what is certain about its changed lines."""
+    """Return the last analysis with the tree of a new text and the certain faults of its changed lines."""
     sink = Sink()
     lines = lines_of(text)
     try:
@@ -56,13 +56,13 @@ def glance(text: str, before: Analysis) -> Analysis:
         before, text=text, tree=before.tree if tree is None else tree, found=tuple(found), is_current=tree is not None,
         is_composed=False, tree_of=before.tree_of if tree is None else text,
     )  # fmt: skip
-    if "names" in vars(before):  # they are those of the same model
+    if "names" in vars(before):  # the model is the same
         vars(glanced)["names"] = before.names
     return glanced
 
 
 def _reread(lines: list[str], before: Analysis) -> Node | None:
-    """Return the tree of the text, if it follows from that of the last analysis, whose text had no faults of YAML."""
+    """Return the tree of the text, if it follows from the last tree, whose text had no faults of YAML."""
     has_faults = not before.is_current or any(each.code.startswith(_OF_TEXT) for each in before.found)
     return None if has_faults or before.tree is None else reread(before.tree, before.lines, lines, before.file)
 
@@ -71,7 +71,7 @@ def faults_of_entries(tree: Node, count: int, changed: Collection[int]) -> Itera
     """Yield the faults on the `changed` lines, counted from 0, that a recipe of `count` lines certainly has.
 
     Only the entries on these lines are read. They may use names that other entries and files declare, so a name that
-    does not exist here is no certain fault.
+    does not exist here is not a certain fault.
     """
     if not isinstance(tree, Mapping) or EXTENDS in tree.entries or not changed:
         return

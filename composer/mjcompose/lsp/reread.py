@@ -59,7 +59,7 @@ def reread(tree: Node, old: Items[str], new: Items[str], file: str) -> Node | No
 
 
 def _section_at(tree: Mapping, head: int, last: int, count: int) -> str | None:
-    """Return the name of the section whose lines, below that of its key, contain the lines from `head` to `last`."""
+    """Return the name of the section whose lines, below its key, contain the lines from `head` to `last`."""
     for name, (key, _) in tree.entries.items():
         if key.span.line <= head and last <= _end(tree, name, count):
             return name
@@ -99,7 +99,7 @@ def _indent(line: str) -> int:
 def _entries(lines: Items[str], stretch: _Stretch, key: Key, file: str) -> Mapping | Sequence | None:
     """Return the section with only the entries of a stretch, at their places; None if they have faults.
 
-    The first of them begins where that of the earlier text does: the lines before it are complete.
+    The first entry begins at the same line as in the earlier text: the lines before it are complete.
     """
     at = key.span.line - 1
     if stretch.start <= at:

@@ -93,7 +93,7 @@ class NameTable:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.kept: dict[Hashable, Any] = {}  # what others derive from these names
+        self.kept: dict[Hashable, Any] = {}  # values that others derive from these names
         self.names: dict[str, list[str]] = {}
         self.ids: dict[str, dict[str, int]] = {}
         for kind in KINDS:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from itertools import accumulate
 
 _FEW = 8
-"""So many names are looked at, without another search."""
+"""The most candidates that a search compares one by one."""
 _BETWEEN = "\0"
 """A character that no name in XML has."""
 

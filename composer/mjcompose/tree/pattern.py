@@ -114,7 +114,7 @@ def _literal_start(expression: str) -> str:
     >>> _literal_start("link[0-9]+"), _literal_start("links?"), _literal_start("left|right"), _literal_start("(?i)left")
     ('link', 'link', '', '')
     """
-    # `|` allows other beginnings, and flags change what letters and spaces match.
+    # `|` allows other beginnings, and flags change the meaning of letters and spaces.
     if "|" in expression or "(?" in expression:
         return ""
     literal = re.match(r"[\w/ -]*", expression)

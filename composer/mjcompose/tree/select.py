@@ -199,7 +199,7 @@ def numbered(parent: Node, tag: str) -> dict[Node, int]:
 
 
 _WALKED = 4
-"""Of how many elements one has to be selected, so that a walk over all is quicker than the places of the selected."""
+"""If at least one of this many elements is selected, a walk over all is quicker than a search for their places."""
 
 
 def _in_order(nodes: Iterable[Node]) -> list[Node]:
@@ -260,7 +260,7 @@ class Selection:
             self._known.clear()
 
     def looks(self, selector: Selector) -> int:
-        """Return the number of elements that are looked at to find the matching ones, for one selector in it."""
+        """Return the number of elements that a search looks at to find the matching ones, for one selector."""
         if self._called(selector) is not None:
             return 0
         around = self._around(selector)

@@ -107,7 +107,7 @@ class Loader(Struct, frozen=False):
         from mjcompose.link.excerpt import ExcerptSource  # few recipes need it
 
         key = source_key(model, is_fixed)
-        # An observer sees what is dropped.
+        # An observer sees the dropped elements.
         if self.watch is not nobody or (self.uses[key] < 2 and key not in self.excerpted):
             return None
         unit = self._parsed(key, model, span, is_fixed=is_fixed)
