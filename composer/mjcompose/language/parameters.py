@@ -421,6 +421,7 @@ class Substitution:
         span = node.span.repeated(turn.text)
         try:
             names = keys_in(node.value)
+            self._check_names(node.value)
             if names.isdisjoint(turn.values):
                 return replace(node, span=span)
             known = {name: self.scope[name] for name in names if self._is_same_for_all(name, turn)}
@@ -434,6 +435,16 @@ class Substitution:
             self._report(error, replace(node, span=span))
             return None
         return Scalar(text, span, text, plain=False)
+
+    def _check_names(self, text: str) -> None:
+        """Raise `ExpressionError` for a name that nothing has: no turn, parameter or element."""
+        from mjcompose.text.evaluate import Template
+        from mjcompose.text.expression import CONSTANTS
+
+        for name in Template.parse(text).names():
+            known = name.name in self.scope or name.name in _attributes() or name.name in {*RESERVED, *CONSTANTS}
+            if not name.space and not known:
+                raise UnknownName(name.name, name.at)
 
     def _is_same_for_all(self, name: str, turn: Turn) -> bool:
         """Return whether a name of the turn, or one that is not an attribute, means the same for every element."""

@@ -203,9 +203,14 @@ def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, na
     earlier = linking.names.declared.setdefault(namespace, {}).setdefault(value, node)
     if earlier is not node and namespace != "key":
         code = "class-clash" if namespace == "default" else "name-clash"
-        message, span = f"the name `{value}` is taken by another {word(namespace)}", making.span_of(node, name)
-        notes = (Note("it is declared here", linking.span(linking.base, earlier, "name")),)
-        making.sink.error(code, message, span, notes=notes, help="choose another name", subjects=(value,))
+        span = making.span_of(node, name)
+        first = linking.span(linking.base, earlier, "name")
+        message, help = f"the name `{value}` is taken by another {word(namespace)}", "choose another name"
+        notes = [Note("it is declared here", first)]
+        if span == first and span.turn is not None:
+            message = f"`for` gives each {word(namespace)} the name `{value}`"
+            help, notes = f"put a value of the `for` into the name: `{value}_${{…}}`", []
+        making.sink.error(code, message, span, notes=notes, help=help, subjects=(value,))
 
 
 def _look_up(linking: Linking, making: ElementBuilder, reference: Reference) -> None:
