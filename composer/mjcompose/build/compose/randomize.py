@@ -327,7 +327,9 @@ class _FieldDraws(Struct, frozen=False):
         if isinstance(drawn, str):
             angle = Angle.read(drawn)
             return drawn if angle is None else angle.in_unit(own)
-        return drawn if unit is None or isinstance(drawn, tuple | Angle) else Angle(drawn, unit).in_unit(own)
+        if unit is None or not isinstance(drawn, int | float):
+            return drawn
+        return Angle(drawn, unit).in_unit(own)
 
     def _all_in_radians(self, node: Node, drawn: Sequence[Any], is_angle: bool) -> Sequence[Value]:
         unit, own = self._units(node, is_angle)
