@@ -83,13 +83,14 @@ class Recipes:
     def __init__(self, side: Side) -> None:
         self.side = side
         self.plans: list[Plan] = []
-        self.attached: dict[Span, tuple[Plan, AttachPart]] = {}
+        self.attached: dict[tuple[Span, str | None], tuple[Plan, AttachPart]] = {}
+        """The parts by their place, and the turn of a `for` there."""
         self._given: dict[str, list[Span]] = defaultdict(list)
         for plan in () if side.plan is None else side.plan.plans():
             if any(plan is each for each in self.plans):
                 continue
             self.plans.append(plan)
-            self.attached |= {step.span: (plan, step) for step in plan.parts}
+            self.attached |= {(step.span, step.span.turn): (plan, step) for step in plan.parts}
             blocks = (find(plan.document, (*step.at, "with")) for step in plan.members)
             for entries in (each.entries for each in blocks if isinstance(each, Mapping)):
                 for name, (_, node) in entries.items():
@@ -100,9 +101,12 @@ class Recipes:
     def attachment(self, part: Part | None, there: Recipes | None = None) -> Mapping | None:
         """Return the entry that attaches a part; for a part of another side, the entry at the same path here."""
         there = there or self
-        if part is None or part.span is None or part.span not in there.attached:
+        if part is None or part.span is None:
             return None
-        plan, step = there.attached[part.span]
+        attached = there.attached.get((part.span, part.span.turn))
+        if attached is None:
+            return None
+        plan, step = attached
         number = next(number for number, each in enumerate(there.plans) if each is plan)
         found = find(self.plans[number].document, step.at) if number < len(self.plans) else None
         return found if isinstance(found, Mapping) else None
