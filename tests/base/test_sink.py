@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, Note, Severity, Span
 from mjcompose.base.sink import Sink
+
+SPAN = Span("a.yaml", 2, 5, 2, 9)
 
 
 def test_keeps_the_order_and_drops_repetitions() -> None:
@@ -194,3 +198,29 @@ def test_equal_findings_of_several_recipes_are_one() -> None:
     assert [(each.message, each.recipes) for each in sink.diagnostics] == [
         ("x", ("a.yaml", "b.yaml")), ("a.yaml", ("a.yaml",)), ("b.yaml", ("b.yaml",)),
     ]  # fmt: skip
+
+
+def test_faults_of_turns_at_one_place_are_one_but_two_faults_of_one_turn_are_two() -> None:
+    sink = Sink()
+    for message, turn in (
+        ("no `a0`", "`i` is 0"),
+        ("no `b0`", "`i` is 0"),
+        ("no `a1`", "`i` is 1"),
+        ("no `a2`", "`i` is 2"),
+    ):
+        sink.error("unknown-name", message, replace(SPAN, turn=turn))
+    first, second = sink.diagnostics
+    assert (first.message, second.message, sink.error_count) == ("no `a0`", "no `b0`", 4)
+    assert [each.message for each in first.notes] == ["where `i` is 0"]
+    assert [each.message for each in first.others] == ["where `i` is 1", "where `i` is 2"]
+    again = Sink()
+    again.extend(sink.diagnostics)
+    assert again.diagnostics == sink.diagnostics
+
+
+def test_a_fault_of_a_value_from_a_table_is_told_there() -> None:
+    sink = Sink()
+    row = Span("motors.csv", 3, 6)
+    sink.error("wrong-type", "no number", replace(SPAN, source=row))
+    (found,) = sink.diagnostics
+    assert found.span == row and found.notes == (Note("the value is used here", SPAN),)

@@ -108,7 +108,7 @@ class Sink:
             return
         if cause is not None:
             first = self._causes.setdefault((diagnostic.code, diagnostic.severity, cause.key), diagnostic)
-            if first is not diagnostic:
+            if first is not diagnostic and Note(cause.subject) not in first.notes:  # two faults of one turn differ
                 self._found[first][Note(cause.subject, diagnostic.span)] = None
                 return
         self._found[diagnostic] = {}
