@@ -111,7 +111,7 @@ def _turns(key: str, entry: Any) -> Iterator[tuple[str, Any]]:
         yield key, entry
         return
     values = [_VALUES[str(each)] for each in entry["for"].values()]
-    rest = {name: each for name, each in entry.items() if name not in ("for", "when")}
+    rest = {name: each for name, each in entry.items() if name not in ("for", "when", "id")}
     for turn in itertools.product(*values):
         scope = dict(zip(entry["for"], turn, strict=True))
         if _holds(entry.get("when"), scope):
