@@ -178,3 +178,8 @@ def test_a_recipe_that_cannot_be_read_and_may_use_it_stops_it(editor: Editor, in
         raise AssertionError(found)
     finally:
         broken.unlink()
+
+
+def test_a_prefix_that_is_half_written_changes_no_pattern() -> None:
+    with pytest.raises(NotSure):
+        renamed("left/*", "left", "arm/hand", "/", True)

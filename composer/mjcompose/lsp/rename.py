@@ -47,7 +47,10 @@ def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str
         if re.search(rf"(?<!\w){re.escape(old)}(?!\w)", text):
             raise NotSure(text)
         return None
-    before, after = old.split(separator), new.split(separator)
+    before = old.split(separator)
+    after = new.split(separator)
+    if len(before) != len(after):  # a prefix that is half written
+        raise NotSure(text)
     steps = text.split(separator)
     for at, (was, now) in enumerate(zip(before, after, strict=True)):
         if at >= len(steps) or steps[at] == "**":

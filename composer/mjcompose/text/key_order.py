@@ -112,7 +112,7 @@ def _sort(node: Collection, path: Path) -> None:
     order, whole = _table(path)
     if not order:
         return
-    rank = {FOR: -1} | {name: index for index, name in enumerate(order)}
+    rank = {name: index for index, name in enumerate(order)} | {FOR: -1}
     ranks: list[int] = []
     for entry in node.entries:
         ranks.append(rank.get(_name(entry), (ranks[-1] if ranks else -1) if whole else len(order)))
