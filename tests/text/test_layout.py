@@ -145,11 +145,11 @@ CASES = {
     ),
     "the names of repeated entries": (
         "attach: {'a${i}': {model: m, for: {i: 2}}}\ncheck: {'c${i}': {lint: {}, for: {i: 2}}}\n",
-        "attach: {'a${i}': {for: {i: 2}, model: m}}\ncheck: {'c${i}': {for: {i: 2}, lint: {}}}\n",
+        'attach: {"a${i}": {for: {i: 2}, model: m}}\ncheck: {"c${i}": {for: {i: 2}, lint: {}}}\n',
     ),
     "the names of repeated entries of lists": (
         "edit: [{select: {body: b}, for: {i: 2}}]\ninterface: {key: [{name: '${i}', for: {i: 2}}]}\n",
-        "edit: [{for: {i: 2}, select: {body: b}}]\ninterface: {key: [{for: {i: 2}, name: '${i}'}]}\n",
+        'edit: [{for: {i: 2}, select: {body: b}}]\ninterface: {key: [{for: {i: 2}, name: "${i}"}]}\n',
     ),
     "a list of lists": ("a:\n-  - 1\n   - - 2\n# end\n", "a:\n  - - 1\n    - - 2\n# end\n"),
     "the whole in brackets": ("# x\n{name: a,\n recipe: 1} # y\n", "# x\n{\n  recipe: 1,\n  name: a}\n# y\n"),
