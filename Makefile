@@ -49,7 +49,7 @@ test-usd:
 	@[ -e .venv-usd/.ready ] || { \
 	  for python in $(PYTHON) python3.12 python3.11 python3; do $$python -c 'import ensurepip, sys; sys.exit(sys.version_info >= (3, 13))' 2>/dev/null && break; done; \
 	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
-	@.venv-usd/bin/python -m pytest tests/build/bundle/test_write.py
+	@.venv-usd/bin/python -m pytest tests/bundle/test_write.py
 
 # The tests of worlds in simulators, and the guides that need such packages: MuJoCo Warp, MJX and playground in one environment, mjlab, which pins MuJoCo 3.11, in another.
 test-worlds: $(STAMP)

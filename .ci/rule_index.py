@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mjcompose.build.lint.rule import FAMILIES, rules
+from mjcompose.lint.rule import FAMILIES, rules
 
 _MEANING = {
     "dead": "elements that nothing uses",

@@ -42,8 +42,8 @@ else:
 """
 _STARTS = (
     ("Python and the command's own options", "import mjcompose.cli.main, mjcompose.cli.build"),
-    ("what knows the cache", "import mjcompose.build.cache.builder"),
-    ("what reads, plans, links and bundles", "import mjcompose.build.stages, mjcompose.build.verify.compile"),
+    ("what knows the cache", "import mjcompose.pipeline.cache.builder"),
+    ("what reads, plans, links and bundles", "import mjcompose.pipeline.stages, mjcompose.verify.compile"),
 )
 
 

@@ -10,8 +10,8 @@ from mjcompose.base import files
 from mjcompose.base.access import ALL
 from mjcompose.base.files import TooLarge, unsaved, unsaved_text, untrusted
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.planner import make_plan
 from mjcompose.mujoco.engine import Request, Session
+from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.store import Store

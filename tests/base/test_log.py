@@ -11,7 +11,7 @@ from pathlib import Path
 import mjcompose
 import pytest
 from mjcompose import mjcf
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 GEOM = '<worldbody><geom size="1"/></worldbody>'
@@ -54,7 +54,7 @@ def test_a_build_is_logged_under_mjcompose(tmp_path: Path, caplog: pytest.LogCap
 
 
 def test_a_program_without_logging_does_not_import_it() -> None:
-    code = "import sys; import mjcompose.build.stages; print('logging' in sys.modules)"
+    code = "import sys; import mjcompose.pipeline.stages; print('logging' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
 

@@ -35,13 +35,13 @@ READS_ITSELF = {
         base/files.py:_opened base/files.py:open_regular base/files.py:read_argument""",
     "no contents: it asks for the right": "base/sandbox.py:_may_be_read",
     "a stream, or text, that is open or in memory": """
-        build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at
-        build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
+        bundle/listing.py:_rows_at bundle/read.py:_read_archive bundle/remote.py:manifest_at
+        bundle/write.py:_manifest bundle/bundle.py:with_moment pipeline/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
         sources/git_command.py:_contents sources/fetched.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
-        build/cache/cache_key.py:tool_version tools/cluster/client.py:versions base/codes.py:page
+        pipeline/cache/cache_key.py:tool_version tools/cluster/client.py:versions base/codes.py:page
         text/key_order.py:<module> tree/grammar.py:read_data tree/history.py:spans
         language/datasheets.py:library
         language/reference_page.py:examples tools/new.py:_read tools/new.py:examples
@@ -49,14 +49,14 @@ READS_ITSELF = {
         tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
         tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
-        build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
+        bundle/staging.py:write_mjb bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/environments.py:differences
         mujoco/environments.py:other_inertias
         tools/migrate/compare.py:_Side.of mujoco/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet mujoco/playable.py:_replaced tools/view/page.py:_played
         targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds build/verify/draws.py:compare_world
+        verify/draws.py:with_worlds verify/draws.py:compute_worlds verify/draws.py:compare_world
         cli/servers.py:_call""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": """
         mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled""",
@@ -68,19 +68,19 @@ READS_ITSELF = {
 reason: it may be a pipe, a device or 10 GB."""
 
 WRITES_ITSELF = {
-    "the writer": "build/bundle/staging.py",
+    "the writer": "bundle/staging.py",
     "its argument is a stage of the writer": """
         cli/build_cells.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
         mujoco/pictures.py:draw mujoco/pictures.py:sheet mujoco/film.py:write_mp4
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
-        cli/about.py:_mujoco build/compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
+        cli/about.py:_mujoco compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
         tools/diff/sides.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
-        build/checks/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
-        targets/read_back.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute_worlds tools/view/live.py:_opened
+        targets/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
+        targets/read_back.py:read_back urdf/read.py:UrdfReader._written verify/compile.py:_written
+        verify/draws.py:with_worlds verify/draws.py:compute_worlds tools/view/live.py:_opened
         tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
         mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/shared/facts.py""",
@@ -97,23 +97,23 @@ WRITES_ITSELF = {
     "pages of this project, for `make schemas`": """
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """
-        build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast
+        bundle/write.py:write compose/compose.py:Composer._joined tools/diff/models.py:contrast
         mjcf/flat.py:link_checked targets/urdf.py:write_urdf""",
 }
 """What opens files for writing, copies or moves them beside `bundle/staging.py`, and why."""
 
 OF_THE_ENGINE = ("mujoco/convert.py", "mujoco/engine.py")
 GIVEN_TO_MUJOCO = {
-    "build/bundle/staging.py": "a bundle, whose files all came through the door",
+    "bundle/staging.py": "a bundle, whose files all came through the door",
     "cli/about.py": "a model of this package",
-    "build/compose/load.py": "a model without files",
+    "compose/load.py": "a model without files",
     "tools/diff/sides.py": "asks `all_admitted`",
     "tools/lint.py": "asks `all_admitted`",
     "tools/importing/recover.py": "models that `recover` asks `all_admitted` of",
     "link/measure.py": "a folder of files that passed",
     "urdf/read.py": "asks `includes_admitted`, and converts with the door",
-    "build/verify/compile.py": "a bundle, whose files all came through the door",
-    "build/verify/parts.py": "sources, which pass where they are read",
+    "verify/compile.py": "a bundle, whose files all came through the door",
+    "verify/parts.py": "sources, which pass where they are read",
 }
 """Modules that have MuJoCo read a model, which opens by itself what that names."""
 
@@ -198,7 +198,7 @@ def test_nobody_opens_files_beside_the_reader_and_the_writer(how: str, listed: d
     }
     allowed = {each.partition(":")[::2] for places in listed.values() for each in places.split()}
     unlisted = {each for each in found if each not in allowed and (each[0], "") not in allowed}
-    advice = {"read": "`mjcompose.base.files`", "write": "`mjcompose.build.bundle.staging`"}[how]
+    advice = {"read": "`mjcompose.base.files`", "write": "`mjcompose.bundle.staging`"}[how]
     assert not unlisted, f"{how} these through {advice}: {unlisted}"
     modules = {module for module, _ in found}
     over = {each for each in allowed if each not in found and (each[1] or each[0] not in modules)}
@@ -236,8 +236,8 @@ def test_mujoco_is_given_what_passed() -> None:
 
 LOOKS = {"exists", "is_dir", "is_file"}
 LOOKS_AT_ENTRIES = {
-    "build/bundle/read.py": "reports what cannot be read, with the reason of the system",
-    "build/cache/cache_key.py": "entries of a folder",
+    "bundle/read.py": "reports what cannot be read, with the reason of the system",
+    "pipeline/cache/cache_key.py": "entries of a folder",
     "sources/fetching.py": "entries of a folder",
     "sources/web_archive.py": "members of an archive",
 }

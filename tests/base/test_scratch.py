@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from mjcompose.base import scratch as module
 from mjcompose.base.scratch import locked_folder, scratch, sweep
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import staged_file, write_folder
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.bundle.staging import staged_file, write_folder
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs signals")
 HOLDS = """
@@ -29,8 +29,8 @@ with scratch("engine") as folder:
 WRITES = """
 import sys, time
 from pathlib import Path
-from mjcompose.build.bundle import staging as folder, staging
-from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.bundle import staging as folder, staging
+from mjcompose.bundle.bundle import Bundle
 
 def swap(stage, target):
     if sys.argv[2] == "between":

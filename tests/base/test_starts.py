@@ -30,7 +30,7 @@ STARTERS = {
     "base/own_command.py:<module>:runpy": "the script that runs our own command, in this process",
     "targets/readers/shared/facts.py:<module>:runpy": "the script that runs a reader, in this process",
     "base/sandbox.py:probe.started:fork": "`doctor` tries whether a confined process can fork",
-    "build/compose/edits.py:ModelEdits.in_doubt:fork": "a method of ours: it copies a sink",
+    "compose/edits.py:ModelEdits.in_doubt:fork": "a method of ours: it copies a sink",
     "cli/servers.py:mcp:anyio": "the loop of the server, which starts nothing",
     "cli/servers.py:_run:anyio": "threads, which start nothing",
     "tools/cluster/client.py:_local:LocalCluster": "Dask's workers: Python without the current folder, by the environment",

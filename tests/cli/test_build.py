@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import pytest
 from cli.shell import RECIPE, process, run, snapshot
-from mjcompose.build.bundle import write
+from mjcompose.bundle import write
 
 MODEL_FILES = {"model.xml", "assets/arm/cover.obj", "LICENSES/arm/LICENSE", "manifest.json"}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import RECIPE, run
-from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.bundle.bundle import OutputError
 from mjcompose.cli.build_records import render_depfile
 
 INPUTS = {"cell.yaml", "models/arm.xml", "models/tool.xml", "models/meshes/cover.obj", "models/LICENSE"}

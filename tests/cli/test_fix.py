@@ -87,12 +87,12 @@ def test_bad_input(folder: Path) -> None:
 
 
 def test_what_cannot_be_written_is_told(broken: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.bundle.bundle import OutputError
 
     def refused(*_: object, **__: object) -> None:
         raise OutputError("output-unwritable", "no")
 
-    monkeypatch.setattr("mjcompose.build.bundle.staging.staged_file", refused)
+    monkeypatch.setattr("mjcompose.bundle.staging.staged_file", refused)
     result = run("fix", "broken.yaml", "--write")
     assert result.exit_code == 1 and "error[output-unwritable]" in result.stderr and broken.read_text() == WRONG
 

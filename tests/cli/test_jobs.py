@@ -16,11 +16,11 @@ import pytest
 from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
 from mjcompose.base import runtime
-from mjcompose.build.cache.builder import BuildResult
 from mjcompose.cli import build_cells, entry as process
 from mjcompose.cli.entry import end_in_order
 from mjcompose.cli.main import main
 from mjcompose.cli.output import put
+from mjcompose.pipeline.cache.builder import BuildResult
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from cli.shell import run, snapshot
 from mjcompose.base.access import door_of_walk
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import replace_text, staged_file
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import replace_text, staged_file
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="links")
 

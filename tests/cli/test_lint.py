@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from build.lint.test_dead import CLASSES
 from cli.shell import run
+from lint.test_dead import CLASSES
 
 
 @pytest.fixture

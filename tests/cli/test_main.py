@@ -238,7 +238,7 @@ def test_too_little_memory_is_reported_where_the_process_begins(folder: Path, mo
     def none(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("mjcompose.build.plan.read._text", none)
+    monkeypatch.setattr("mjcompose.plan.read._text", none)
     result = run("plan", "cell.yaml")
     assert isinstance(result.exception, MemoryError) and not result.stderr
 

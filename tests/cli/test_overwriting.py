@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from cli.shell import run
 from mjcompose.base import files
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import staged_file, staged_folder
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import staged_file, staged_folder
 
 TEXTURE = Path(__file__).parents[2] / "recipes" / "models" / "table" / "textures" / "wood.png"
 MODEL = """<mujoco>

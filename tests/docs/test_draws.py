@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]

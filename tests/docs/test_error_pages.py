@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Limits
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -127,8 +127,7 @@ NOT_A_BUILD = {
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
     "interface-changed": "needs a lock: tests/tools/test_lock_interface.py",
     **dict.fromkeys(
-        ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"),
-        "tests/build/verify",
+        ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"), "tests/verify"
     ),
     **dict.fromkeys(
         ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/tools/cluster"

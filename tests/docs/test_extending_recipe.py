@@ -90,7 +90,7 @@ def make_schemas(package: Path) -> None:
 
 
 def imported(package: Path) -> subprocess.CompletedProcess[str]:
-    code = "import mjcompose.build.stages, mjcompose.build.compose.edits, mjcompose.build.verify.checks"
+    code = "import mjcompose.pipeline.stages, mjcompose.compose.edits, mjcompose.verify.run_checks"
     environment = {**os.environ, "PYTHONPATH": str(package / "composer"), "PYTHONSAFEPATH": "1"}
     command = [sys.executable, "-c", code]
     return subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True)
@@ -174,7 +174,7 @@ def test_half_of_it_fails_at_import(package: Path, title: str, path: str) -> Non
 
 def test_a_step_without_words_fails_at_import(package: Path) -> None:
     extend(package, "Add a recipe section")
-    path = package / "composer" / "mjcompose" / "build" / "plan" / "write_note.py"
+    path = package / "composer" / "mjcompose" / "plan" / "write_note.py"
     path.write_text(path.read_text(encoding="utf-8").replace("def words", "def phrase"), encoding="utf-8")
     done = imported(package)
     assert "TypeError: the step WriteNote lacks words" in done.stderr

@@ -23,7 +23,7 @@ import pytest
 import yaml
 from foreign.by_name import driven_apart
 from foreign.merging import CLOSE
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.importing.recover import recover
 
@@ -111,14 +111,14 @@ def test_both_make_the_same_model(job: str, tmp_path: Path, monkeypatch: pytest.
     context = Context(environment=dict(os.environ))
     values = {}
     if job in CELLS:
-        from mjcompose.build.cache.cells import cells_of, select_cell
+        from mjcompose.pipeline.cache.cells import cells_of, select_cell
 
         cell = select_cell(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
         assert cell is not None
         values = cell.given
     built = build(Request(ROOT / recipe, given=values), context)
     assert built is not None, context.sink.diagnostics
-    from mjcompose.build.bundle.write import write
+    from mjcompose.bundle.write import write
 
     write(built.bundle, f"{tmp_path}/out/", environment={})
     by_recipe = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))

@@ -14,8 +14,8 @@ import click
 import mujoco
 import pytest
 from mjcompose.base.report import render
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
 from mjcompose.tools.diff.text import render as render_diff

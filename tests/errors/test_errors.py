@@ -19,7 +19,7 @@ import pytest
 from cases import Case, cases
 from mjcompose.base.diagnostic import Severity
 from mjcompose.base.report import render, summary
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 HERE = Path(__file__).resolve().parent

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import mujoco
 from feature_cases.members import Member, members
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.write import write
 from mjcompose.mujoco.compare import Keys, option_differences
 from mjcompose.mujoco.match import EXTRA
 from mjcompose.mujoco.unchanged import compare
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 

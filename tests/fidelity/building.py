@@ -35,7 +35,7 @@ class Build:
 def is_there() -> bool:
     """Whether mjcompose can build at all."""
     try:
-        return find_spec("mjcompose.build.stages") is not None and bool(__import__("mjcompose.build.stages"))
+        return find_spec("mjcompose.pipeline.stages") is not None and bool(__import__("mjcompose.pipeline.stages"))
     except ImportError:
         return False
 
@@ -55,7 +55,7 @@ def session_of_process() -> Session:
 def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from mjcompose.base.report import render
-    from mjcompose.build.stages import Request, build as run
+    from mjcompose.pipeline.stages import Request, build as run
     from mjcompose.sources.context import Context
 
     context = Context(folder=recipe.parent)

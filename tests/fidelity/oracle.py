@@ -17,9 +17,9 @@ from typing import Any
 import mujoco
 import numpy as np
 from fidelity.random_parts import Attached, Case
-from mjcompose.build.cache.cells import cells_of
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.cache.cells import cells_of
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from numpy.typing import NDArray
 

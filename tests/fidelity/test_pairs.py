@@ -24,7 +24,7 @@ CASES = corpora.cases(Path(FOLDER)) if FOLDER else []
 
 pytestmark = [
     pytest.mark.skipif(not FOLDER, reason="MJCOMPOSE_CORPUS names no corpus"),
-    pytest.mark.skipif(not is_there(), reason="mjcompose.build.stages cannot be imported"),
+    pytest.mark.skipif(not is_there(), reason="mjcompose.pipeline.stages cannot be imported"),
 ]
 
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Span
-from mjcompose.build.bundle.bundle import MANIFEST, MODEL
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import MANIFEST, MODEL
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Scalar
 

@@ -14,11 +14,11 @@ from pathlib import Path
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Severity
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.stored import verify_stored
+from mjcompose.bundle.write import write
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
+from mjcompose.verify.stored import verify_stored
 
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/recipe.yaml"))

@@ -10,8 +10,8 @@ from typing import Any
 import mujoco
 import pytest
 import yaml
-from mjcompose.build.stages import Request, build
 from mjcompose.language.reference_page import examples, pages
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]

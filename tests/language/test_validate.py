@@ -13,10 +13,10 @@ from language.validating import validate
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.expand import expand
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import faults, validate_what_remains
+from mjcompose.plan.read import read_recipe
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, to_python

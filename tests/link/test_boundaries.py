@@ -8,8 +8,8 @@ import mujoco
 import pytest
 from link.workshop import Workshop
 from mjcompose import mjcf
-from mjcompose.build.stages import Built, Request, build
 from mjcompose.mujoco.attributes import names
+from mjcompose.pipeline.stages import Built, Request, build
 from mjcompose.sources.context import Context
 
 WORLD = """<worldbody><body name="rail" pos="0 0 2"><joint name="swing" axis="1 0 0"/><geom name="beam" size=".1"/>

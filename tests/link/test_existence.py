@@ -8,10 +8,10 @@ import mujoco
 import pytest
 from link.workshop import OLDER
 from lxml import etree
-from mjcompose.build.compose import compose
-from mjcompose.build.stages import Request, build
+from mjcompose.compose import compose
 from mjcompose.link.existence import Written
 from mjcompose.mujoco.attributes import KINDS, all_names
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 EVERY_KIND = """<mujoco>

@@ -12,11 +12,11 @@ from mjcompose.base.access import own_door
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.naming import is_portable
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.collect import collect
-from mjcompose.build.stages import Request, build
+from mjcompose.link.collect import collect
 from mjcompose.link.files import KINDS, Merged, NamedFile, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tree.files import Settings
 from mjcompose.tree.unit import Unit

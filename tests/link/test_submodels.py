@@ -6,8 +6,8 @@ import mujoco
 import pytest
 from link.workshop import BASE, Linked, Piece, Workshop, obj, placed
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.collect import collect
 from mjcompose.link.agreement import SINGLETONS
+from mjcompose.link.collect import collect
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.submodels import submodel_options

@@ -12,7 +12,7 @@ import pytest
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.collect import collect
+from mjcompose.link.collect import collect
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Request
 from mjcompose.link.measure import measure_with

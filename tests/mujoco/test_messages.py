@@ -5,7 +5,6 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.messages import (
     Fault,
     Topic,
@@ -18,6 +17,7 @@ from mjcompose.mujoco.messages import (
     unknown_attribute,
     version_of,
 )
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 

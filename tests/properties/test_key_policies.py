@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 POLICIES = ("merge", "prefix", "none")

@@ -15,9 +15,9 @@ import pytest
 from feature_cases.judging import differences
 from feature_cases.members import members
 from hypothesis import HealthCheck, given, reject, settings
-from mjcompose.build.bundle.assemble import assemble
-from mjcompose.build.compose.compose import Composer
-from mjcompose.build.plan.planner import make_plan
+from mjcompose.bundle.assemble import assemble
+from mjcompose.compose.compose import Composer
+from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.xml_text import write

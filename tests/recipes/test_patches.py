@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from lxml import etree
 from lxml.etree import _Element as Node
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.write import write
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from sampling import rest_slow
 

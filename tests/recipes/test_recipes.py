@@ -8,8 +8,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.write import write
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from sampling import rest_slow
 

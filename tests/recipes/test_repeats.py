@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.targets import read_back
 from mjcompose.targets.names import CONSUMERS
@@ -169,4 +169,4 @@ def test_a_package_stands_in_a_folder_of_its_name(tmp_path: Path) -> None:
 
 def test_each_reader_has_its_program() -> None:
     folder = Path(read_back.__file__).with_name("readers")
-    assert {each.program for each in READERS.values()} == {path.stem for path in folder.glob("*.py")}
+    assert {each.program for each in READERS.values()} == {path.stem for path in folder.glob("[a-z]*.py")}

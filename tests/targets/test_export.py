@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.diagnostic import Severity
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from targets.models import RECIPES, SELDOM
 from targets.writing import codes, losses, written

@@ -8,8 +8,8 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.write import write
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.plain import plain
@@ -57,7 +57,7 @@ def test_every_recipe(
     name: str, tmp_path: Path, simple_robots: Path, menagerie_root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     recipe = RECIPES / f"{name}.yaml"
-    monkeypatch.setattr("mjcompose.build.verify.checks.checks_in", lambda plan: iter(()))  # they measure robots
+    monkeypatch.setattr("mjcompose.verify.run_checks.checks_in", lambda plan: iter(()))  # they measure robots
     root = menagerie_root if recipe.with_suffix(".lock").exists() else simple_robots  # a lock knows the meshes
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(root)})
     built = build(Request(recipe, target="plain"), context)

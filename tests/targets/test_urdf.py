@@ -7,9 +7,9 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.bundle.staging import write_folder
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.judge import differences, facts_of, questions
 from mjcompose.targets.target import Loss

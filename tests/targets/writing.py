@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.bundle.staging import write_folder
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 

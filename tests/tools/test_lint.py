@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
-from mjcompose.build.lint.rule import rules
+from mjcompose.lint.rule import rules
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.lint import lint

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.tools.lock import write_lock

@@ -104,8 +104,8 @@ def test_an_empty_model_has_code_too(tmp_path: Path) -> None:
 
 
 def test_a_recipe_and_its_bundle_have_the_same_bytes(tmp_path: Path) -> None:
-    from mjcompose.build.bundle.staging import write_folder
-    from mjcompose.build.stages import Request, build
+    from mjcompose.bundle.staging import write_folder
+    from mjcompose.pipeline.stages import Request, build
 
     (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
     (tmp_path / "recipe.yaml").write_text("recipe: 1\nbase: ./model.xml\n")

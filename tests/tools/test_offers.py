@@ -11,9 +11,9 @@ import pytest
 from cases import Case, cases
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.sink import Sink
-from mjcompose.build.cache.cells import cells_of
-from mjcompose.build.stages import Request, build
 from mjcompose.language.validate import validate_what_remains
+from mjcompose.pipeline.cache.cells import cells_of
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.tools.fix import Fixing, applied, edit_of, fix, models_of, place_of

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.rotation import Pose
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco.engine import Limits
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.outline import Body, Joint, Outline, Part, Place, as_data, outline, render, render_places
 

@@ -7,12 +7,12 @@ import pytest
 from mjcompose import mjcf
 from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.compile import OutsideFilesError, verify
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tree.mesh_cost import check_meshes, mesh_points
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
+from mjcompose.verify.compile import OutsideFilesError, verify
 from tree.test_points import OBJ, OPEN
 
 INLINE = '<mesh name="v" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>'

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mjcompose.build.compose.load import Library
-from mjcompose.build.stages import Request, build
+from mjcompose.compose.load import Library
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.tools.importing.propose import of_urdf, table

@@ -42,6 +42,12 @@ class Extension:
     files: tuple[str, ...]
 
 
+def own_modules(group: str) -> Mapping[str, str]:
+    """Return our own modules of a group by word, as `mjcompose.homes` lists them; nothing else is imported."""
+    modules: Mapping[str, str] = import_module("mjcompose.homes").OWN[group]
+    return modules
+
+
 LOADED: dict[tuple[str, str], Extension] = {}
 """The extensions that this process has loaded, by group and word."""
 

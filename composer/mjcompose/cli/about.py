@@ -232,14 +232,14 @@ def schema(options: SchemaOptions, run: Run) -> Answer:
     The schema is that of recipes, of the manifests in bundles, or of the lines of --output-format json.
     """
     if options.what == "manifest":
-        from mjcompose.build.bundle.manifest import schema as text
+        from mjcompose.bundle.manifest import schema as text
     elif options.what == "diagnostics":
         from mjcompose.base.report_data import schema_text as text
     elif options.what == "reference":
         from mjcompose.language.reference_page import page as text
     else:
-        from mjcompose.build.plan.read import load_all
         from mjcompose.language.schema import text
+        from mjcompose.plan.read import load_all
 
         for error in load_all():
             click.echo(error.message, err=True)

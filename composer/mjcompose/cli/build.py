@@ -13,7 +13,7 @@ import click
 
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.extensions import is_registered
-from mjcompose.build.bundle.bundle import OutputError, OutputForm, is_address
+from mjcompose.bundle.bundle import OutputError, OutputForm, is_address
 from mjcompose.cli.cells import BuildingOptions, check_readers, check_several
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching, did_you_mean, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
@@ -102,8 +102,8 @@ def build(options: Options, run: Run) -> int:
 
 
 def _build(options: Options, run: Run) -> int:
-    from mjcompose.build.cache.builder import Maker
-    from mjcompose.build.cache.cache_key import BuildOptions
+    from mjcompose.pipeline.cache.builder import Maker
+    from mjcompose.pipeline.cache.cache_key import BuildOptions
 
     _check_usage(options)
     spec, context, one = _output_spec(options, run), run.context, options.one

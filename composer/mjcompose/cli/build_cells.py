@@ -24,17 +24,17 @@ from mjcompose.base.report import counted
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Bundle, Location, OutputError, OutputForm, is_address, location
-from mjcompose.build.bundle.listing import COLUMNS, SIZES, column, write_rows
-from mjcompose.build.bundle.staging import check_own_place, staged_file
-from mjcompose.build.bundle.write import write as write_bundle
-from mjcompose.build.cache.builder import BuildResult, Maker
-from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
+from mjcompose.bundle.bundle import Bundle, Location, OutputError, OutputForm, is_address, location
+from mjcompose.bundle.listing import COLUMNS, SIZES, column, write_rows
+from mjcompose.bundle.staging import check_own_place, staged_file
+from mjcompose.bundle.write import write as write_bundle
 from mjcompose.cli.cells import FullError, Shard, Tally, counting, found_no_room, stopped
 from mjcompose.cli.output import OutputSpec, Task, add_picture, kind_of_output, put, report_of
 from mjcompose.cli.reporting import FINDINGS, INTERRUPTED, USAGE, arguments, note_files, note_output, say, say_details
 from mjcompose.cli.run import Stop
 from mjcompose.language.expand import Cell
+from mjcompose.pipeline.cache.builder import BuildResult, Maker
+from mjcompose.pipeline.cache.cell_run import CellMaker, CellResult, CellRun
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds import worlds
@@ -124,7 +124,7 @@ def _checked_folder(task: Task, count: int) -> Path | str:
     with run.stopping(FINDINGS):
         folder = location(run.context.folder, _folder(spec.out))
         if isinstance(folder, str):
-            from mjcompose.build.bundle.remote import check_writable
+            from mjcompose.bundle.remote import check_writable
 
             check_writable(folder)
     return folder
@@ -367,7 +367,7 @@ class RunTable:
     def write(self, path: Location, option: str | None = None) -> None:
         """Write all rows, as Parquet if the name says so, completely or not at all. Raises OutputError."""
         if not isinstance(path, Path):
-            from mjcompose.build.bundle.remote import deliver_file
+            from mjcompose.bundle.remote import deliver_file
 
             with scratch("table") as folder:
                 table = folder / PurePosixPath(path).name

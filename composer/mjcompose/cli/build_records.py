@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from mjcompose.base import __version__
-from mjcompose.build.bundle.bundle import MANIFEST, MODEL, OutputError, to_text
-from mjcompose.build.bundle.manifest import Input, Manifest, from_json
-from mjcompose.build.bundle.read import read
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.bundle import MANIFEST, MODEL, OutputError, to_text
+from mjcompose.bundle.manifest import Input, Manifest, from_json
+from mjcompose.bundle.read import read
+from mjcompose.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
 

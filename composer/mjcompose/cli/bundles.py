@@ -10,16 +10,16 @@ import click
 
 from mjcompose.base.naming import file_name
 from mjcompose.base.report import MjcomposeError, json_text, one_line, printable
-from mjcompose.build.bundle.bundle import is_address
-from mjcompose.build.bundle.listing import COLUMNS
-from mjcompose.build.bundle.staging import check_own_place
+from mjcompose.bundle.bundle import is_address
+from mjcompose.bundle.listing import COLUMNS
+from mjcompose.bundle.staging import check_own_place
 from mjcompose.cli.options import STRICT, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say
 from mjcompose.cli.run import PATH, Answer, Group, Run, Stop, argument, command, group, option
 from mjcompose.text.expression import shown
 
 if TYPE_CHECKING:
-    from mjcompose.build.verify.stored import VerifiedBundle
+    from mjcompose.verify.stored import VerifiedBundle
 
 
 class VerifyOptions(Group):
@@ -40,8 +40,8 @@ def verify(options: VerifyOptions, run: Run) -> int:
     A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, its joints, actuators,
     sensors and keyframes have the order of the manifest, and every part is the same as its source alone.
     """
-    from mjcompose.build.verify.stored import verify_stored
     from mjcompose.mujoco.engine import Session
+    from mjcompose.verify.stored import verify_stored
 
     code, recipe = 0, options.recipe
     for bundle in options.bundles:
@@ -89,7 +89,7 @@ def list(options: ListOptions, run: Run) -> int:
     FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
     path of a model, and its values from the matrix and from draws. JSON has all columns of the index.
     """
-    from mjcompose.build.bundle.listing import Condition, ListingError, rows
+    from mjcompose.bundle.listing import Condition, ListingError, rows
 
     context, folder, condition = run.context, options.folder, None
     try:
@@ -132,7 +132,7 @@ def rebuild(options: RebuildOptions, run: Run) -> Answer:
     STAMP is a JSON file with the result of `mjcompose.stamp(BUNDLE)`. RECIPE is its recipe, by default at the path that
     the stamp records, from the folder of the stamp.
     """
-    from mjcompose.build.bundle.write import write
+    from mjcompose.bundle.write import write
     from mjcompose.tools.open.stamp import read_stamp, rebuild as build_again
 
     context = run.context

@@ -17,7 +17,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, DiagnosticError, listed
 from mjcompose.base.files import STDIN
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Location
+from mjcompose.bundle.bundle import Location
 from mjcompose.cli import completion, options
 from mjcompose.cli.options import NO_CACHE, STRICT, Choices, FetchOptions, LimitOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import USAGE, exit_code, is_quiet, on_terminal, say
@@ -25,8 +25,8 @@ from mjcompose.cli.run import Group, Run, flag, group, option
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.cache.cell_run import CellResult, Finish
     from mjcompose.language.expand import Cell
+    from mjcompose.pipeline.cache.cell_run import CellResult, Finish
     from mjcompose.text.node import Node
     from mjcompose.tools.cluster.client import Crew
 
@@ -51,7 +51,7 @@ class CellOptions(Group):
         """Return the cell of `--pick`, or None without the option; if the cell does not exist, end the command."""
         if self.pick is None:
             return None
-        from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
+        from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, select_cell
 
         sink = run.context.sink
         every = cells_of(recipe, run.context, given)
@@ -90,7 +90,7 @@ class CellsOptions(Group):
         self, recipe: Path, given: dict[str, Node], context: Context, verb: str, *, worlds: bool = False
     ) -> tuple[list[Cell], int]:
         """Return the selected cells (none if the recipe is one model), and the exit code (0 without errors)."""
-        from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
+        from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
         sink = context.sink
         every = cells_of(recipe, context, given, worlds=worlds)

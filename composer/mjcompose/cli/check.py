@@ -17,7 +17,7 @@ from mjcompose.base.files import STDIN
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Case, Suite, as_lines, counted, json_text, one_line, printable
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Outcome, license_rows, license_table
+from mjcompose.bundle.bundle import Outcome, license_rows, license_table
 from mjcompose.cli.cells import BuildingOptions, ModelOptions, Tally, check_readers, check_several, counting, stopped
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching
 from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
@@ -25,11 +25,11 @@ from mjcompose.cli.run import RECIPE_PATH, Answer, Run, argument, command, flag,
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.cache.builder import Maker
-    from mjcompose.build.cache.cell_run import RecipeResult
-    from mjcompose.build.plan.matrix import FilledValues
-    from mjcompose.build.plan.plan import Plan, PlanPreview
     from mjcompose.language.expand import Cell
+    from mjcompose.pipeline.cache.builder import Maker
+    from mjcompose.pipeline.cache.cell_run import RecipeResult
+    from mjcompose.plan.matrix import FilledValues
+    from mjcompose.plan.plan import Plan, PlanPreview
 
 
 class Options(BuildingOptions):
@@ -78,7 +78,7 @@ class _Checking:
     """Checks one or several recipes, and reports their common diagnostics once."""
 
     def __init__(self, options: Options, run: Run) -> None:
-        from mjcompose.build.cache.cache_key import BuildOptions
+        from mjcompose.pipeline.cache.cache_key import BuildOptions
 
         self.options, self.run = options, run
         self.given = options.choices.given(run)
@@ -106,8 +106,8 @@ class _Checking:
     def at_once(self, recipes: list[Path]) -> None:
         """Check one model of each recipe, in as many processes as there are cores."""
         from mjcompose.base.processes import Died, Pool, cores
-        from mjcompose.build.cache.builder import Maker
-        from mjcompose.build.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
+        from mjcompose.pipeline.cache.builder import Maker
+        from mjcompose.pipeline.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
 
         context, given, order = self.run.context, self.given, self.order
         count = min(self.options.workers.jobs or cores(), len(recipes))
@@ -121,7 +121,7 @@ class _Checking:
                 order, None if cache is None else cache.store, given, context=context_for_worker(context),
                 limits=in_force(), noted=sources.current().noted(),
             )  # fmt: skip
-            modules = ("mjcompose.build.cache.cell_run", "mjcompose.build.stages")
+            modules = ("mjcompose.pipeline.cache.cell_run", "mjcompose.pipeline.stages")
             with Pool[Path, RecipeResult](count - 1, modules) as pool:
                 results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
                 for recipe, result in zip(recipes, results, strict=True):
@@ -163,7 +163,7 @@ class _Checking:
         return max(result.code for result in self.results)
 
     def _checked(self, recipe: Path, context: Context) -> _Result:
-        from mjcompose.build.cache.builder import Maker
+        from mjcompose.pipeline.cache.builder import Maker
 
         with caching(context, self.options.no_cache) as cache:
             maker = Maker(recipe, self.order, cache, context=context)
@@ -172,7 +172,7 @@ class _Checking:
             return self._cells(maker) or self._model(maker, notes_cells=False)
 
     def _model(self, maker: Maker, *, notes_cells: bool) -> _Result:
-        from mjcompose.build.cache.cell_run import make_recipe
+        from mjcompose.pipeline.cache.cell_run import make_recipe
 
         progress(f"checking {maker.recipe}")
         with self.run.session(remembers=False) as session:
@@ -193,7 +193,7 @@ class _Checking:
 
     def _cells(self, maker: Maker) -> _Result | None:
         """Check cells, or return None if there are none, because the recipe is one model."""
-        from mjcompose.build.cache.cell_run import CellMaker, CellRun
+        from mjcompose.pipeline.cache.cell_run import CellMaker, CellRun
 
         options, run, recipe, context = self.options, self.run, maker.recipe, maker.context
         chosen, code = options.cells.chosen(recipe, self.given, context=context, verb="check")
@@ -251,11 +251,11 @@ class PlanOptions(ModelOptions):
 @command(PlanOptions)
 def plan(options: PlanOptions, run: Run) -> Answer:
     """Print the steps of a build of RECIPE, and the cells of its matrix."""
-    from mjcompose.build.cache.cells import cells_of
-    from mjcompose.build.plan.describe import describe
-    from mjcompose.build.plan.matrix import FilledValues, check_sample, filled_from_first_cell
-    from mjcompose.build.plan.planner import make_plan
-    from mjcompose.build.plan.read import expanded_text
+    from mjcompose.pipeline.cache.cells import cells_of
+    from mjcompose.plan.describe import describe
+    from mjcompose.plan.matrix import FilledValues, check_sample, filled_from_first_cell
+    from mjcompose.plan.planner import make_plan
+    from mjcompose.plan.read import expanded_text
 
     recipe, context = options.recipe, run.context
     given = options.choices.given(run)
@@ -276,7 +276,7 @@ def plan(options: PlanOptions, run: Run) -> Answer:
         return Answer(lambda: as_lines(license_table(rows)), [asdict(row) for row in rows])
     if options.expanded:
         return Answer(lambda: expanded_text(planned))
-    from mjcompose.build.compose.preview import preview_plan
+    from mjcompose.compose.preview import preview_plan
 
     foreseen = preview_plan(planned, context)
     return Answer(
@@ -286,7 +286,7 @@ def plan(options: PlanOptions, run: Run) -> Answer:
 
 
 def _data(plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: Sequence[Cell]) -> dict[str, Any]:
-    from mjcompose.build.plan.describe import as_data
+    from mjcompose.plan.describe import as_data
 
     data = as_data(plan, preview)
     if filled.cell is not None:

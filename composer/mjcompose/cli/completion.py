@@ -69,7 +69,7 @@ def _recipe(ctx: click.Context) -> Path | None:
 
 
 def _cells(recipe: Path, context: Context) -> Iterator[str]:
-    from mjcompose.build.cache.cells import cells_of
+    from mjcompose.pipeline.cache.cells import cells_of
     from mjcompose.text.node import Scalar
 
     found = cells_of(recipe, context)
@@ -82,7 +82,7 @@ def _cells(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _samples(recipe: Path, context: Context) -> Iterator[str]:
-    from mjcompose.build.cache.cells import cells_of
+    from mjcompose.pipeline.cache.cells import cells_of
 
     yield from (str(cell.sample) for cell in cells_of(recipe, context) if cell.is_sample)
 
@@ -106,7 +106,7 @@ def _parameters(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _entries(recipe: Path, context: Context, section: str) -> dict[str, Node]:
-    from mjcompose.build.plan.read import read_recipe
+    from mjcompose.plan.read import read_recipe
     from mjcompose.text.node import Mapping, find
 
     document = read_recipe(context.folder / recipe, context)
@@ -150,7 +150,7 @@ def files(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> li
 
 
 def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    from mjcompose.build.lint.rule import rules
+    from mjcompose.lint.rule import rules
 
     rules()  # which adds its codes
     codes = [CompletionItem(code) for code in CODES if code.startswith(incomplete)]

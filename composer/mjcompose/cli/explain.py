@@ -11,7 +11,7 @@ import click
 
 from mjcompose.base.codes import CODES, address, code_of, in_terminal, page
 from mjcompose.base.files import MJCF_FILES, RECIPES, STDIN
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.staging import staged_file
 from mjcompose.cli import completion
 from mjcompose.cli.cells import CellOptions, ModelOptions
 from mjcompose.cli.options import Amount, Choices, ReportOptions, TimeOptions, did_you_mean, output
@@ -47,7 +47,7 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
       'option timestep'             a setting
       'gripper.xml:12'              the element on that line
     """  # noqa: D301  (a backspace, by which click keeps the lines)
-    from mjcompose.build.lint.rule import rules
+    from mjcompose.lint.rule import rules
 
     model, query = options.model, options.query
     if options.codes or (model is not None and not model.suffix):

@@ -18,15 +18,15 @@ from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import CODE, MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Paint, as_lines, counted, json_text, printable
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import ChangedError, replace_text
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import ChangedError, replace_text
 from mjcompose.cli.options import RECIPE, FetchOptions, RecipeOptions, ReportOptions, TimeOptions
 from mjcompose.cli.reporting import FINDINGS, on_terminal, progress, say, use_color
 from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.lint.rule import Rule
+    from mjcompose.lint.rule import Rule
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.fix import Fixed
     from mjcompose.tools.lint import Linted, Target
@@ -282,7 +282,7 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
     Exit codes: 0 no findings, 1 there are findings, 2 wrong usage.
     """
     from mjcompose.base.processes import cores
-    from mjcompose.build.lint.rule import UnknownRuleError, chosen, rules
+    from mjcompose.lint.rule import UnknownRuleError, chosen, rules
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.lint import lint_all, merged, targets_of
 

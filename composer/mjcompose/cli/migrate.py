@@ -12,7 +12,7 @@ import click
 from mjcompose.base.access import door_of_named
 from mjcompose.base.files import MJCF_FILES, RECIPES
 from mjcompose.base.report import as_lines, counted, json_text
-from mjcompose.build.bundle.staging import staged_folder
+from mjcompose.bundle.staging import staged_folder
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences
 from mjcompose.cli.options import STRICT, Amount, FetchOptions, ReportOptions, TimeOptions, did_you_mean, output

@@ -14,8 +14,8 @@ import click
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, own_name, read_regular
 from mjcompose.base.report import as_lines, counted, one_line
-from mjcompose.build.bundle.bundle import OutputError, unwritable_error
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.bundle import OutputError, unwritable_error
+from mjcompose.bundle.staging import staged_file
 from mjcompose.cli.fmt import rewrite
 from mjcompose.cli.options import ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import FINDINGS, progress, say

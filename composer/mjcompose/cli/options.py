@@ -22,7 +22,7 @@ from mjcompose.cli.run import PATH, RECIPE_PATH, Group, Run, argument, flag, gro
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
-    from mjcompose.build.cache.cache import Cache
+    from mjcompose.pipeline.cache.cache import Cache
     from mjcompose.text.node import Node
 
 
@@ -86,7 +86,7 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
     """Yield the user's build cache inside the block, or None if it is disabled or unusable."""
     cache = None
     if not no_cache:
-        from mjcompose.build.cache.cache import open_cache
+        from mjcompose.pipeline.cache.cache import open_cache
         from mjcompose.sources.reference import SourceError
         from mjcompose.sources.store import Store
 
@@ -193,7 +193,7 @@ class Choices(Group):
 
     def named(self, context: Context) -> dict[str, str]:
         """Return the values as unvalidated text, by their names for the user; the build cache compares them."""
-        from mjcompose.build.cache.cache_key import content_of, name_of
+        from mjcompose.pipeline.cache.cache_key import content_of, name_of
 
         found: dict[str, str] = {}
         for file, named in zip(self.set_files, self._files(context), strict=True):

@@ -17,7 +17,7 @@ from mjcompose.base.naming import file_name
 from mjcompose.base.report import as_lines, counted, json_text
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import (
+from mjcompose.bundle.bundle import (
     WORLDS,
     Bundle,
     Location,
@@ -31,22 +31,16 @@ from mjcompose.build.bundle.bundle import (
     picture_of,
     report_unlicensed,
 )
-from mjcompose.build.bundle.staging import (
-    check_is_no_source,
-    check_own_place,
-    manifest_beside,
-    staged_file,
-    with_version,
-)
+from mjcompose.bundle.staging import check_is_no_source, check_own_place, manifest_beside, staged_file, with_version
 from mjcompose.cli.reporting import clear_progress, note_files, note_output, progress, say, say_details
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import shown
 from mjcompose.tree.merged_settings import in_words
 
 if TYPE_CHECKING:
-    from mjcompose.build.cache.builder import BuildResult, Maker
     from mjcompose.cli.run import Run
     from mjcompose.mujoco.engine import Session
+    from mjcompose.pipeline.cache.builder import BuildResult, Maker
     from mjcompose.text.node import Node
 
 _KEPT = "picture"
@@ -236,7 +230,7 @@ class Task(Struct):
     session: Session | None = None
 
     def build_one(self, why: tuple[str, ...]) -> int:
-        from mjcompose.build.cache.builder import ModelChoice
+        from mjcompose.pipeline.cache.builder import ModelChoice
 
         maker, choice = self.maker, ModelChoice(self.given)
         assert self.session is not None
@@ -244,7 +238,7 @@ class Task(Struct):
         return self.finish(maker.make(self.run.context, self.session, choice, key=maker.key(), why=why))
 
     def finish(self, result: BuildResult | None) -> int:
-        from mjcompose.build.cache.builder import shown_input_files
+        from mjcompose.pipeline.cache.builder import shown_input_files
 
         run, spec, context = self.run, self.spec, self.run.context
         files = shown_input_files(result, context)
@@ -298,13 +292,13 @@ class _Writer(Struct):
         try:
             self._check_picture(result, target)
             if spec.kind == "text" and result.built is not None:
-                from mjcompose.build.bundle.collect import text_alone
+                from mjcompose.bundle.alone import text_alone
 
                 composed = result.built.composed
                 text = text_alone(composed.model, composed.files, target, folder=context.folder)
                 result = maker.with_text(result, text, context)
             if not result.is_written:
-                from mjcompose.build.bundle.write import origin_of_output
+                from mjcompose.bundle.write import origin_of_output
 
                 out = location(context.folder, target)
                 before = None if spec.kind in ("text", "usd") else origin_of_output(out)
@@ -320,7 +314,7 @@ class _Writer(Struct):
 
     def _check_picture(self, result: BuildResult, target: str) -> None:
         if self.spec.picturing is not None:
-            from mjcompose.build.cache.builder import input_files
+            from mjcompose.pipeline.cache.builder import input_files
 
             message = "--picture"
             check_is_no_source(self.context.folder / picture_beside(target, result.name), message, input_files(result))
@@ -336,7 +330,7 @@ class _Writer(Struct):
 
     def _write(self, result: BuildResult, out: str) -> tuple[Path, ...]:
         """Write the model, and return the files that were written to other places than `out`."""
-        from mjcompose.build.cache.builder import input_files
+        from mjcompose.pipeline.cache.builder import input_files
 
         maker, spec, context = self.maker, self.spec, self.context
         if spec.kind in ("text", "mjb", "usd") and result.bundle is not None:
@@ -360,17 +354,17 @@ class _Writer(Struct):
                 sys.stdout.buffer.write(text)
                 sys.stdout.buffer.flush()
         elif spec.kind == "folder with shared assets":
-            from mjcompose.build.bundle.remote import write_shared
+            from mjcompose.bundle.remote import write_shared
 
             assert result.bundle is not None
             return write_shared(result.bundle, Path(os.path.abspath(context.folder / out)), spec.assets_above)
         elif result.packed and result.record is not None:
-            from mjcompose.build.bundle.write import write_packed
+            from mjcompose.bundle.write import write_packed
 
             packed, model = result.packed, result.record.model
             write_packed(packed, model, Path(out), environment=context.environment, packed=packed.__getitem__)
         else:
-            from mjcompose.build.bundle.write import write
+            from mjcompose.bundle.write import write
 
             def lost(warning: str) -> None:
                 context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
@@ -385,7 +379,7 @@ class _Writer(Struct):
         return ()
 
     def _deliver(self, result: BuildResult, out: str) -> None:
-        from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
+        from mjcompose.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
 
         parts = out.rstrip("/").rsplit("/", self.spec.assets_above)
         with scratch("output") as folder:

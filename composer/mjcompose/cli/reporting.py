@@ -16,7 +16,7 @@ from mjcompose.base import report as text
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import MESH_FILES, STDIN, read_regular
 from mjcompose.base.report import Case, Suite, one_line, printable, report as junit_text
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
 _READ, _WRITTEN = "mjcompose.read", "mjcompose.written"

@@ -13,7 +13,7 @@ import click
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.naming import file_name
 from mjcompose.base.report import counted, printable
-from mjcompose.build.bundle.staging import check_own_place
+from mjcompose.bundle.staging import check_own_place
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output

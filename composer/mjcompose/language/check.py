@@ -8,19 +8,13 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import Table, own_modules
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import Turns, When
 
-MODULES = {
-    "expect": "mjcompose.build.checks.expect", "settles": "mjcompose.build.checks.settles",
-    "clearance": "mjcompose.build.checks.clearance", "reachable": "mjcompose.build.checks.reachable",
-    "unchanged": "mjcompose.build.checks.unchanged", "budget": "mjcompose.build.checks.budget",
-    "targets": "mjcompose.targets.check", "moves_alike": "mjcompose.build.checks.moves_alike",
-    "lint": "mjcompose.build.checks.lint",
-}  # fmt: skip
+MODULES = own_modules("checks")
 """The module of each check: its form and its executor. A recipe imports those that it writes."""
 SEVERITY = "severity"
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, PrivateAttr
 
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.base.extensions import Table, check_rows
+from mjcompose.base.extensions import Table, check_rows, own_modules
 from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
@@ -18,9 +18,6 @@ from mjcompose.language.select import GLOB, NARROWED, NARROWING, kinds_of, read_
 from mjcompose.language.value import exclusive, shown
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
-
-if TYPE_CHECKING:
-    from mjcompose.build.verbs.values import Entry
 
 
 class For:
@@ -55,8 +52,11 @@ class Verb(Model):
     alone: ClassVar[bool] = False
     values: ClassVar[str | None] = None
 
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        """Apply the verb to the selected elements; `at` is its path. Raises Unusable after a reported error."""
+    def carry_out(self, entry: Any, at: Path) -> None:
+        """Apply the verb to the selected elements; `at` is its path. Raises Unusable after a reported error.
+
+        `entry` is an `Entry` of `compose.verbs.values`.
+        """
         raise NotImplementedError
 
     def words(self) -> str:
@@ -76,8 +76,7 @@ def listed(values: Mapping[str, Any]) -> str:
     return f" with {', '.join(given)}" if given else ""
 
 
-_WORDS = "set scale simplify collision inertia convert datasheet move rename remove".split()
-_MODULES = {word: f"mjcompose.build.verbs.{word}" for word in _WORDS}
+_MODULES = own_modules("verbs")
 VERBS: Table[type[Verb]] = Table("verbs", {}, "VERB", kind=Verb, modules=_MODULES)
 """All verbs, in the order in which an entry carries them out and `fmt` writes them: the form of each value.
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.suggest import closest
-from mjcompose.build.lint.rule import rules
 from mjcompose.language.forms.scalars import ALLOW
+from mjcompose.lint.rule import rules
 from mjcompose.lsp.analysis import Action, Analysis, Question
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.cursor import Path as Steps

@@ -13,10 +13,10 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.compose.load import Key, Library, source_key
-from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
+from mjcompose.compose.load import Key, Library, source_key
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
+from mjcompose.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.sources.reference import Source
 from mjcompose.text.load import load
 from mjcompose.text.node import Change, Mapping, Node, common_ends, find, lines_of, to_python

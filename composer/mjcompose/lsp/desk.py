@@ -18,17 +18,17 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
 from mjcompose.base.files import MJCF_FILES, RECIPES, read_regular, unsaved
 from mjcompose.base.sink import Sink, TooManyFaults
-from mjcompose.build.compose.compose import ComposeOptions, Composer
-from mjcompose.build.lint.rule import chosen
-from mjcompose.build.plan.describe import acknowledge
-from mjcompose.build.plan.planner import plan_what_remains
-from mjcompose.build.stages import Request, build
+from mjcompose.compose.compose import ComposeOptions, Composer
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
+from mjcompose.lint.rule import chosen
 from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, shown
 from mjcompose.lsp.glance import carried, glance, waits_for_pause
 from mjcompose.lsp.markup import ModelAnalysis, including, read_model
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.stages import Request, build
+from mjcompose.plan.describe import acknowledge
+from mjcompose.plan.planner import plan_what_remains
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
 from mjcompose.text.load import load
@@ -44,8 +44,8 @@ from mjcompose.tree.xml_text import kind_of, root_of
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from mjcompose.build.compose.load import Library
-    from mjcompose.build.plan.plan import Plan
+    from mjcompose.compose.load import Library
+    from mjcompose.plan.plan import Plan
 
 T = TypeVar("T")
 

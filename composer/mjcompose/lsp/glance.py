@@ -10,12 +10,12 @@ from dataclasses import replace
 
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.sink import Sink, TooManyFaults
-from mjcompose.build.plan.read import EXTENDS
 from mjcompose.language.expand import expand
 from mjcompose.language.recipe import SETTLED
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.lsp.analysis import Analysis, moved, span_after
 from mjcompose.lsp.reread import reread
+from mjcompose.plan.read import EXTENDS
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node, Sequence, lines_of
 

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 from mjcompose.base.report import counted
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import PlacedModel, Plan
-from mjcompose.build.plan.read import files_of_source
 from mjcompose.language.expand import cells
 from mjcompose.link import numbers
 from mjcompose.lsp import mjcf
@@ -33,6 +31,8 @@ from mjcompose.lsp.subject import (
     unit_of,
 )
 from mjcompose.lsp.turns import readings_in, scopes, values_of as values_of_name
+from mjcompose.plan.plan import PlacedModel, Plan
+from mjcompose.plan.read import files_of_source
 from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, with_units

@@ -11,7 +11,6 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import Plan
 from mjcompose.language.expand import cells
 from mjcompose.language.value import angle_places
 from mjcompose.lsp import mjcf, subject
@@ -21,6 +20,7 @@ from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, kinds_of
 from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_at, part_called, part_of_reference
+from mjcompose.plan.plan import Plan
 from mjcompose.text.layout import format_recipe
 from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, locate, spans
 from mjcompose.tree.names import NameIndex

@@ -8,7 +8,6 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.language.datasheets import library
 from mjcompose.language.forms.translate import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
@@ -17,6 +16,7 @@ from mjcompose.language.select import NARROWING, read_selector
 from mjcompose.lsp.analysis import Known, Names, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD

@@ -23,8 +23,8 @@ from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.naming import file_name
 from mjcompose.base.processes import PIPE, STDOUT, Overrun, Process, WorkFolder, own_command
 from mjcompose.base.report import printable
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import check_own_place
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import check_own_place
 from mjcompose.lsp import analysis
 from mjcompose.text.node import Change
 

@@ -11,7 +11,6 @@ from fnmatch import fnmatchcase
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
 from mjcompose.language.parameters import is_usable
 from mjcompose.lsp import mjcf, subject
@@ -21,6 +20,7 @@ from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.mjcf import Refused
 from mjcompose.lsp.navigation import name_there
 from mjcompose.lsp.places import PART, part_at, part_called
+from mjcompose.plan.plan import Plan
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import Change, Key, Mapping, Scalar, find, is_template, locate, walk

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
-from mjcompose.build.plan.plan import Plan
-from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.condition import is_item
 from mjcompose.language.repeat import FOR
 from mjcompose.lsp.analysis import Analysis, Known, Question
@@ -17,6 +15,8 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import Form, forms_at, forms_below
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, part_at, wanted_key, wanted_value
+from mjcompose.plan.plan import Plan
+from mjcompose.plan.read import read_recipe
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.text.evaluate import Template

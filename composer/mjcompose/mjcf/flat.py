@@ -18,8 +18,8 @@ from mjcompose.base.diagnostic import Cause, Diagnostic, Note, warn
 from mjcompose.base.naming import is_portable
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.collect import collect, read
 from mjcompose.link.boundaries import has_crossings
+from mjcompose.link.collect import collect, read
 from mjcompose.link.defaults import choose_classes
 from mjcompose.link.files import ASSETS, is_settled
 from mjcompose.link.link import finish, link, link_alone

@@ -13,11 +13,11 @@ from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import call_site, warn
 from mjcompose.base.report import short_traceback
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
-from mjcompose.build.bundle.collect import collect
-from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.bundle.staging import check_is_no_source, move, resolved_output, staged_folder
-from mjcompose.build.bundle.write import write_archive
+from mjcompose.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
+from mjcompose.bundle.read import ReadError, read
+from mjcompose.bundle.staging import check_is_no_source, move, resolved_output, staged_folder
+from mjcompose.bundle.write import write_archive
+from mjcompose.link.collect import collect
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
 from mjcompose.mjcf.attributed import view

@@ -339,7 +339,7 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 
     The argument has the attributes of the `mesh`, the `method`, its settings in `wanted`, and `most_faces`. The answer
     has `missing` if a package is not installed, `unusable` if the method does not work for the mesh, and otherwise the
-    entry of `mjcompose.build.compose.mesh_jobs`.
+    entry of `mjcompose.compose.mesh_jobs`.
     """
     method, wanted = argument["method"], argument["wanted"]
     versions = {}

@@ -15,8 +15,8 @@ from mjcompose.language.forms.scalars import Items
 from mjcompose.targets.names import NAMES, READ_IN
 
 if TYPE_CHECKING:
-    from mjcompose.build.verify.checks import Checks, NestedRecipe
     from mjcompose.sources.context import Context
+    from mjcompose.verify.run_checks import Checks, NestedRecipe
 
 if TYPE_CHECKING:
     Lacking: TypeAlias = str
@@ -55,9 +55,9 @@ KIND = Targets
 
 def run(checks: Checks, check: Targets, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
     """Write the model for each target and have it read there; report losses and differences to the context."""
-    from mjcompose.build.verify.checks import report
-    from mjcompose.build.verify.compile import WHOLE
     from mjcompose.targets.read_back import Work, carry_out
+    from mjcompose.verify.compile import WHOLE
+    from mjcompose.verify.run_checks import report
 
     work = Work(checks.bundle, WHOLE, checks.session, environment=context.environment)
     findings, values = carry_out(work, check.asked())

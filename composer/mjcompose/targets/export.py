@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle import manifest as manifests
-from mjcompose.build.bundle.bundle import LICENSES, MANIFEST, WORLDS, Bundle
-from mjcompose.build.bundle.manifest import TargetRecord, UnsupportedFeature, files_of, from_json, with_manifest
-from mjcompose.build.bundle.staging import write_files
+from mjcompose.bundle import manifest as manifests
+from mjcompose.bundle.bundle import LICENSES, MANIFEST, WORLDS, Bundle
+from mjcompose.bundle.manifest import TargetRecord, UnsupportedFeature, files_of, from_json, with_manifest
+from mjcompose.bundle.staging import write_files
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.index import Index, compiled_order, index

@@ -20,7 +20,7 @@ from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import DEVNULL, PIPE, Overrun, Process, WorkFolder, isolated
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.bundle.bundle import Bundle
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
 from mjcompose.targets.judge import asked_of, judged, motion_of, without_lost

@@ -20,19 +20,19 @@ from mjcompose.base.diagnostic import CellName, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import RECIPES, read_regular, unsaved, unsaved_text
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink, TooManyFaults
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle
-from mjcompose.build.cache.cells import cells_of, choices_of, pick_text
-from mjcompose.build.plan.read import Given
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import MANIFEST, Bundle
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.cache.cells import cells_of, choices_of, pick_text
+from mjcompose.pipeline.stages import Request, build
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import OPENING
 
 if TYPE_CHECKING:
-    from mjcompose.build.compose.load import Library
+    from mjcompose.compose.load import Library
 
 _CLOSING = {"[": "]", "{": "}", '"': '"', "'": "'"}
 _BLOCKS = ("|", ">")

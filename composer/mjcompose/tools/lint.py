@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.lint.rule import Edit, Finding, Rule, Subject, found, in_child
+from mjcompose.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, parse, report as report_message, translate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,16 +15,17 @@ from mjcompose.base.diagnostic import Note, Severity
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.cache.cells import cells_of, choices_of
-from mjcompose.build.compose.interface import interface_changes, locked_interface
-from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
-from mjcompose.build.plan.matrix import filled_from_first_cell
-from mjcompose.build.plan.parts import parameters_choose
-from mjcompose.build.plan.plan import Plan
-from mjcompose.build.plan.planner import make_plan, plan_what_remains
-from mjcompose.build.plan.read import Given, read_recipe
+from mjcompose.bundle.bundle import writing
+from mjcompose.bundle.staging import staged_file
+from mjcompose.compose.interface import interface_changes, locked_interface
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.cache.cells import cells_of, choices_of
+from mjcompose.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
+from mjcompose.plan.matrix import filled_from_first_cell
+from mjcompose.plan.parts import parameters_choose
+from mjcompose.plan.plan import Plan
+from mjcompose.plan.planner import make_plan, plan_what_remains
+from mjcompose.plan.read import Given, read_recipe
 from mjcompose.sources.blobs import differences, digest
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -68,7 +69,7 @@ def write_lock(
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
     shapes: dict[str, bytes] = {}
     if any(plan.works_on_meshes for plan in plans):
-        from mjcompose.build.compose.preview import shapes_for_plans  # few recipes need it
+        from mjcompose.compose.preview import shapes_for_plans  # few recipes need it
 
         shapes = shapes_for_plans(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
@@ -119,10 +120,8 @@ def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None
     """Write converted meshes next to the recipe, before the lock lists them; False if that fails."""
     if not shapes and not (before is not None and before.shapes):
         return True
-    from mjcompose.build.compose.preview import write_beside
-
     with context.sink:
-        write_beside(shapes_folder(lock_file), shapes)
+        _write_beside(shapes_folder(lock_file), shapes)
         return True
     return False
 
@@ -189,3 +188,23 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
             )
             message = f"`{id}` has other files than the lock pins"
             context.sink.error("source-changed", message, notes=[Note(change) for change in changes[:8]], help=help)
+
+
+def _write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
+    """Write these results into a folder next to a recipe, and remove all others. Raises OutputError."""
+    from mjcompose.compose.mesh_jobs import shapes_beside  # few recipes need it
+
+    before = shapes_beside(folder)
+    if not shapes and not before:
+        return
+    with writing(folder):
+        folder.mkdir(exist_ok=True)
+        for key, content in shapes.items():
+            path = folder / f"{key}.json"
+            if key not in before or read_regular(path) != content:
+                with staged_file(path, rewrites=True) as stage:
+                    stage.write_bytes(content)
+        for key in before.keys() - shapes.keys():
+            before[key].unlink(missing_ok=True)
+        if not shapes and not any(folder.iterdir()):
+            folder.rmdir()

@@ -12,12 +12,12 @@ from itertools import chain, count
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.build.bundle.bundle import MODEL
-from mjcompose.build.plan.read import Given
+from mjcompose.bundle.bundle import MODEL
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index, addresses
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Side, load, read_operand
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from mjcompose.base import __version__
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import move, resolved_output, staged_folder
 
 
 def starter(name: str) -> str:

@@ -17,21 +17,21 @@ from mjcompose.base.files import STDIN
 from mjcompose.base.report import Paint, as_lines, counted
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import MANIFEST
-from mjcompose.build.bundle.manifest import from_json
-from mjcompose.build.bundle.read import read
-from mjcompose.build.compose.compose import ComposeOptions, Composer
-from mjcompose.build.compose.load import Loader
-from mjcompose.build.plan.matrix import check_sample
-from mjcompose.build.plan.plan import BASE
-from mjcompose.build.plan.planner import make_plan
-from mjcompose.build.plan.read import Given
+from mjcompose.bundle.bundle import MANIFEST
+from mjcompose.bundle.manifest import from_json
+from mjcompose.bundle.read import read
+from mjcompose.compose.compose import ComposeOptions, Composer
+from mjcompose.compose.load import Loader
 from mjcompose.link import numbers
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.measure import measure_with
 from mjcompose.link.numbers import read_pose
 from mjcompose.mujoco.arrays import BY_WORD
+from mjcompose.plan.matrix import check_sample
+from mjcompose.plan.plan import BASE
+from mjcompose.plan.planner import make_plan
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.text.faults import quoted, word

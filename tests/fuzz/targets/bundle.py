@@ -11,12 +11,12 @@ from tempfile import TemporaryDirectory
 import mjcompose
 from fuzz.mutation import json_changed, zip_changed
 from fuzz.target import RECIPES, Seed, Target, Tools
-from mjcompose.build.bundle.remote import write_shared
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.bundle.write import write_archive
-from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.stored import verify_stored
+from mjcompose.bundle.remote import write_shared
+from mjcompose.bundle.staging import write_folder
+from mjcompose.bundle.write import write_archive
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
+from mjcompose.verify.stored import verify_stored
 
 _RECIPE = RECIPES / "arm_gripper.yaml"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from fuzz.target import Tools, without_a_place
-from mjcompose.build.stages import Request, build
 from mjcompose.mujoco import engine
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 # Where mjcompose is stricter than MuJoCo, on purpose: docs/contributing/security_tests.md says why.

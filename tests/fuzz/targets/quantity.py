@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 _NAME = "fuzzed"

@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzz.mutation import yaml_changed
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
 from mjcompose.base.sink import Sink
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.layout import format_recipe
 

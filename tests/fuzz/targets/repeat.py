@@ -15,7 +15,7 @@ from typing import Any
 
 import yaml
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 _ROWS = {"a": {"x": 0.5, "name": "left"}, "b": {"x": 2, "name": "right"}, "c": {"x": -0.25, "name": "middle"}}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fuzz.mutation import json_changed
 from fuzz.target import Seed, Target, Tools, without_a_place
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 _MODEL = """<mujoco><default><default class="pad"><geom friction="1"/></default></default><asset><mesh name="m"

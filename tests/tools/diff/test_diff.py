@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.write import write
 from mjcompose.cli.options import Choices
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.changes import Diff
 from mjcompose.tools.diff.diff import diff

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.sink import Sink
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced, trace

@@ -9,8 +9,8 @@ from copy import deepcopy
 from pathlib import Path
 
 from mjcompose.base.sink import Sink
-from mjcompose.build.compose.compose import Composer
-from mjcompose.build.stages import Request, build
+from mjcompose.compose.compose import Composer
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain.explain import Traced, trace
 from mjcompose.tools.explain.trace import TAG, Change, Life, Trace

@@ -10,8 +10,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.bundle.staging import write_files
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.staging import write_files
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.changes import Change
 from mjcompose.tools.importing.elements import Changed

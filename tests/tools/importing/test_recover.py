@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from mjcompose.build.stages import Request, build
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.importing.propose import propose
 from mjcompose.tools.importing.recover import Recovered, recover

@@ -63,8 +63,8 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
 
 def test_is_the_model_that_a_build_writes(cell: Path, tmp_path: Path) -> None:
-    from mjcompose.build.bundle.write import write
-    from mjcompose.build.stages import Request, build
+    from mjcompose.bundle.write import write
+    from mjcompose.pipeline.stages import Request, build
     from mjcompose.sources.context import Context
 
     built = build(Request(cell), Context())

@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 from mjcompose.base.rotation import Pose, euler_of, normalize, quat_from_euler
-from mjcompose.build.plan.steps import AngleSettings
+from mjcompose.plan.steps import AngleSettings
 from mjcompose.tools.view.draft import Draft, Offset, Refused, name_text, short
 
 FORMS = ("", "quat", "euler", "axisangle", "xyaxes", "zaxis")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.bundle.bundle import OutputError
 from mjcompose.tools.view.render import TRANSPARENT, Format, Wish, color_of, format_of, size_of
 
 

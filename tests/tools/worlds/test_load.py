@@ -13,9 +13,9 @@ import mjcompose
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.bundle.staging import manifest_beside, with_version
-from mjcompose.build.bundle.write import write
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.staging import manifest_beside, with_version
+from mjcompose.bundle.write import write
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds import load as module
 from mjcompose.tools.worlds.load import Loaded, _compiled

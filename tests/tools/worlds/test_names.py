@@ -3,7 +3,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.build.bundle.manifest import index_of
+from mjcompose.bundle.manifest import index_of
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
 from mjcompose.tools.worlds.names import UNLIMITED, Entry, Index as LoadingIndex, Numbers, UnknownNameError, Vector

@@ -8,7 +8,7 @@ from typing import Any
 import mjcompose
 import mujoco
 import pytest
-from mjcompose.build.bundle.manifest import Sensor
+from mjcompose.bundle.manifest import Sensor
 from mjcompose.tools.worlds.simulators import Simulator, check_fixed_poses
 from mjcompose.tools.worlds.worlds import Worlds
 from tools.worlds.studies import TENDON, arm, made, refused

@@ -17,9 +17,9 @@ import pytest
 from click.testing import CliRunner
 from mjcompose import worlds
 from mjcompose.base.report import MjcomposeError
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.stages import Built, Request, build
+from mjcompose.bundle.staging import write_folder
 from mjcompose.cli.main import main
+from mjcompose.pipeline.stages import Built, Request, build
 from mjcompose.sources.context import Context
 from tools.worlds.studies import differing
 

@@ -20,11 +20,11 @@ from typing import Any, TypeAlias
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Died, Undone
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import Location, unwritable_error
-from mjcompose.build.bundle.staging import stage_beside
-from mjcompose.build.cache.cell_run import CellMaker, CellResult, Finish, Job
-from mjcompose.build.cache.inputs import PACKAGES
+from mjcompose.bundle.bundle import Location, unwritable_error
+from mjcompose.bundle.staging import stage_beside
 from mjcompose.language.expand import Cell
+from mjcompose.pipeline.cache.cell_run import CellMaker, CellResult, Finish, Job
+from mjcompose.pipeline.cache.inputs import PACKAGES
 from mjcompose.tools.cluster import worker as station
 from mjcompose.tools.cluster.uploads import ClusterError, away_job, batches, freight_of
 from mjcompose.tools.cluster.worker import Away, Canary, Lacks, NotOpen, Order, Part, Refused, journal_of

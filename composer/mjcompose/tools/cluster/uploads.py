@@ -18,12 +18,12 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import DiagnosticError
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build import stages
-from mjcompose.build.cache.cache import Package
-from mjcompose.build.cache.cache_key import Files, FileState
-from mjcompose.build.cache.cell_run import CellMaker, Finish, Job
-from mjcompose.build.cache.inputs import Inputs
 from mjcompose.language.expand import Cell
+from mjcompose.pipeline import stages
+from mjcompose.pipeline.cache.cache import Package
+from mjcompose.pipeline.cache.cache_key import Files, FileState
+from mjcompose.pipeline.cache.cell_run import CellMaker, Finish, Job
+from mjcompose.pipeline.cache.inputs import Inputs
 from mjcompose.sources.blobs import sha256_of
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.store import ENTRY, KINDS

@@ -30,14 +30,14 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.guard import limit
 from mjcompose.base.processes import Helper, Opening
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.bundle.remote import check_writable
-from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.cache.cache import Record, from_json, to_json
-from mjcompose.build.cache.cache_key import Files, FileState, file_state
-from mjcompose.build.cache.cell_run import CellMaker, CellResult
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.read import ReadError, read
+from mjcompose.bundle.remote import check_writable
+from mjcompose.bundle.staging import staged_file
 from mjcompose.language.expand import Cell
+from mjcompose.pipeline.cache.cache import Record, from_json, to_json
+from mjcompose.pipeline.cache.cache_key import Files, FileState, file_state
+from mjcompose.pipeline.cache.cell_run import CellMaker, CellResult
 from mjcompose.sources import blobs
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
@@ -223,10 +223,10 @@ def opened_away(
 
 
 MODULES = (
-    "mjcompose.build.cache.cell_run",
-    "mjcompose.build.stages",
-    "mjcompose.build.verify.checks",
-    "mjcompose.build.verify.compile",
+    "mjcompose.pipeline.cache.cell_run",
+    "mjcompose.pipeline.stages",
+    "mjcompose.verify.run_checks",
+    "mjcompose.verify.compile",
 )
 _IDLE = 600.0  # seconds without work after which an unclosed run is considered over
 _CONTENTS = "mjcompose-sources"

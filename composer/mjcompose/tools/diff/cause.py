@@ -9,9 +9,9 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.linking import Part
 from mjcompose.mujoco.arrays import about
+from mjcompose.plan.steps import AddElement
 from mjcompose.text.node import Mapping as Located, Node as LocatedNode, Sequence, locate, to_python
 from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Contrast
 from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Elements, Pair, Pairs

@@ -16,13 +16,13 @@ from pathlib import Path
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.plan.read import Given
+from mjcompose.bundle.staging import staged_file
 from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, pictures
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.text.node import find, locate
 from mjcompose.tools.diff.cause import Causes

@@ -14,9 +14,9 @@ from textwrap import dedent
 
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
-from mjcompose.build.plan.plan import AttachPart, Plan
 from mjcompose.language.repeat import FOR
 from mjcompose.link.linking import Part
+from mjcompose.plan.plan import AttachPart, Plan
 from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError

@@ -20,25 +20,24 @@ from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.files import MJCF_FILES, RECIPES, URDF_FILES, foreign_format, read_regular
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.assemble import assemble
-from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, OutputError
-from mjcompose.build.bundle.collect import collect
-from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.cache.builder import source_files
-from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
-from mjcompose.build.compose.compose import ComposeOptions, Composer
-from mjcompose.build.compose.load import Library
-from mjcompose.build.plan.describe import acknowledge
-from mjcompose.build.plan.matrix import check_sample, read_matrix
-from mjcompose.build.plan.plan import Excluded, Plan
-from mjcompose.build.plan.planner import make_plan, plan_what_remains
-from mjcompose.build.plan.read import Given
-from mjcompose.build.verify.compile import OutsideFilesError, compile_and_report, verify
+from mjcompose.bundle.assemble import assemble
+from mjcompose.bundle.bundle import MANIFEST, MODEL, Bundle, OutputError
+from mjcompose.bundle.read import ReadError, read
+from mjcompose.compose.compose import ComposeOptions, Composer
+from mjcompose.compose.load import Library
 from mjcompose.language.expand import Cell
+from mjcompose.link.collect import collect
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, Fault, parse
+from mjcompose.pipeline.cache.builder import source_files
+from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, select_cell
+from mjcompose.plan.describe import acknowledge
+from mjcompose.plan.matrix import check_sample, read_matrix
+from mjcompose.plan.plan import Excluded, Plan
+from mjcompose.plan.planner import make_plan, plan_what_remains
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, quiet
 from mjcompose.sources.git_command import Git, GitFailure, GitSilence, objects_around, partial_from, write_tree
@@ -51,6 +50,7 @@ from mjcompose.tree.cost import CODE as TOO_MUCH
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
 from mjcompose.tree.unit import Unit
+from mjcompose.verify.compile import OutsideFilesError, compile_and_report, verify
 
 _LINKS = 5000
 """The most entries that are linked, the nearest first."""

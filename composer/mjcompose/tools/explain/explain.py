@@ -13,19 +13,19 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.files import MJCF_FILES
-from mjcompose.build.bundle.collect import collect
-from mjcompose.build.compose.compose import Composer
-from mjcompose.build.compose.elements import settle_joints
-from mjcompose.build.plan.describe import acknowledge
-from mjcompose.build.plan.matrix import check_sample
-from mjcompose.build.plan.planner import make_plan
-from mjcompose.build.plan.read import Given as ConcreteGiven
-from mjcompose.build.plan.steps import EditElements, SetCollisions
+from mjcompose.compose.compose import Composer
+from mjcompose.compose.elements import settle_joints
 from mjcompose.language.value import attribute_and_index
+from mjcompose.link.collect import collect
 from mjcompose.link.files import Merged
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.link.unit_keys import VECTORS
+from mjcompose.plan.describe import acknowledge
+from mjcompose.plan.matrix import check_sample
+from mjcompose.plan.planner import make_plan
+from mjcompose.plan.read import Given as ConcreteGiven
+from mjcompose.plan.steps import EditElements, SetCollisions
 from mjcompose.sources.context import Context
 from mjcompose.tools.explain import explanation, query, trace_words
 from mjcompose.tools.explain.explanation import AttributeExplained, Changed, ElementExplained, Explained, Reason
@@ -391,9 +391,9 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
 
 
 def _no_recipe(path: Path, context: Context) -> None:
-    from mjcompose.build.bundle.bundle import MANIFEST
-    from mjcompose.build.bundle.manifest import from_json
-    from mjcompose.build.bundle.read import ReadError, read
+    from mjcompose.bundle.bundle import MANIFEST
+    from mjcompose.bundle.manifest import from_json
+    from mjcompose.bundle.read import ReadError, read
 
     help = "use its recipe"
     with suppress(ReadError, ValueError, KeyError):

@@ -15,12 +15,12 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
-from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
 from mjcompose.link.key_layout import Layout, Unknown, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
+from mjcompose.plan.steps import DrawValues, EditElements
 from mjcompose.tree.unit import KeySource, Number, Origins, Place, Unit, line_of
 from mjcompose.tree.xml_text import as_it_is
 

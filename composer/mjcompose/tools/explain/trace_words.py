@@ -13,18 +13,16 @@ from dataclasses import replace
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.build.bundle.collect import collect
-from mjcompose.build.compose.checks import check_names
-from mjcompose.build.compose.elements import settle_joints
-from mjcompose.build.compose.keyframe import hold_poses
-from mjcompose.build.plan.plan import DropElements, Plan
-from mjcompose.build.plan.steps import DrawValues, EditElements, Step
+from mjcompose.compose.checks import check_names
+from mjcompose.compose.elements import settle_joints
+from mjcompose.compose.keyframe import hold_poses
 from mjcompose.language.assign import MASS
 from mjcompose.language.value import shown
 from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
 from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
+from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
 from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file, dedup, files, share_in_copies
@@ -46,6 +44,8 @@ from mjcompose.link.settings import compiler, model_autolimits
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.world import roots, sections
 from mjcompose.mujoco.attributes import attributes as compared
+from mjcompose.plan.plan import DropElements, Plan
+from mjcompose.plan.steps import DrawValues, EditElements, Step
 from mjcompose.text.node import find, locate
 from mjcompose.tools.explain.explanation import Reason, RowExplained
 from mjcompose.tools.explain.trace import Cause, Change, Function, Life, Move, NumberOrigin, Trace

@@ -14,12 +14,11 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
-from mjcompose.build.bundle.bundle import MODEL, Bundle
-from mjcompose.build.bundle.staging import sibling
-from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.compile import WHOLE
+from mjcompose.bundle.bundle import MODEL, Bundle
+from mjcompose.bundle.staging import sibling
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco.engine import Session, call, compile
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import word
 from mjcompose.tools.diff.changes import Change, Contrast, Value
@@ -31,6 +30,7 @@ from mjcompose.tools.importing.propose import Proposal, in_order, propose, recip
 from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit
+from mjcompose.verify.compile import WHOLE
 
 _TOLERANCE = 1e-7
 _MERGED = "merged"

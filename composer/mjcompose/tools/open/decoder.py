@@ -28,8 +28,8 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.processes import DEVNULL, PIPE, Overrun, Process, program
 from mjcompose.base.report import MjcomposeError, render
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import unwritable_error
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.bundle import unwritable_error
+from mjcompose.bundle.staging import staged_file
 from mjcompose.sources import packages
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError

@@ -28,11 +28,11 @@ from mjcompose.base.report import MjcomposeError, counted, render, short_traceba
 from mjcompose.base.runtime import forget_current_folder
 from mjcompose.base.sink import TooManyFaults
 from mjcompose.base.suggest import exists_note
-from mjcompose.build.cache.inputs import Inputs
-from mjcompose.build.plan.read import Given
-from mjcompose.build.stages import Built, Request, build
 from mjcompose.link.linking import FileUse
 from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.cache.inputs import Inputs
+from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.plan.read import Given
 from mjcompose.sources import blobs
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -254,7 +254,7 @@ def request_for(
     sink = context.sink
     if cell is None and sample == 0:
         return None if sink.errors else Request(recipe, given, verified=verified)
-    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
+    from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
     shown = context.shown(recipe)
     cells = cells_of(recipe, context, dict(given))

@@ -20,10 +20,10 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
-from mjcompose.build.bundle.bundle import MANIFEST, WORLDS, Bundle, path_of_bundle
-from mjcompose.build.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
-from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.stages import Request, build
+from mjcompose.bundle.bundle import MANIFEST, WORLDS, Bundle, path_of_bundle
+from mjcompose.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
+from mjcompose.bundle.read import ReadError, read
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.names import NAMES
 from mjcompose.text.load import load

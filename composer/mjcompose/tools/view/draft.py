@@ -15,8 +15,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as Steps
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.steps import AngleSettings
 from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.plan.steps import AngleSettings
 from mjcompose.text import node as yaml_tree
 from mjcompose.text.expression import UNITS, Angle
 from mjcompose.text.faults import quoted, word

@@ -21,14 +21,14 @@ from mjcompose.base.report import json_text
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
-from mjcompose.build.bundle.bundle import Bundle
-from mjcompose.build.bundle.staging import staged_file, write_files
-from mjcompose.build.cache.cells import cells_of
-from mjcompose.build.plan.read import read_recipe
+from mjcompose.bundle.bundle import Bundle
+from mjcompose.bundle.staging import staged_file, write_files
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
+from mjcompose.pipeline.cache.cells import cells_of
+from mjcompose.plan.read import read_recipe
 from mjcompose.sources.context import Context, as_text
 from mjcompose.text.node import Mapping, Node, Scalar, find
 from mjcompose.tools.diff.changes import Cause, Change, Diff, End

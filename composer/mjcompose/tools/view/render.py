@@ -19,15 +19,15 @@ from mjcompose.base.runtime import interruptible
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.cache.cell_run import context_for_worker
-from mjcompose.build.compose.load import Library
-from mjcompose.build.plan.read import Given
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import staged_file
+from mjcompose.compose.load import Library
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, draw, sheet
+from mjcompose.pipeline.cache.cell_run import context_for_worker
+from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.sides import Kind, Operand, load_cell
 

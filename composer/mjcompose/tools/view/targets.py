@@ -14,12 +14,12 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path as Steps, Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.rotation import Pose
-from mjcompose.build.plan.plan import Plan
-from mjcompose.build.plan.steps import AddElement
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.link.bodies import effective_pose
 from mjcompose.link.linking import Part
 from mjcompose.link.numbers import pose_in_world, read_pose
+from mjcompose.plan.plan import Plan
+from mjcompose.plan.steps import AddElement
 from mjcompose.text.node import Mapping as Located, find, walk
 from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.view.page import nodes_of

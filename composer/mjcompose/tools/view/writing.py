@@ -17,12 +17,12 @@ from mjcompose.base.files import RECIPES, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.rotation import Pose, normalize
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import ChangedError, replace_text
-from mjcompose.build.plan.steps import AngleSettings
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import ChangedError, replace_text
 from mjcompose.language.attach import PLACES, prefix_fault
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.plan.steps import AngleSettings
 from mjcompose.sources.fetching import model_files
 from mjcompose.text import node as yaml_tree
 from mjcompose.text.evaluate import Template

@@ -15,15 +15,15 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
-from mjcompose.build.bundle.bundle import WORLDS, Bundle
-from mjcompose.build.bundle.listing import SIZES
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.cache.builder import BuildResult, Maker
+from mjcompose.bundle.bundle import WORLDS, Bundle
+from mjcompose.bundle.listing import SIZES
+from mjcompose.bundle.staging import write_folder
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, names
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, arrays, flat
+from mjcompose.pipeline.cache.builder import BuildResult, Maker
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Loaded, load, load_many

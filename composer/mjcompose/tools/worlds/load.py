@@ -21,11 +21,11 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address, path_of_bundle
-from mjcompose.build.bundle.listing import Condition, ListingError, rows
-from mjcompose.build.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
-from mjcompose.build.bundle.read import ReadError, files_outside, named_model, read
-from mjcompose.build.bundle.staging import manifest_beside, write_files
+from mjcompose.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address, path_of_bundle
+from mjcompose.bundle.listing import Condition, ListingError, rows
+from mjcompose.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
+from mjcompose.bundle.read import ReadError, files_outside, named_model, read
+from mjcompose.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
 from mjcompose.text.expression import Value
@@ -67,7 +67,7 @@ def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
 
 
 def _downloaded(address: str, folder: Path) -> Path:
-    from mjcompose.build.bundle.remote import RemoteError, download
+    from mjcompose.bundle.remote import RemoteError, download
 
     try:
         return download(address, folder, in_force().output_files, size=in_force().output_size)

@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.bundle.manifest import Index as Listed
+from mjcompose.bundle.manifest import Index as Listed
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.tree.pattern import BadPattern, fitter, is_pattern
 

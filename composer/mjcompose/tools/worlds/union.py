@@ -13,23 +13,23 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle
-from mjcompose.build.bundle.manifest import Input, Read, files_of, from_json, with_manifest
-from mjcompose.build.bundle.read import read
-from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.draws import are_close
+from mjcompose.bundle.bundle import MANIFEST, Bundle
+from mjcompose.bundle.manifest import Input, Read, files_of, from_json, with_manifest
+from mjcompose.bundle.read import read
+from mjcompose.bundle.staging import write_folder
 from mjcompose.mujoco.addresses import VECTORS
 from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
+from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common, parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
+from mjcompose.verify.draws import are_close
 
 
 class Placed(Struct):

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
-from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError, path_of_bundle
-from mjcompose.build.bundle.manifest import Manifest
-from mjcompose.build.bundle.read import ReadError, read as read_bundle
-from mjcompose.build.bundle.staging import staged_file
+from mjcompose.bundle.bundle import DRAWS, WORLDS, OutputError, path_of_bundle
+from mjcompose.bundle.manifest import Manifest
+from mjcompose.bundle.read import ReadError, read as read_bundle
+from mjcompose.bundle.staging import staged_file
 from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
 from mjcompose.text.expression import Value

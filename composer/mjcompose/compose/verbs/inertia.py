@@ -1,0 +1,168 @@
+"""Verb `inertia`: write down the inertia of a body that MuJoCo computes from its geoms."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Annotated, ClassVar, Literal
+
+from lxml.etree import _Element as Node
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.sink import Sink
+from mjcompose.compose.editing import Editing
+from mjcompose.compose.values import UnusableValue, report_unusable
+from mjcompose.compose.verbs.values import Entry
+from mjcompose.language.assign import Changed
+from mjcompose.language.edit import For, Verb, listed
+from mjcompose.language.forms.scalars import Positive, Unit, Whole
+from mjcompose.link import numbers
+from mjcompose.link.inertia import INERTIA_RULES
+from mjcompose.link.linking import Linking
+from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
+from mjcompose.link.unit_keys import without_keys
+from mjcompose.tree.classes import own, walk_bodies
+from mjcompose.tree.edit import replace
+
+_ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
+
+
+class Inertia(Verb):
+    """mass and inertia from the geoms, at a density"""
+
+    rules: ClassVar = (For("body", what="for bodies, and `{tag}` is not a body", help="write `select: {body: NAME}`"),)
+    example: ClassVar = "{from: mesh, density: 1000}"
+
+    source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
+    """from the geoms that are meshes, or from all geoms of the body"""
+    density: Annotated[Positive, Unit("kg/m³")] = Field(examples=[1000])
+    """in kg/m³"""
+    group: Whole | None = None
+    """only from the geoms of this group"""
+
+    def carry_out(self, entry: Entry, at: Path) -> None:
+        editing, found = entry.editing, entry.found
+        wanted = {body: _geoms(editing, body, self, at=at) for body in found}
+        for body, geoms in wanted.items():
+            _refuse_shells(editing, body, geoms, at=at)
+        entry.masses.settle(*INERTIA_RULES)
+        survey, there = _measured(editing, wanted, self.density, at=at)
+        for body in found:
+            rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
+            mass, pos, quat, moments = rows.values()
+            if mass is None or pos is None or quat is None or moments is None:
+                message = f"MuJoCo does not say what {editing.called(body)} weighs"
+                report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
+            if not mass[0] > 0:
+                message = f"the geoms of {editing.called(body)} have no volume"
+                help = "write its mass: `set: {mass: …}`"
+                report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+            _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
+
+    def words(self) -> str:
+        return f"inertia from {self.source}{listed({'density': self.density, 'group': self.group})}"
+
+    def changes(self, tag: str | None) -> Changed:
+        return [("inertial", name) for name in ("mass", "pos", "quat", "diaginertia")]
+
+
+def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
+    """Write the values into the effective `<inertial>`, or a new one. Their place is the whole entry."""
+    entry = at[:-1]
+    inertials = own(body, "inertial")
+    kept = inertials[-1] if inertials else None
+    if kept is None or kept.getparent() is not body:  # in a frame the numbers would mean another pose
+        kept = body.makeelement("inertial")
+        body.insert(0, kept)
+        editing.making.origins.own(kept, editing.span(entry))
+    for other in inertials:
+        if other is not kept and (holder := other.getparent()) is not None:
+            holder.remove(other)
+    replace(kept, {"fullinertia": None, **{name: numbers.text(each) for name, each in values.items()}})
+    editing.write(kept, dict.fromkeys(values, entry))
+
+
+def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Node]:
+    """Return the geoms of a body to use. Geoms in several groups are usually copies of the same shape."""
+    geoms = own(body, "geom")
+    if written.source == "mesh":
+        geoms = [geom for geom in geoms if editing.effective(geom, "type") == "mesh"]
+    groups: dict[int, list[Node]] = {}
+    for geom in geoms:
+        groups.setdefault(int(editing.effective(geom, "group") or 0), []).append(geom)
+    known = ", ".join(map(str, sorted(groups)))
+    what = "meshes" if written.source == "mesh" else "geoms"
+    if not groups:
+        help = "write `from: geoms`" if written.source == "mesh" and own(body, "geom") else "write `set: {mass: …}`"
+        message = f"{editing.called(body)} has no {what}"
+        report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+    if written.group is not None:
+        if written.group not in groups:
+            message = f"{editing.called(body)} has no {what} in the group {written.group}"
+            help = f"it has some in the groups {known}"
+            report_unusable(editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it")
+        return groups[written.group]
+    if len(groups) > 1:
+        message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
+        help = f"select those that count: `group: {min(groups)}`"
+        report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+    return geoms
+
+
+def _refuse_shells(editing: Editing, body: Node, geoms: Collection[Node], at: Path) -> None:
+    """Report a geom whose mass follows from its surface: MuJoCo 4.0 reads its density in kg/m²."""
+    for geom in geoms:
+        name = editing.effective(geom, "mesh")
+        mesh = editing.find_node("mesh", str(name)) if editing.effective(geom, "type") == "mesh" and name else None
+        if mesh is not None and editing.effective(mesh, "inertia") == "shell":
+            called = f"the mesh `{name}`"
+            help = f"make it solid first, `{{select: {{mesh: {name}}}, set: {{inertia: convex}}}}`"
+        elif editing.effective(geom, "shellinertia") == "true":
+            called = editing.called(geom)
+            help = "make it solid first, `set: {shellinertia: false}`"
+        else:
+            continue
+        message = f"{called} is a shell, whose mass follows from its surface, not from a density in kg/m³"
+        help += ", or write the mass of the body: `set: {mass: …}`"
+        report_unusable(editing, body, Fault("wrong-type", message, (*at, "density"), help=help), it="it")
+
+
+def _measured(
+    editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
+) -> tuple[Survey, Mapping[Node, Node]]:
+    """Return the measurements in a copy of the model in which the bodies have only these geoms, at that density."""
+    unit = editing.linking.flat()
+    aside = Sink()
+    with without_keys(unit.root):
+        copy = unit.copied()
+    copies = dict(
+        zip((node for node, _ in walk_bodies(unit.root)), (node for node, _ in walk_bodies(copy.root)), strict=True)
+    )
+    for body, geoms in wanted.items():
+        _made_of(copies[body], [copies[each] for each in geoms], density)
+    # The bodies that `fusestatic` makes part of a body keep their own mass, which MuJoCo adds later.
+    copy.forget_settings(*INERTIA_RULES, "fusestatic")
+    found = compile_unaligned(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
+    editing.sink.extend(aside.diagnostics)
+    if isinstance(found, Unmeasurable) or found is None:
+        if isinstance(found, Unmeasurable):
+            message = f"the inertia of the selected element is not known: {found.why}"
+            editing.sink.error("selector", message, editing.span(at, key=True))
+        raise UnusableValue
+    return found, copies
+
+
+def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
+    for inertial in own(body, "inertial"):
+        holder = inertial.getparent()
+        assert holder is not None
+        holder.remove(inertial)
+    for geom in own(body, "geom"):
+        # `mass="nan"` takes back the mass that a class gives: then the density counts.
+        counts = geom in geoms
+        geom.set("mass", "nan" if counts else "0")
+        if counts:
+            geom.set("density", numbers.text([density]))
+
+
+VERB = Inertia

@@ -1,0 +1,132 @@
+"""The check `moves_alike`: the model moves in another program, or in another version of MuJoCo, as it does here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.base.report import with_rest
+from mjcompose.base.scratch import scratch
+from mjcompose.language.check import Check
+from mjcompose.language.forms.model import IT
+from mjcompose.language.forms.scalars import Checked, Name, Positive, Unit
+from mjcompose.targets.names import READ_IN
+from mjcompose.tree.history import RELEASED, release
+from mjcompose.verify.checks.check import SOLVED, failed
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.environments import Moved
+    from mjcompose.sources.context import Context
+    from mjcompose.verify.run_checks import Checks, NestedRecipe
+
+_MUJOCO = "mujoco=="
+
+
+def _program_fault(text: str) -> Fault | None:
+    if text in READ_IN or (text.startswith(_MUJOCO) and release(text.removeprefix(_MUJOCO))):
+        return None
+    programs = ", ".join(f"`{each}`" for each in READ_IN)
+    help = f"write `mujoco==VERSION`, from {RELEASED[0]} to {RELEASED[-1]}, or one of {programs}"
+    return Fault("wrong-keyword", f"{IT} cannot be `{text}`", help=help)
+
+
+class MovesAlike(Check):
+    """The model moves as in another version of MuJoCo, or as in another program."""
+
+    word: ClassVar = "moves_alike"
+    is_in_mujoco: ClassVar = False
+    short: ClassVar = "as"
+    example: ClassVar = "{as: mujoco==3.12}"
+
+    program: Annotated[str, Checked(_program_fault)] = Field(alias="as", examples=["mujoco==3.12"])
+    """a version of MuJoCo that `mjcompose install` has installed, such as `mujoco==3.12`, or a target"""
+    signal: Literal["qpos", "xpos"] = "qpos"
+    """the compared positions: of joints, or of bodies (only for MuJoCo)"""
+    seconds: Annotated[float, Field(gt=0, le=60), Unit("s")] = 1.0
+    """the length of each simulation, at most 60"""
+    tol: Positive = 1e-3
+    """the allowed distance, in m or rad"""
+    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
+    """the keyframe from which MuJoCo holds, steps and drops the model; without it, the first one"""
+
+
+KIND = MovesAlike
+
+
+def run(checks: Checks, check: MovesAlike, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
+    """Simulate the model here and there; report joints and bodies that move differently to the context."""
+    from mjcompose.verify.run_checks import report
+
+    is_mujoco = check.program.startswith(_MUJOCO)
+    found, values = _in_mujoco(checks, check, context) if is_mujoco else _there(checks, check)
+    for finding in found:
+        report(finding, check, recipe, context=context)
+    return values
+
+
+def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[list[Fault], dict[str, Any]]:
+    from mjcompose.mujoco.environments import TRIALS, Motion, Other, UnknownKeyError, differences, kept, this_python
+    from mjcompose.mujoco.programs import MissingError, ProgramError
+
+    version = release(check.program.removeprefix(_MUJOCO)) or ""
+    asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
+    try:
+        own = Other(this_python(), checks.session.mujoco_version or "")
+        other = own if version == own.version else kept(version, context.environment)
+        with scratch("moves") as folder:
+            for name, content in checks.bundle.files.items():
+                (folder / "model" / name).parent.mkdir(parents=True, exist_ok=True)
+                (folder / "model" / name).write_bytes(content)
+            model = folder / "model" / checks.bundle.model
+            there, here = (
+                Motion.of(each, model, folder / f"{n}.npz", asked=asked) for n, each in enumerate((other, own))
+            )
+            moved = differences(there, here, signal=check.signal, tolerance=check.tol)
+    except UnknownKeyError as error:
+        return [Fault("unknown-name", str(error), ("key",), help=error.help)], {}
+    except MissingError as error:
+        return [Fault("consumer-missing", str(error), ("as",), help=error.help)], {}
+    except ProgramError as error:
+        return [Fault("check-failed", str(error), ("as",), help=error.help)], {}
+    if wild := sorted({*there.answer["diverged"], *here.answer["diverged"]}):
+        return [
+            failed(f"the simulation diverges in `{wild[0]}`", "a simulation without NaN", f"{len(wild)} diverge")
+        ], {}
+    found = [_apart(check, f"MuJoCo {other.version}", moved)] if moved else []
+    return found, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
+
+
+def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, Any]]:
+    from mjcompose.mujoco.environments import Moved
+    from mjcompose.targets.read_back import Work, motion_in
+    from mjcompose.verify.compile import WHOLE
+
+    if check.signal != "qpos":
+        return [Fault("wrong-keyword", f"only `qpos` can be compared with {check.program}", ("signal",))], {}
+    work = Work(checks.bundle, WHOLE, checks.session, environment=checks.context.environment)
+    ends = motion_in(work, check.program, check.seconds)
+    if isinstance(ends, Fault):
+        return [ends], {}
+    here, there = ends
+    if here.keys().isdisjoint(there):
+        message = f"no hinge or slide with a name moves both here and in {check.program}: nothing can be compared"
+        return [Fault("check-failed", message, ("as",))], {}
+    moved = [
+        Moved("joint", name, abs(there[name] - end), unit="m or rad", trial="motion without forces", time=check.seconds)
+        for name, end in here.items()
+        if name in there and abs(there[name] - end) > check.tol
+    ]
+    moved.sort(key=lambda each: -each.amount)
+    found = [_apart(check, check.program, moved)] if moved else []
+    return found, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
+
+
+def _apart(check: MovesAlike, program: str, moved: Sequence[Moved]) -> Fault:
+    first, *more = with_rest([each.words for each in moved])
+    message, unit = f"the model moves differently in {program}: {first}", moved[0].unit
+    found = failed(message, f"at most {check.tol:g} {unit}", f"{moved[0].amount:.4g} {unit}", more=more)
+    return replace(found, at=("tol",))

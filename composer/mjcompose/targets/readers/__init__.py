@@ -1,0 +1,1 @@
+"""Programs for environments of their own: each reads a model in another simulator."""

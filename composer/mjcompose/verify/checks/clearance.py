@@ -1,0 +1,163 @@
+"""The check `clearance`: geoms are not inside each other, or keep a distance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.base.report import with_rest
+from mjcompose.language.check import Check
+from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
+from mjcompose.verify.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named
+
+_GLOB = Annotated[str, Name("geom", "body", glob=True)]
+_SIDE = Annotated[tuple[_GLOB, ...], Items(1, single=True)]
+_SIDES = Expects("two sides, each a glob over geoms or bodies or a list of them", '["arm/**", table]')
+_PAIR = Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")]
+_PAIRS = Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]')
+
+
+class Clearance(Check):
+    """Geoms are not inside each other, or keep a distance."""
+
+    word: ClassVar = "clearance"
+    example: ClassVar = "{key: home}"
+    instead: ClassVar = {
+        "max": "write `min: -1mm` for a depth of at most 1 mm", "distance": "min", "exclude": "except", "keys": "key",
+    }  # fmt: skip
+
+    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
+    """the keyframes to check; by default the reference configuration"""
+    min: Annotated[float, Scaled(LENGTHS)] = -1e-3
+    """the smallest allowed distance, in meters; a negative number allows an overlap of that depth"""
+    excepted: Annotated[tuple[_PAIR, ...], Items(), _PAIRS] = Field((), alias="except")
+    """pairs to ignore, as globs over names of geoms and bodies"""
+    between: Annotated[tuple[_SIDE, ...], Items(2, 2), _SIDES] | None = None
+    """the two sides, each a glob over geoms and bodies, or a list of globs; by default all geoms that can touch"""
+
+
+KIND = Clearance
+
+_NAMED = ("geom", "body", "flex")
+_SLACK = 1e-9
+
+Side = tuple[str, int]
+"""A geom or flex by kind and id."""
+Pair = tuple[Side, Side]
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+    """Report the pairs that are nearer to each other than the check allows, the nearest first."""
+    for index, pair in enumerate(asked["excepted"]):
+        for side, glob in enumerate(pair):
+            check_globs(scope, _NAMED, [glob], at=("except", index, side))
+    sides = []
+    for index, globs in enumerate(asked["between"] or ()):
+        check_globs(scope, _NAMED[:2], globs, at=("between", index))
+        sides.append(_geoms(scope, globs))
+    places: Iterable[tuple[str, Any]] = [("", scope.at_key(None))]
+    if asked["key"]:
+        places = ((f" in `{name}`", data) for name, data in at_keys(scope, keys_named(scope, asked["key"])))
+    known = {name for kind in _NAMED for name in scope.names(kind)}
+    excepted = [[scope.fitting(glob, known) for glob in pair] for pair in asked["excepted"]]
+    least: float = asked["min"]
+    near: dict[tuple[str, Pair], float] = {}
+    nearest: float | None = None
+    for where, data in places:
+        apart = _apart(scope, data, sides, least) if sides else _touching(scope, data, least)
+        for pair, distance in apart:
+            if distance >= least and nearest is not None and distance >= nearest:
+                continue
+            these, those = (_names(scope, side) for side in pair)
+            if any((these & a and those & b) or (these & b and those & a) for a, b in excepted):
+                continue
+            nearest = distance if nearest is None else min(nearest, distance)
+            if distance < least:
+                near[where, pair] = min(distance, near.get((where, pair), distance))
+    if nearest is not None:
+        scope.found("distance", nearest, SOLVED)
+    if not near:
+        return []
+    ranked = sorted(near.items(), key=lambda item: item[1])
+    first, *more = with_rest(
+        [_line(scope, pair, where, each, least) for (where, pair), each in ranked], what="more pairs"
+    )
+    expected = f"at least {least:g} m" if least >= 0 else f"at most {-least:g} m inside"
+    return [failed(first, expected, _measure(ranked[0][1], least), "min", more=more)]
+
+
+def _measure(distance: float, least: float) -> str:
+    return f"{beside(distance, least)} m" if distance >= 0 else f"{beside(-distance, -least)} m inside"
+
+
+def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -> str:
+    """Return in words the distance between the elements of a pair."""
+    one, other = (scope.called(*side) for side in pair)
+    if distance < 0:
+        return f"{one} is {_measure(distance, least)} of {other}{where}"
+    return f"{one} and {other}{where} are {_measure(distance, least)} apart"
+
+
+def _touching(scope: Scope, data: Any, least: float) -> Iterator[tuple[Pair, float]]:
+    """Yield the pairs nearer than `least`, or touching, even if options of the model disable contacts."""
+    mujoco, option = scope.mujoco, scope.model.opt
+    before = int(option.disableflags), int(option.enableflags), float(option.o_margin)
+    off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    option.disableflags = before[0] & ~off
+    if least > 0:  # MuJoCo looks for contacts as far away as the margin
+        option.enableflags = before[1] | int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
+        option.o_margin = least + _SLACK
+    try:
+        mujoco.mj_fwdPosition(scope.model, data)
+    finally:
+        option.disableflags, option.enableflags, option.o_margin = before
+    for contact in data.contact:
+        pair = (_side(contact, 0), _side(contact, 1))
+        if all(scope.owns(*side) for side in pair):
+            yield pair, float(contact.dist)
+
+
+def _side(contact: Any, side: int) -> Side:
+    geom = int(contact.geom[side])
+    return ("geom", geom) if geom >= 0 else ("flex", int(contact.flex[side]))
+
+
+def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
+    """Return the geoms that the globs match, and the geoms of the bodies that they match."""
+    geoms: dict[int, None] = {}
+    for glob in globs:
+        bodies = set(scope.matching("body", glob))
+        of_bodies = [geom for geom in scope.own("geom") if int(scope.model.geom_bodyid[geom]) in bodies]
+        geoms.update(dict.fromkeys([*scope.matching("geom", glob), *of_bodies]))
+    return list(geoms)
+
+
+def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float) -> Iterator[tuple[Pair, float]]:
+    """Yield the pairs of geoms of the two sides that are on different bodies, with their distance up to `least`."""
+    import numpy as np
+
+    mujoco, model = scope.mujoco, scope.model
+    mujoco.mj_kinematics(model, data)
+    reach = max(least, 0.0)
+    others = np.array(sides[1], dtype=int)
+    places = data.geom_xpos[others]
+    radii = model.geom_rbound[others]
+    bodies = model.geom_bodyid[others]
+    for one in sides[0]:
+        # Bounding spheres that are apart need no look by MuJoCo. A plane has none.
+        apart = np.linalg.norm(places - data.geom_xpos[one], axis=1)
+        own = model.geom_rbound[one]
+        is_near = (apart - (own + radii) < reach) | (radii == 0) | (own == 0)
+        for other in others[is_near & (bodies != model.geom_bodyid[one])].tolist():
+            distance = float(mujoco.mj_geomDistance(model, data, one, other, reach + _SLACK, None))
+            yield (("geom", one), ("geom", other)), distance
+
+
+def _names(scope: Scope, side: Side) -> set[str]:
+    """Return the names that a glob for a side can match: the geom's own name and its body's."""
+    kind, index = side
+    body = scope.roster.names["body"][int(scope.model.geom_bodyid[index])] if kind == "geom" else ""
+    return {name.removeprefix(scope.prefix) for name in (scope.roster.names[kind][index], body) if name}

@@ -1,0 +1,112 @@
+"""The check `settles`: a simulation from a keyframe comes to rest."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.language.check import Check, CheckPart
+from mjcompose.language.forms.scalars import Name, Positive, Unit
+from mjcompose.mujoco.arrays import JOINT_TYPES
+from mjcompose.verify.checks.check import SOLVED, Scope, beside, failed
+
+
+class Near(CheckPart):
+    """The expected final positions of all joints."""
+
+    example: ClassVar = "{key: …, within: 0.05}"
+
+    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
+    """a keyframe; by default the start keyframe"""
+    within: Positive = Field(examples=["0.05"])
+    """the greatest distance of a joint from its position in that keyframe, in m or rad"""
+
+
+class Settles(Check):
+    """The simulation from a keyframe does not diverge, and the model is at rest at the end."""
+
+    word: ClassVar = "settles"
+    example: ClassVar = "{key: home}"
+
+    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
+    """the keyframe to start from; by default the reference configuration"""
+    seconds: Annotated[Positive, Unit("s")] = 1.0
+    """the length of the simulation"""
+    max_speed: Positive = 0.05
+    """the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"""
+    near: Near | None = None
+    """every joint must also end near its position in a keyframe"""
+
+
+KIND = Settles
+
+_AT_THE_END = 0.1
+"""The final share of the simulated time in which speeds are checked."""
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+    import numpy as np
+
+    from mjcompose.mujoco.controls import Divergence, steps_in
+
+    mujoco, model = scope.mujoco, scope.model
+    data = scope.at_key(asked["key"])
+    diverged = Divergence(mujoco, model, data)
+    limit, seconds = asked["max_speed"], asked["seconds"]
+    if not model.opt.timestep > 0:
+        return [failed("no time passes: the timestep of the model is 0", "a timestep above 0", "0")]
+    steps = steps_in(model, seconds)
+    dofs = np.flatnonzero([int(joint) in scope.joints for joint in model.dof_jntid])
+    fastest, at, dof = 0.0, 0.0, -1
+    first = steps - max(1, round(_AT_THE_END * steps))
+    for step in range(steps):
+        mujoco.mj_step(model, data)
+        if diverged:  # MuJoCo resets it, so it is at rest
+            message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
+            return [failed(message, f"at rest after {seconds:g} s", "not finite, or beyond all measure", "seconds")]
+        if step >= first and len(dofs):
+            speeds = np.abs(data.qvel[dofs])
+            worst = int(speeds.argmax())
+            if speeds[worst] > fastest:
+                fastest, at, dof = float(speeds[worst]), float(data.time), int(dofs[worst])
+    scope.found("speed", fastest, SOLVED)
+    if fastest <= limit:
+        return [] if asked["near"] is None else _near(scope, data, asked)
+    joint = int(model.dof_jntid[dof])
+    unit = _unit(model, dof, joint)
+    speed = beside(fastest, limit)
+    message = f"{scope.called('joint', joint)} still moves at {speed} {unit} after {at:.4g} s"
+    return [failed(message, f"at most {limit:g} {unit}", f"{speed} {unit}", "max_speed")]
+
+
+def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
+    """Report joints that end far from their position in a keyframe."""
+    import numpy as np
+
+    near = asked["near"]
+    key = near["key"] or asked["key"]
+    there = scope.at_key(key, "near", "key")
+    mujoco, model = scope.mujoco, scope.model
+    apart = np.zeros(model.nv)
+    mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
+    if not (own := [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]):
+        return []
+    dof = max(own, key=lambda each: abs(apart[each]))
+    farthest = float(abs(apart[dof]))
+    scope.found("distance", farthest, SOLVED)
+    if farthest <= near["within"]:
+        return []
+    joint = int(model.dof_jntid[dof])
+    unit = _unit(model, dof, joint).removesuffix("/s")
+    where = f"`{key}`" if key else "the reference configuration"
+    off = beside(farthest, near["within"])
+    message = f"{scope.called('joint', joint)} is {off} {unit} from where it is in {where}"
+    return [failed(message, f"at most {near['within']:g} {unit}", f"{off} {unit}", "near", "within")]
+
+
+def _unit(model: Any, dof: int, joint: int) -> str:
+    from mjcompose.mujoco.addresses import span
+
+    return JOINT_TYPES[int(model.jnt_type[joint])].velocity_units[dof - span(model, "qvel", joint).start]

@@ -1,0 +1,402 @@
+"""Draws at run time, and numbers that differ between worlds."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mjcompose.base.distribution import CHOICE
+from mjcompose.base.scratch import scratch
+from mjcompose.bundle.bundle import DRAWS, MODEL, WORLDS, Bundle
+from mjcompose.bundle.listing import write_rows
+from mjcompose.language.assign import MASS
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.addresses import rows_of
+from mjcompose.mujoco.arrays import FREE
+from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
+from mjcompose.mujoco.controls import GAINS
+from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
+from mjcompose.mujoco.references import unequal
+from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
+from mjcompose.plan.plan import ElementDraws, Plan
+from mjcompose.sources.context import Context
+from mjcompose.text.expression import UNITS, Angle
+from mjcompose.text.node import locate
+from mjcompose.tree.values import is_in_degrees
+from mjcompose.verify.compile import WHOLE
+
+if TYPE_CHECKING:
+    from mjcompose.language.randomize import DrawField
+
+SAMPLES = "samples.csv"
+SAMPLE = "sample"
+"""The name under which a session keeps the sample that a table is compared with."""
+CODE = "draw-at-run-time"
+_FORMAT = 1
+
+
+class DrawTable:
+    """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
+
+    def __init__(self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context) -> None:
+        self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
+        self.columns: dict[str, dict[str, Any]] = {}
+        self.values: dict[str, Sequence[Any]] = {}
+
+    def fill(self) -> bool:
+        """Look up the address of every number, and return whether each has one."""
+        before = self.context.sink.error_count
+        numeric, questions = [], []
+        for each in self.tabled:
+            first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
+            if any(isinstance(value, str) for value in first):
+                self._fault(each.field, f"field `{each.field.name}` draws names, which a compiled model cannot change")
+                continue
+            numeric.append(each)
+            questions.append({
+                "tag": each.tag, "family": each.family, "name": each.name, "place": each.place,
+                "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
+            })  # fmt: skip
+        if (answers := self.ask(resolve_addresses, [WHOLE], questions)) is None:
+            return False
+        for each, found in zip(numeric, answers, strict=True):
+            if "error" in found:
+                message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
+                if found.get("nameless"):
+                    advice = f"give each `{each.tag}` a name, or select only elements with names"
+                    self._fault(each.field, message, advice=advice)
+                    continue
+                instead = "or draw the `mass` of its body" if each.first.attribute == "density" else ""
+                self._fault(each.field, message, instead)
+            else:
+                self._add(each, found)
+        return self.context.sink.error_count == before
+
+    def added(self, bundle: Bundle) -> Bundle:
+        wanted = self.plan.randomize
+        assert wanted is not None
+        data = {
+            "randomize": _FORMAT, "model": MODEL, "samples_file": SAMPLES, "seed": wanted.seed,
+            "samples": wanted.samples, "mujoco": self.session.mujoco_version,
+            "fields": {each.name: _field(each) for each in wanted.fields},
+            "columns": [{"column": name, **column} for name, column in self.columns.items()],
+        }  # fmt: skip
+        table = io.StringIO(newline="")
+        nominal = [0, *[None] * len(self.columns)]
+        rows = zip(range(1, wanted.samples + 1), *self.values.values(), strict=True)
+        write_rows(table, ["sample", *self.columns], itertools.chain([nominal], rows))
+        described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: table.getvalue().encode()})
+
+    def _add(self, each: ElementDraws, found: dict[str, Any]) -> None:
+        for component, (name, _) in enumerate(each.first.columns()):
+            if name not in self.columns:
+                low, high = _bounds(each, component)
+                about = {"field": each.field.name, "operation": each.field.operation, "low": low, "high": high}
+                self.columns[name] = {**about, "targets": []}
+                self.values[name] = each.numbers[component]
+            of = {"type": each.family, "name": each.name or "", "id": found["id"]}
+            self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
+
+    def _fault(self, field: DrawField, message: str, instead: str = "", *, advice: str | None = None) -> None:
+        help = "build without `--as worlds`" + (f", {instead}" if instead else ", so each sample is a model")
+        help = help if advice is None else advice
+        self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
+
+    def ask(self, question: Callable[..., Any], models: Sequence[str], argument: Any) -> Any:
+        """Return the answer of MuJoCo's process, or None if it crashes, which is reported."""
+        answer = engine.call(self.session, question, models, argument=argument)
+        if answer.ok:
+            return answer.value
+        code = CRASHES.get(answer.crash or "", "mujoco-crash")
+        span = locate(self.plan.document, ("randomize", "samples"))
+        message = f"the table of draws: {answer.error or answer.crash}"
+        self.context.sink.error(code, message, span, help=CRASH_HELP.get(code))
+        return None
+
+
+def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
+    """Return the smallest and the largest number that may be drawn, in the table's unit; None for no bound."""
+    distribution = each.field.distribution
+    numbers = distribution.extremes(component)
+    if distribution.kind == CHOICE and not numbers:
+        numbers = tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
+    unit = distribution.unit
+    if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
+        unit = "deg"
+    own = "deg" if is_in_degrees(each.tag, each.first.attribute) else "rad"
+    turned = [Angle(end, UNITS[unit]).in_unit(own) if unit else end for end in (min(numbers), max(numbers))]
+    low, high = (number if math.isfinite(number) else None for number in turned)
+    return low, high
+
+
+def _field(field: DrawField) -> dict[str, Any]:
+    distribution = field.distribution
+    parameters = {name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()}
+    return {
+        "select": str(field.select), "attribute": field.attr, "operation": field.operation, "per": field.per,
+        "distribution": distribution.kind, "parameters": parameters, "unit": distribution.unit,
+    }  # fmt: skip
+
+
+_CLOSE = 1e-9
+"""Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
+
+
+def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
+
+    Runs under `mjcompose.mujoco.engine.call`. Each question has `tag`, `family`, `name` or `place`, `attribute`, and
+    `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
+    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to the first.
+    """
+    return [_resolved(mujoco, model, each) for each in asked]
+
+
+def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
+    gains = GAINS.get((tag, attribute))
+    if family not in TAGS or not (gains or attribute in attributes(family)):
+        return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
+    number = _id(mujoco, model, asked)
+    if isinstance(number, str):
+        return {"error": number, "nameless": not asked["name"]}
+    if family == "body" and attribute == MASS:
+        inertia = [{"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)]
+        return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
+    if gains is not None:
+        targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
+        return {"id": number, "targets": [targets]}
+    array = array_of(family, attribute)
+    rows = rows_of(model, family, array, index=number)
+    if family == "actuator":  # if an actuator has several controls, the draw is for the first
+        rows = range(rows.start, rows.start + 1)
+    found = getattr(model, array, None)
+    width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
+    last = asked["start"] + asked["count"]
+    if found is None or last > width:
+        return {"error": f"`{attribute}` of `{tag}` does not have that many numbers in mjModel"}
+    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in range(asked["start"], last)]
+    return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
+
+
+def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
+    family, name, place = asked["family"], asked["name"], asked["place"]
+    if name:
+        number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
+        return number if number >= 0 else f"the compiled model has no {family} `{name}`"
+    if place is None:
+        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
+    body, position, count = place
+    number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
+    if number < 0 or family not in ON_BODIES:
+        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
+    there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
+    if len(there) != count:
+        return f"the {family}s without a name in body `{body}` cannot be distinguished"
+    return int(there[position])
+
+
+def are_close(a: Any, b: Any) -> bool:
+    """Return whether numbers are equal up to the rounding errors of two ways to compute them."""
+    a, b = np.asarray(a), np.asarray(b)
+    return a.shape == b.shape and not unequal(b, a, _CLOSE if a.dtype.itemsize == 8 else 1e-5).any()
+
+
+Build = Callable[[int], bool]
+"""Builds a sample, which the session keeps as `SAMPLE`; returns whether it succeeded."""
+
+
+def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
+    """Return the bundle with the worlds of a filled table, three of which are compared with samples; report errors."""
+    wanted = table.plan.randomize
+    assert wanted is not None
+    with scratch("worlds") as folder:
+        paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
+        np.save(paths["draws"], np.array(list(table.values.values()), float).T)
+        if table.ask(compute_worlds, [WHOLE], {**paths, "columns": list(table.columns.values())}) is None:
+            return bundle
+        for sample in sorted({1, (wanted.samples + 1) // 2, wanted.samples}):
+            if not build(sample):
+                return bundle
+            if (different := table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})) is None:
+                return bundle
+            if different:
+                listed = ", ".join(f"`{name}`" for name in different)
+                message = f"world {sample - 1} differs from sample {sample} as a build makes it: {listed}"
+                help = "remove the fields that change these, or build without `--as worlds`"
+                span = locate(table.plan.document, ("randomize",), key=True)
+                table.context.sink.error(CODE, message, span, help=help)
+                return bundle
+        about = {
+            "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
+            "seed": wanted.seed, "samples": wanted.samples,
+        }  # fmt: skip
+        with zipfile.ZipFile(paths["out"], "a") as archive:
+            archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
+        return bundle.with_files({WORLDS: Path(paths["out"]).read_bytes()})
+
+
+Place = tuple[str, int]
+"""A number of mjModel: its array and its index in the flattened array."""
+_BLOCK = 1024
+
+
+def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
+    """Write all numbers that differ in some world to `out`; return the arrays. `draws` is `(worlds, columns)`."""
+    draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
+    found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
+    following = list(_following(model, columns))
+    for first in range(0, len(draws), _BLOCK):
+        drawn = list(_drawn(model, columns, following, rows=draws[first : first + _BLOCK], found=found))
+        for world in range(len(draws[first : first + _BLOCK])):
+            for memory, places, values in drawn:
+                memory[places] = values[world]
+            computed.settle()
+            found.take()
+    entries = stored(model, found.found())
+    with open(asked["out"], "wb") as file:
+        np.savez(file, allow_pickle=False, **entries)
+    return sorted({name.partition("/")[0] for name in entries})
+
+
+def _drawn(
+    model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
+    found: Recorder,
+) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
+    """Yield the place of drawn numbers in the model's memory, and the numbers, `(worlds, numbers)`."""
+    values: dict[Place, Numbers] = {}
+    with np.errstate(all="ignore"):  # as with single numbers
+        for column, drawn in zip(columns, rows.T, strict=True):
+            is_drawn, ratio = ~np.isnan(drawn), np.ones(len(rows))
+            for target in column["targets"]:
+                array = getattr(model, target["array"])
+                place = target["array"], int(np.ravel_multi_index(target["index"], array.shape))
+                before = values[place] if place in values else np.repeat(flat(model, place[0])[place[1]], len(rows))
+                before = before.astype(float)
+                signed = drawn * target.get("sign", 1)
+                follows = target.get("follows")
+                now = before * ratio if follows else {
+                    "set": signed, "scale": before * drawn, "offset": before + signed,
+                }[column["operation"]]  # fmt: skip
+                values[place] = np.where(is_drawn, now, before).astype(array.dtype)
+                if not follows:
+                    ratio = np.where(before != 0, values[place].astype(float) / before, 1.0)
+        for source, targets in following:
+            for name, index in targets:
+                values[name, index] = values[source].astype(getattr(model, name).dtype)
+    for dtype in {value.dtype for value in values.values()}:
+        places = [place for place, value in values.items() if value.dtype == dtype]
+        memory = np.array([found.first_of(name) + index for name, index in places])
+        yield found.view(dtype), memory, np.stack([values[place] for place in places], axis=1)
+
+
+def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
+    """Return the arrays in which `world` of the file `out` differs from a built sample; runs under `engine.call`."""
+    before = {name: flat(nominal, name).copy() for name in arrays(nominal)}
+    with np.load(asked["out"], allow_pickle=False) as stored:
+        for name in {each.partition("/")[0] for each in stored.files}:
+            numbers = flat(nominal, name).copy()
+            numbers[stored[f"{name}/index"]] = stored[f"{name}/values"][asked["world"]]
+            put(nominal, name, numbers)
+    different = [name for name in before if not are_close(flat(nominal, name), flat(sample, name))]
+    for name, numbers in before.items():
+        put(nominal, name, numbers)
+    return sorted(different)
+
+
+class DerivedValues:
+    """The values that the compiler computes but mj_setConst does not, unless the model sets them."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+        self._mujoco, self._model, self._data = mujoco, model, data
+        self._inertia, self._mass = model.stat.meaninertia, model.stat.meanmass
+        self._has_inertia = are_close(_mean_inertia(model), self._inertia)
+        self._has_mass = are_close(_mean_mass(model), self._mass)
+        lengths = self._lengths() if model.ntendon else np.empty(0)
+        # If the range `springlength` is not set, both ends are the length in the springs' reference pose.
+        self._springs = [n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])]
+
+    def settle(self) -> None:
+        model = self._model
+        # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
+        self._mujoco.mj_resetData(model, self._data)
+        self._mujoco.mj_setConst(model, self._data)
+        # MuJoCo 3.12 computes these again even if `<statistic>` gives them; 4.0 never does.
+        model.stat.meaninertia = _mean_inertia(model) if self._has_inertia else self._inertia
+        model.stat.meanmass = _mean_mass(model) if self._has_mass else self._mass
+        if self._springs:
+            model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
+
+    def _lengths(self) -> Numbers:
+        mujoco, model, data = self._mujoco, self._model, self._data
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = model.qpos_spring
+        for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
+            stage(model, data)
+        lengths: Numbers = data.ten_length.copy()
+        return lengths
+
+
+def _mean_inertia(model: Model) -> float:
+    return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
+
+
+def _mean_mass(model: Model) -> float:
+    return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
+
+
+_OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
+_OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
+
+
+def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
+    """Yield numbers that the compiler copies from a body's pose but mj_setConst does not, even for free joints."""
+    every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
+    for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
+        for body, component in sorted({(each[1], each[2]) for each in every if each[0] == array}):
+            targets = [
+                *_of_free_joint(model, body, at + component),
+                *_of_mocap(model, body, array, component=component),
+                *_of_inertial_frame(model, body, array, component=component),
+            ]
+            if targets:
+                yield (array, body * width + component), targets
+
+
+def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
+    joint = model.body_jntadr[body]
+    if joint < 0 or model.jnt_type[joint] != FREE:
+        return
+    first = int(model.jnt_qposadr[joint])
+    pose = slice(first, first + 7)
+    yield "qpos0", first + component
+    yield "qpos_spring", first + component
+    for key in range(model.nkey):
+        if (model.key_qpos[key, pose] == model.qpos0[pose]).all():
+            yield "key_qpos", key * model.nq + first + component
+
+
+def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    """Yield the number of the inertial frame: MuJoCo gives a massless body its own pose as the inertial frame."""
+    name = _OF_INERTIA[array]
+    if model.body_mass[body] == 0 and (getattr(model, name)[body] == getattr(model, array)[body]).all():
+        yield name, body * getattr(model, name).shape[1] + component
+
+
+def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    if (mocap := int(model.body_mocapid[body])) < 0:
+        return
+    name, pose = _OF_KEYS[array], getattr(model, array)[body]
+    for key in range(model.nkey):
+        first = pose.size * mocap
+        if (getattr(model, name)[key, first : first + pose.size] == pose).all():
+            yield name, key * pose.size * model.nmocap + first + component
