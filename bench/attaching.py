@@ -31,7 +31,8 @@ def _name(used: Models, peer: str) -> str:
 
 
 def _to_lxml(used: Models) -> Row:
-    arm, hand = str(used.arm), str(used.hand)
+    arm = str(used.arm)
+    hand = str(used.hand)
     best = best_times(
         {"lxml": lambda: peers.lxml_rewritten(arm, hand), "ours": lambda: ours.attached(used.arm, used.hand, SITE)},
         rounds=1000,
@@ -45,7 +46,8 @@ def _to_mjspec(used: Models) -> Row:
     mujoco = peers.mjspec()
     if mujoco is None:
         return Row(name, None, 1.0, "this MuJoCo cannot save as written (3.16 can)")
-    arm, hand = str(used.arm), str(used.hand)
+    arm = str(used.arm)
+    hand = str(used.hand)
     best = best_times(
         {
             "mjspec": lambda: peers.mjspec_attached(mujoco, arm, hand, SITE, "mjspec.xml"),
@@ -62,7 +64,8 @@ def _to_dm_control(used: Models) -> Row:
     mjcf = peers.dm_control()
     if mjcf is None:
         return Row(name, None, 1.0, "dm_control is not installed")
-    arm, hand = str(used.arm), str(used.hand)
+    arm = str(used.arm)
+    hand = str(used.hand)
     try:
         peers.dm_control_attached(mjcf, arm, hand, SITE)
     except ValueError as error:
@@ -80,8 +83,10 @@ def _to_dm_control(used: Models) -> Row:
 
 def _of_mjcf(used: Models) -> Iterator[Row]:
     """Both have a file with the same bodies afterwards; MjSpec without keys, which would make it compile both."""
-    name, second = (f"mjcompose.mjcf: read, attach, write ({used.name})", "mjcompose.mjcf: the second text / lxml")
-    arm, hand = str(used.arm), str(used.hand)
+    name = f"mjcompose.mjcf: read, attach, write ({used.name})"
+    second = "mjcompose.mjcf: the second text / lxml"
+    arm = str(used.arm)
+    hand = str(used.hand)
     policy: Policy = "error" if used.to_lxml else "merge"  # the project's own models do not agree
 
     def attached() -> mjcf.RootElement:

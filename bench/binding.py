@@ -32,10 +32,14 @@ def rows() -> list[Row]:
     theirs = _dm_control(str(hand), [str(joint.name) for joint in joints], [joints.index(each) for each in some])
 
     one, all_of_them, mixed = (physics.bind(which) for which in (joints[0], joints, some))
-    body, few = physics.bind(bodies[0]), physics.bind([bodies[at] for at in order])
+    body = physics.bind(bodies[0])
+    few = physics.bind([bodies[at] for at in order])
     named = physics.data.joint(joints[0].name)
-    data, q, b = physics.data, int(one.qposadr), int(body.element_id)
-    irregular, body_rows = np.array([int(each) for each in mixed.qposadr]), few.element_id
+    data = physics.data
+    q = int(one.qposadr)
+    b = int(body.element_id)
+    irregular = np.array([int(each) for each in mixed.qposadr])
+    body_rows = few.element_id
     sequence = slice(int(all_of_them.qposadr[0]), int(all_of_them.qposadr[-1]) + 1)
 
     table: list[tuple[str, float | None, Callable[[], object], Callable[[], object]]] = [

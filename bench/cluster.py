@@ -13,8 +13,11 @@ from pathlib import Path
 from bench.row import Row
 from bench.timing import processor_time
 
-_FEW, _MANY, _ALL = 200, 1400, 10_000
-_MILLISECONDS, _GROWTH = 5.0, 1.25
+_FEW = 200
+_MANY = 1400
+_ALL = 10_000
+_MILLISECONDS = 5.0
+_GROWTH = 1.25
 _MODEL = '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
 _RECIPE = """\
 recipe: 1
@@ -28,7 +31,8 @@ randomize:
 
 
 def rows() -> list[Row]:
-    cost, growth = ("processor time of a cluster's part, ms a model", f"memory at {_ALL} models / at {_ALL // 10}")
+    cost = "processor time of a cluster's part, ms a model"
+    growth = f"memory at {_ALL} models / at {_ALL // 10}"
     if find_spec("distributed") is None:
         why = "`distributed` is not installed"
         return [Row(cost, None, _MILLISECONDS, why), Row(growth, None, _GROWTH, why)]

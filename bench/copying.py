@@ -30,7 +30,8 @@ def rows() -> list[Row]:
 
 
 def _against_mjspec() -> Row:
-    humanoid, mujoco = models().humanoid, peers.mjspec()
+    humanoid = models().humanoid
+    mujoco = peers.mjspec()
     name = f"{_MANY} humanoids / MjSpec, saved as written"
     if humanoid is None:
         return Row(name, None, _OF_MJSPEC, "MJCOMPOSE_CORPUS is not set")

@@ -33,7 +33,8 @@ _EDITS = (
 
 
 def rows() -> list[Row]:
-    tenth, whole = _best(lambda: _ours(_MANY // 10)), _best(lambda: _ours(_MANY))
+    tenth = _best(lambda: _ours(_MANY // 10))
+    whole = _best(lambda: _ours(_MANY))
     theirs = {"dm_control": _of_dm_control(), "MjSpec": _of_mjspec()}
     found = []
     for edit in _EDITS:
@@ -42,11 +43,14 @@ def rows() -> list[Row]:
         found.append(Row(f"{edit}: {size}, each / each of a tenth", whole[edit] / tenth[edit] / 10, limit))
         for peer, times in theirs.items():
             if times is None:
-                ratio, note = None, "not installed"
+                ratio = None
+                note = "not installed"
             elif edit not in times:
-                ratio, note = None, "references stay as they are"
+                ratio = None
+                note = "references stay as they are"
             else:
-                ratio, note = whole[edit] / times[edit], f"{whole[edit] * 1000:.1f} ms"
+                ratio = whole[edit] / times[edit]
+                note = f"{whole[edit] * 1000:.1f} ms"
             found.append(Row(f"{edit}: {size} / {peer}", ratio, None, note))
     return found
 

@@ -29,12 +29,15 @@ from bench.timing import best_times, processor_time
 
 _MODELS = REPOSITORY / "recipes" / "models"
 _PICTURES = REPOSITORY / "docs" / "pictures"
-_WORLDS, _PARTS = (10, 100, 1_000, 10_000, 100_000), (10, 100, 1_000, 10_000)
+_WORLDS = (10, 100, 1_000, 10_000, 100_000)
+_PARTS = (10, 100, 1_000, 10_000)
 _COPIES_OF_MJSPEC = 1_000
 """More take MjSpec minutes."""
 _LINEAR = 1.25
-_WORLD, _ALL_WORLDS = 20.0, 60.0
-_ARMS, _TO_MJSPEC = 10, 1.3
+_WORLD = 20.0
+_ALL_WORLDS = 60.0
+_ARMS = 10
+_TO_MJSPEC = 1.3
 _TO_LXML = 3.0
 _LINKS = '"{upper_arm,elbow,forearm,wrist,flange}"'
 _RECIPE = f"""recipe: 1
@@ -139,7 +142,9 @@ def _parts() -> Iterator[Row]:
             f"attach: {{post: {{model: {post}, replicate: [{{count: {count}, offset: [0.1, 0, 0]}}]}}}}\n"
         )
         took[count] = _processor(lambda: _command("build", "parts.yaml", "--no-compile", "-o", "parts.xml"))
-    start, few, many = took[_PARTS[0]], took[_PARTS[-2]] - took[_PARTS[0]], took[_PARTS[-1]] - took[_PARTS[0]]
+    start = took[_PARTS[0]]
+    few = took[_PARTS[-2]] - took[_PARTS[0]]
+    many = took[_PARTS[-1]] - took[_PARTS[0]]
     each = many / (_PARTS[-1] - _PARTS[0]) / (few / (_PARTS[-2] - _PARTS[0]))
     note = f"{took[_PARTS[-1]]:.1f} s, {start:.2f} s of it for the first {_PARTS[0]}; bodies with a geom and a class"
     yield Row(f"a part of {_PARTS[-1]:,} / a part of {_PARTS[-2]:,}", each, _LINEAR, note)
@@ -157,8 +162,10 @@ def _parts() -> Iterator[Row]:
 def _free_bodies() -> Iterator[Row]:
     best = best_times(
         {"few": lambda: _linked(_loose(500)), "many": lambda: _linked(_loose(2_000))},
-        rounds=10, seconds=6, clock=time.process_time,
-    )  # fmt: skip
+        rounds=10,
+        seconds=6,
+        clock=time.process_time,
+    )
     note = f"{best['many'] * 1e3:.0f} ms for 2,000: parsed, linked, not written"
     yield Row("a free body of 2,000 / of 500, linked", best["many"] / best["few"] / 4, _LINEAR, note)
 
@@ -188,8 +195,10 @@ def _read() -> Row:
     text = _loose(1_000)
     best = best_times(
         {"ours": lambda: mjcf.from_xml_string(text), "lxml": lambda: etree.fromstring(text)},
-        rounds=60, seconds=4, clock=time.process_time,
-    )  # fmt: skip
+        rounds=60,
+        seconds=4,
+        clock=time.process_time,
+    )
     note = f"{best['ours'] * 1e3:.1f} ms; lxml parses and checks nothing"
     return Row("mjcompose.mjcf: from_xml_string of 1,000 bodies / lxml", best["ours"] / best["lxml"], _TO_LXML, note)
 
@@ -207,8 +216,10 @@ def _equal_arms() -> Row:
             "ours": lambda: _command("build", "arms.yaml", "-o", "arms.zip"),
             "mjspec": lambda: _python("-c", _MJSPEC_ARMS, str(arm), str(_ARMS)),
         },
-        rounds=5, seconds=20, clock=processor_time,
-    )  # fmt: skip
+        rounds=5,
+        seconds=20,
+        clock=processor_time,
+    )
     note = f"{best['ours']:.2f} s against {best['mjspec']:.2f} s: both attach, compile, step, and zip the assets"
     return Row(name, best["ours"] / best["mjspec"], _TO_MJSPEC, note)
 

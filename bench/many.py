@@ -13,7 +13,8 @@ from bench.row import Row
 from bench.timing import Clock, processor_time
 
 _SAMPLES = 200
-_CPU, _WALL = 1.15, 0.54
+_CPU = 1.15
+_WALL = 0.54
 _RECIPE = REPOSITORY / "recipes" / "randomised.yaml"
 
 
@@ -29,9 +30,13 @@ def rows() -> list[Row]:
     free = (os.cpu_count() or 1) - os.getloadavg()[0]
     return [
         Row("200 samples, processor time of two processes / one", two[0] / one[0], _CPU, each),
-        Row("200 samples, time of two processes / one", two[1] / one[1], _WALL if free > 0 else None,
-            "of two cores that nobody else uses"),
-    ]  # fmt: skip
+        Row(
+            "200 samples, time of two processes / one",
+            two[1] / one[1],
+            _WALL if free > 0 else None,
+            "of two cores that nobody else uses",
+        ),
+    ]
 
 
 def _build(recipe: Path, jobs: int) -> tuple[float, float]:

@@ -16,8 +16,12 @@ from bench.timing import best_times
 
 _RECIPE = REPOSITORY / "recipes" / "menagerie_ur5e_2f85.yaml"
 _STATUS = Path("/proc/self/status")
-_EQUAL, _UNCHANGED, _GROWTH = 1.1, 3.0, 2.0
-_ROUNDS, _WARM, _REBUILDS = 15, 400, 200
+_EQUAL = 1.1
+_UNCHANGED = 3.0
+_GROWTH = 2.0
+_ROUNDS = 15
+_WARM = 400
+_REBUILDS = 200
 
 
 def rows() -> list[Row]:
@@ -30,14 +34,20 @@ def rows() -> list[Row]:
     environment = {**os.environ, "MENAGERIE_ROOT": folder}
     done = subprocess.run(command, cwd=REPOSITORY, check=True, capture_output=True, text=True, env=environment)
     found = json.loads(done.stdout)
-    ours, theirs = found["spec"], found["mujoco"]
+    ours = found["spec"]
+    theirs = found["mujoco"]
     result = [
         Row(whole, ours / theirs, _EQUAL, f"{1000 * ours:.1f} ms against {1000 * theirs:.1f} ms"),
         Row("spec() after an edit, beyond MuJoCo's parse, ms", 1000 * found["rebuilt"], None),
     ]
     if "decoded" in found:
-        result.append(Row("MjSpec.from_file of an unchanged recipe, beyond MuJoCo's parse, ms",
-                          1000 * found["decoded"], _UNCHANGED))  # fmt: skip
+        result.append(
+            Row(
+                "MjSpec.from_file of an unchanged recipe, beyond MuJoCo's parse, ms",
+                1000 * found["decoded"],
+                _UNCHANGED,
+            )
+        )
     if "grown" in found:
         result.append(Row(f"{_REBUILDS} rebuilds after {_WARM}: growth of the process, MiB", found["grown"], _GROWTH))
     return result

@@ -20,7 +20,8 @@ _SETTLED = frozenset({"option/cone", "option/impratio"})
 def attached(arm: Path, hand: Path, site: str) -> bytes:
     """The text of the arm with the hand at its site."""
     sink = Sink()
-    base, unit = parse_file(arm, sink), parse_file(hand, sink)
+    base = parse_file(arm, sink)
+    unit = parse_file(hand, sink)
     assert base is not None and unit is not None
     return _linked(
         Linking(base, [Part(unit, "hand/", AttachmentPlace("site", site))], sink, Request(overridden_options=_SETTLED))

@@ -26,7 +26,8 @@ from bench.row import Row
 from bench.timing import best_times
 
 _LIMIT = 4.5
-_ROUNDS, _SECONDS = 80, 5.0
+_ROUNDS = 80
+_SECONDS = 5.0
 # On a busy machine few rounds are undisturbed: many are wanted, however long they take.
 
 
@@ -82,7 +83,8 @@ def rows() -> list[Row]:
     if not corpus:
         return [Row("linking a pair / lxml parse + tostring", None, _LIMIT, "MJCOMPOSE_CORPUS is not set")]
     found = sorted(measured(Path(corpus)), key=lambda each: each.ratio)
-    worst, note = found[-1], f"of {len(found)} pairs"
+    worst = found[-1]
+    note = f"of {len(found)} pairs"
     return [
         Row("linking, the median pair / lxml parse + tostring", median(each.ratio for each in found), 3.0, note),
         Row("linking, the worst pair / lxml parse + tostring", worst.ratio, _LIMIT, f"{worst.name}, {note}"),

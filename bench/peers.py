@@ -32,7 +32,8 @@ def mjspec() -> Any | None:
 
 def mjspec_attached(mujoco: Any, arm: str, hand: str, site: str, out: str) -> None:
     """Saved as written. Keys are left out: with them MuJoCo wants both models compiled, far slower."""
-    base, child = mujoco.MjSpec.from_file(arm), mujoco.MjSpec.from_file(hand)
+    base = mujoco.MjSpec.from_file(arm)
+    child = mujoco.MjSpec.from_file(hand)
     _without_keys(base, child)
     base.attach(child, prefix="hand/", site=base.site(site))
     _save(base, out)
@@ -55,7 +56,8 @@ def dm_control() -> Any | None:
 
 
 def dm_control_attached(mjcf: Any, arm: str, hand: str, site: str) -> object:
-    base, child = mjcf.from_path(arm), mjcf.from_path(hand)
+    base = mjcf.from_path(arm)
+    child = mjcf.from_path(hand)
     base.find("site", site).attach(child)
     return base.to_xml_string()
 

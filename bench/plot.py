@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 560, 320, 56, 16, 34, 40
+_WIDTH = 560
+_HEIGHT = 320
+_LEFT = 56
+_RIGHT = 16
+_TOP = 34
+_BOTTOM = 40
 _FONT = 'font-family="sans-serif" font-size="12"'
 _COLORS = ("#1565c0", "#e65100")
 
@@ -47,5 +52,6 @@ def plot(title: str, across: str, unit: str, series: Mapping[str, Mapping[int, f
 
 
 def _decades(numbers: list[float] | list[int]) -> tuple[int, int]:
-    low, high = math.floor(math.log10(min(numbers))), math.ceil(math.log10(max(numbers)))
+    low = math.floor(math.log10(min(numbers)))
+    high = math.ceil(math.log10(max(numbers)))
     return low, max(high, low + 1)

@@ -19,7 +19,8 @@ from bench.timing import Candidate, best_times, processor_time
 
 _RECIPE = REPOSITORY / "recipes" / "menagerie_ur5e_2f85.yaml"
 _MODELS = ("universal_robots_ur5e/ur5e.xml", "robotiq_2f85/2f85.xml")
-_LIMIT, _EQUAL = 1.3, 1.15
+_LIMIT = 1.3
+_EQUAL = 1.15
 _MJSPEC = """
 import mujoco, sys
 arm, hand = map(mujoco.MjSpec.from_file, sys.argv[1:3])
@@ -93,7 +94,9 @@ def _run(*arguments: str) -> str:
 @in_scratch_folder()
 def main() -> None:
     """Each row of its own run, the shortest of several; a row of imports has those of the rows before it."""
-    lines, before, done = [], 0.0, "pass"
+    lines = []
+    before = 0.0
+    done = "pass"
     for what, imports in _STARTS:
         done = f"{done}; {imports}"
         took = best_times({what: lambda code=done: _run("-c", code)}, rounds=8, seconds=8)[what]  # type: ignore[misc]

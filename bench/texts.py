@@ -22,7 +22,9 @@ def rows() -> list[Row]:
 
 
 def _of(file: Path) -> list[Row]:
-    path, root, tree = str(file), mjcf.from_path(file), etree.parse(str(file))
+    path = str(file)
+    root = mjcf.from_path(file)
+    tree = etree.parse(str(file))
     paths = [path, *(os.path.join(os.path.dirname(path), str(each.get("file"))) for each in tree.iter("include"))]
     best = best_times(
         {

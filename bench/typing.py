@@ -21,8 +21,10 @@ from lsp.client import MARK, Editor
 
 _ROUNDS = 40
 _EDITS = 10_000
-_COMPLETION, _MEMORY = 30.0, 500.0
-_PARTS, _TO_FEW = (10, 50), 3.0
+_COMPLETION = 30.0
+_MEMORY = 500.0
+_PARTS = (10, 50)
+_TO_FEW = 3.0
 _LIMITS = {"demo": 100.0, "menagerie_ur5e_2f85": 200.0}
 
 
@@ -48,7 +50,8 @@ def _typed(editor: Editor, name: str) -> Iterator[Row]:
     editor.diagnostics(uri)
     head, middle, tail = text.rpartition("site: ")
     site, _, rest = tail.partition("}")
-    keystrokes, completions = [], []
+    keystrokes = []
+    completions = []
     for count in range(_ROUNDS):
         written = site[: len(site) - count % 4]
         started = time.perf_counter()
@@ -72,7 +75,8 @@ def _of_parts() -> Row:
     workspace = Workspace(Path.cwd())
     best: dict[int, float] = {}
     for count in _PARTS:
-        path, analysis = Path("parts.yaml").absolute(), None
+        path = Path("parts.yaml").absolute()
+        analysis = None
         for number in range(8):
             text = _recipe_of_parts(count, number)
             path.write_text(text)

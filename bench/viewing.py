@@ -56,7 +56,8 @@ _DRAWN = """before => new Promise(done => {
   const look = () => { if (mjcompose.stage.frames > before) done(); else requestAnimationFrame(look); };
   look();
 })"""
-_MOVED, _WRITTEN = 0.3, 0.3
+_MOVED = 0.3
+_WRITTEN = 0.3
 
 
 def rows() -> Iterator[Row]:
@@ -79,8 +80,11 @@ def _watched() -> Iterator[Row]:
     recipe.write_text(_UR5E)
     process = subprocess.Popen(
         [sys.executable, "-m", "mjcompose", "build", str(recipe), "--watch", "-o", "watched.zip"],
-        env=_environment(), text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        env=_environment(),
+        text=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
     assert process.stderr is not None
     seconds: list[float] = []
     started = 0.0
@@ -139,9 +143,13 @@ def _viewed(browser: Any, recipe: Path) -> Iterator[tuple[Any, float]]:
     """A page of a recipe, and the seconds from the start of the command to its first picture."""
     started = time.perf_counter()
     process = subprocess.Popen(
-        [sys.executable, "-m", "mjcompose", "view", str(recipe), "--no-open"], cwd=recipe.parent,
-        env=_environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+        [sys.executable, "-m", "mjcompose", "view", str(recipe), "--no-open"],
+        cwd=recipe.parent,
+        env=_environment(),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
     page = browser.new_page(viewport={"width": 1100, "height": 640})
     try:
         assert process.stdout is not None
@@ -158,7 +166,8 @@ def _viewed(browser: Any, recipe: Path) -> Iterator[tuple[Any, float]]:
 def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[float]]:
     """Seconds from the start of the command to the first picture, and from each save to its own."""
     with _viewed(browser, recipe) as (page, first):
-        text, saves = recipe.read_text(), []
+        text = recipe.read_text()
+        saves = []
         for count in range(_ROUNDS):
             time.sleep(0.1)
             started = time.perf_counter()
@@ -173,7 +182,9 @@ def _drags(browser: Any, recipe: Path, body: str) -> Iterator[Row]:
     with _viewed(browser, recipe) as (page, _):
         page.keyboard.press("m")
         page.evaluate(_HANDLE, [body, 0])
-        moves, releases, models = [], [], []
+        moves = []
+        releases = []
+        models = []
         for count in range(_ROUNDS // 4):
             while not (found := page.evaluate(_HANDLE, ["", 0.5])) or not found[2]:
                 if found:
@@ -183,7 +194,8 @@ def _drags(browser: Any, recipe: Path, body: str) -> Iterator[Row]:
             before = recipe.read_bytes()
             page.mouse.down()
             for step in range(1, 6):
-                frames, started = page.evaluate("mjcompose.stage.frames"), time.perf_counter()
+                frames = page.evaluate("mjcompose.stage.frames")
+                started = time.perf_counter()
                 page.mouse.move(found[0], found[1] + (10 if count % 2 else -10) * step)
                 page.evaluate(_DRAWN, frames)
                 moves.append(time.perf_counter() - started)

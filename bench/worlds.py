@@ -15,7 +15,8 @@ from bench.timing import best_times
 
 _HANDED = 2000
 _RECIPE = REPOSITORY / "recipes" / "held_payload.yaml"
-_BYTES, _SECONDS = 200.0, 0.3
+_BYTES = 200.0
+_SECONDS = 0.3
 
 
 def rows() -> list[Row]:

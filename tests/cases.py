@@ -50,7 +50,8 @@ class Case:
     @cached_property
     def texts(self) -> dict[str, str]:
         """The files of the case that are text, by their paths."""
-        names, texts = self._sections[1::2], self._sections[2::2]
+        names = self._sections[1::2]
+        texts = self._sections[2::2]
         assert names[-1] == _EXPECTED and len(set(names)) == len(names), f"the sections of {self.path}: {names}"
         return dict(zip(names[:-1], texts[:-1], strict=True))
 

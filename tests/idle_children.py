@@ -20,7 +20,9 @@ class IdleChildren:
     """Keeps the child of each session that ended well, for a session that would start one just like it."""
 
     def __init__(self) -> None:
-        self._start, self._close, self._standing = Session._start, Session.close, Session.standing
+        self._start = Session._start
+        self._close = Session.close
+        self._standing = Session.standing
         self._waiting: dict[Key, list[State]] = {}
         self._keys: dict[Popen[str], Key] = {}
 

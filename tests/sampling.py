@@ -31,7 +31,8 @@ def _corners(mesh: Path) -> Any:
     else:
         facets = np.frombuffer(data, [("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("more", "<u2")], offset=84)
         points = facets["points"].reshape(-1, 3).astype(float)
-    low, high = points.min(axis=0), points.max(axis=0)
+    low = points.min(axis=0)
+    high = points.max(axis=0)
     return np.where(np.vstack([np.zeros(3), np.eye(3)]) > 0, high, low)
 
 

@@ -41,7 +41,8 @@ def named_modules(text: str) -> Iterator[str]:
 
 def goes_up(path: str, module: str) -> bool:
     """Return whether a file names a package that is not below its own."""
-    own, other = path.split("/")[0].removesuffix(".py"), re.split(r"[.:]", module)[1]
+    own = path.split("/")[0].removesuffix(".py")
+    other = re.split(r"[.:]", module)[1]
     if own == other or other not in FLOOR or own not in FLOOR:  # `mjcompose.verbs` is a group of entry points
         return False
     return FLOOR[other] >= FLOOR[own]

@@ -36,9 +36,23 @@ if TYPE_CHECKING:
     from mjcompose.tools.worlds.names import BundleWarning, LoadError, UnknownNameError
 
 __all__ = [
-    "BuildError", "BundleWarning", "LoadError", "MjcomposeError", "RecipeWarning", "UnknownNameError", "__version__",
-    "dumps", "load", "load_many", "mjcf", "model", "mujoco_plugin", "spec", "stamp", "worlds",
-]  # fmt: skip
+    "BuildError",
+    "BundleWarning",
+    "LoadError",
+    "MjcomposeError",
+    "RecipeWarning",
+    "UnknownNameError",
+    "__version__",
+    "dumps",
+    "load",
+    "load_many",
+    "mjcf",
+    "model",
+    "mujoco_plugin",
+    "spec",
+    "stamp",
+    "worlds",
+]
 
 
 def _lazy(own: dict[str, Any], homes: dict[str, str]) -> "tuple[Callable[[str], object], Callable[[], list[str]]]":
@@ -55,13 +69,16 @@ def _lazy(own: dict[str, Any], homes: dict[str, str]) -> "tuple[Callable[[str], 
     return find, lambda: list(own["__all__"])
 
 
-__getattr__, __dir__ = _lazy(globals(), {
-    "base.report": "MjcomposeError",
-    "base": "__version__",
-    "text.dump": "dumps",
-    "tools.open.recipe": "BuildError RecipeWarning model spec",
-    "tools.open.stamp": "stamp",
-    "tools.worlds.load": "load load_many",
-    "tools.worlds.names": "BundleWarning LoadError UnknownNameError",
-    "": "mjcf mujoco_plugin worlds",
-})  # fmt: skip
+__getattr__, __dir__ = _lazy(
+    globals(),
+    {
+        "base.report": "MjcomposeError",
+        "base": "__version__",
+        "text.dump": "dumps",
+        "tools.open.recipe": "BuildError RecipeWarning model spec",
+        "tools.open.stamp": "stamp",
+        "tools.worlds.load": "load load_many",
+        "tools.worlds.names": "BundleWarning LoadError UnknownNameError",
+        "": "mjcf mujoco_plugin worlds",
+    },
+)

@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, load
 
 __all__ = ["Table", "Varying", "Worlds", "gather", "load", "mjlab", "mjx", "mujoco", "warp"]
-__getattr__, __dir__ = _lazy(globals(), {
-    "tools.worlds.join": "gather",
-    "tools.worlds.simulators": "mjlab mjx mujoco warp",
-    "tools.worlds.worlds": "Table Varying Worlds load",
-})  # fmt: skip
+__getattr__, __dir__ = _lazy(
+    globals(),
+    {
+        "tools.worlds.join": "gather",
+        "tools.worlds.simulators": "mjlab mjx mujoco warp",
+        "tools.worlds.worlds": "Table Varying Worlds load",
+    },
+)

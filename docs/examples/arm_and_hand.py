@@ -30,7 +30,8 @@ def menagerie(path: str) -> mjcf.RootElement:
 
 def make_cell() -> tuple[mjcf.RootElement, mjcf.RootElement, mjcf.RootElement]:
     """The cell, with the arm on a table and a cube to take; the arm and the hand in it."""
-    arm, hand = menagerie(ARM), menagerie(HAND)
+    arm = menagerie(ARM)
+    hand = menagerie(HAND)
     arm.find("site", "attachment_site").attach(hand)
 
     cell = mjcf.RootElement("cell")
@@ -57,7 +58,8 @@ def main() -> None:
     home = arm.find("key", "home")
     joints = physics.bind(arm.find_all("joint", exclude_attachments=True))
     motors = physics.bind(arm.find_all("actuator", exclude_attachments=True))
-    joints.qpos, motors.ctrl = home.qpos, home.ctrl
+    joints.qpos = home.qpos
+    motors.ctrl = home.ctrl
     physics.forward()
 
     fingers = physics.bind([hand.find("joint", f"{side}_driver_joint") for side in ("left", "right")])

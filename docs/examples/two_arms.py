@@ -40,7 +40,8 @@ class UpperBody:
 
 def main() -> None:
     body = UpperBody()
-    left, right = body.arms["left"], body.arms["right"]
+    left = body.arms["left"]
+    right = body.arms["right"]
 
     # An arm is still a model of its own: what is changed there is changed in the whole.
     right.find("geom", "fore").rgba = [0.8, 0.2, 0.2, 1]

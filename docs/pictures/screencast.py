@@ -27,11 +27,15 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 from editors.code_server import code_server  # noqa: E402
 
-GIF, PICTURE = ROOT / "docs" / "pictures" / "editor.gif", ROOT / "editors" / "vscode" / "picture.png"
+GIF = ROOT / "docs" / "pictures" / "editor.gif"
+PICTURE = ROOT / "editors" / "vscode" / "picture.png"
 FILE = "cell.recipe.yaml"
 SIZE = {"width": 1120, "height": 630}
 COLORS = 160
-KEY_SECONDS, LOOK_SECONDS, LONGEST, SHORTEST = 0.055, 0.8, 1.6, 0.08
+KEY_SECONDS = 0.055
+LOOK_SECONDS = 0.8
+LONGEST = 1.6
+SHORTEST = 0.08
 SETTINGS = {
     "[mjcompose-recipe]": {"editor.tabSize": 2},
     "breadcrumbs.enabled": False,
@@ -54,7 +58,8 @@ class Film:
     """The frames of a page with their times, while `wait` lets it run."""
 
     def __init__(self, page: Any) -> None:
-        self.page, self.frames = page, list[tuple[float, bytes]]()
+        self.page = page
+        self.frames = list[tuple[float, bytes]]()
         self._session = page.context.new_cdp_session(page)
         self._session.on("Page.screencastFrame", self._take)
         self._session.send("Page.startScreencast", {"format": "png"})

@@ -104,7 +104,8 @@ def test_a_bound(tree: Path) -> None:
 def test_a_report_has_the_place_and_what_to_write(tree: Path) -> None:
 
     door = Door.of([tree / "own"], "the robot", "write `trust: {files: [{folder}]}`", str(tree / "own"))
-    sink, span = Sink(), Span("arm.xml", 1, 2)
+    sink = Sink()
+    span = Span("arm.xml", 1, 2)
     door.outside(str(tree / "ownership" / "x.obj")).report(sink, span, shown=lambda path: path.name)
     (found,) = sink.errors
     assert (found.code, found.span) == ("source-outside", span)
@@ -253,7 +254,8 @@ def test_the_folder_of_a_recipe(tmp_path: Path) -> None:
 
 
 def test_files_of_one_folder_outside_have_one_cause(tmp_path: Path) -> None:
-    sink, door = Sink(), own_door(tmp_path / "robot" / "mjcf" / "arm.xml")
+    sink = Sink()
+    door = own_door(tmp_path / "robot" / "mjcf" / "arm.xml")
     for number, name in enumerate(["one/a.stl", "one/b.stl", "two/c.stl", "one/d.stl"], 1):
         with pytest.raises(Refused) as refused:
             door.admit(tmp_path / name)

@@ -17,21 +17,25 @@ BITS = st.lists(st.integers(0, 2**64 - 1), min_size=1, max_size=20).map(lambda f
 @st.composite
 def distributions(draw: st.DrawFn) -> Distribution:
     low, high = sorted(draw(st.tuples(st.floats(-1e300, 1e300), st.floats(-1e300, 1e300))))
-    mean, std = draw(st.floats(-1e3, 1e3)), draw(st.floats(1e-3, 1e3))
-    first, width = draw(st.floats(-19, 18)), draw(st.floats(0, 9))
+    mean = draw(st.floats(-1e3, 1e3))
+    std = draw(st.floats(1e-3, 1e3))
+    first = draw(st.floats(-19, 18))
+    width = draw(st.floats(0, 9))
     return draw(
-        st.sampled_from([
-            Uniform(low, high),
-            Uniform(-1.7e308, 1.7e308),
-            LogUniform(1 / (1 + abs(low)), 1 + abs(high)),
-            Normal(mean, std),
-            Normal(mean, 0.0),
-            TruncNormal(mean, std, mean + std * first, mean + std * (first + width)),
-            LogNormal(mean, std),
-            LogNormal(mean, 0.0),
-            Integers(int(mean) - 2**53, int(mean)),
-        ])
-    )  # fmt: skip
+        st.sampled_from(
+            [
+                Uniform(low, high),
+                Uniform(-1.7e308, 1.7e308),
+                LogUniform(1 / (1 + abs(low)), 1 + abs(high)),
+                Normal(mean, std),
+                Normal(mean, 0.0),
+                TruncNormal(mean, std, mean + std * first, mean + std * (first + width)),
+                LogNormal(mean, std),
+                LogNormal(mean, 0.0),
+                Integers(int(mean) - 2**53, int(mean)),
+            ]
+        )
+    )
 
 
 def exact(numbers: list[float]) -> list[tuple[type, str]]:

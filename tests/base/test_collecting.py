@@ -11,7 +11,8 @@ from mjcompose.base.runtime import rarely_collecting
 
 @pytest.fixture(autouse=True)
 def as_before() -> Iterator[None]:
-    before, called = gc.get_threshold(), list(gc.callbacks)
+    before = gc.get_threshold()
+    called = list(gc.callbacks)
     yield
     gc.set_threshold(*before)
     gc.callbacks[:] = called

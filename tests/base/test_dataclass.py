@@ -149,8 +149,17 @@ def _partly_named(dataclass: Maker) -> Any:
 
 
 SHAPES = (
-    _point, _derived, _named, _mutable, _open, _identity, _own_methods, _own_init, _empty, _around_itself,
-)  # fmt: skip
+    _point,
+    _derived,
+    _named,
+    _mutable,
+    _open,
+    _identity,
+    _own_methods,
+    _own_init,
+    _empty,
+    _around_itself,
+)
 CALLS: tuple[tuple[tuple[Any, ...], dict[str, Any]], ...] = (
     ((), {}),
     ((1,), {}),
@@ -192,18 +201,27 @@ def test_objects_of_both_are_alike(
             outcomes.append(["TypeError"])
             continue
         one = dataclasses.fields(cls)[0].name if dataclasses.fields(cls) else "nothing"
-        outcomes.append([
-            repr(made), made == other, made != other, made == "x", made.__eq__(object()),
-            [(each.name, each.init, each.kw_only) for each in dataclasses.fields(made)],
-            dataclasses.asdict(made), dataclasses.is_dataclass(cls), cls.__match_args__, cls.__qualname__,
-            hasattr(made, "__dict__"),
-            _said(lambda made=made: {made: 1}.get(made) and "hashed"),  # type: ignore[misc]
-            one == "nothing" or _said(lambda made=made, one=one: setattr(made, one, 3)),  # type: ignore[misc]
-            one == "nothing" or _said(lambda made=made, one=one: delattr(made, one)),  # type: ignore[misc]
-            _said(lambda other=other, one=one: dataclasses.replace(other, **{one: 8})),  # type: ignore[misc]
-            _said(lambda other=other: copy.copy(other) == other),  # type: ignore[misc]
-            _said(lambda other=other: copy.deepcopy(other)),  # type: ignore[misc]
-        ])  # fmt: skip
+        outcomes.append(
+            [
+                repr(made),
+                made == other,
+                made != other,
+                made == "x",
+                made.__eq__(object()),
+                [(each.name, each.init, each.kw_only) for each in dataclasses.fields(made)],
+                dataclasses.asdict(made),
+                dataclasses.is_dataclass(cls),
+                cls.__match_args__,
+                cls.__qualname__,
+                hasattr(made, "__dict__"),
+                _said(lambda made=made: {made: 1}.get(made) and "hashed"),  # type: ignore[misc]
+                one == "nothing" or _said(lambda made=made, one=one: setattr(made, one, 3)),  # type: ignore[misc]
+                one == "nothing" or _said(lambda made=made, one=one: delattr(made, one)),  # type: ignore[misc]
+                _said(lambda other=other, one=one: dataclasses.replace(other, **{one: 8})),  # type: ignore[misc]
+                _said(lambda other=other: copy.copy(other) == other),  # type: ignore[misc]
+                _said(lambda other=other: copy.deepcopy(other)),  # type: ignore[misc]
+            ]
+        )
     assert outcomes[0] == outcomes[1]
 
 
@@ -332,7 +350,8 @@ class Open(ours.Struct, frozen=False, slots=False, eq=False):
 
 
 def test_a_struct_is_a_dataclass_without_a_decorator() -> None:
-    node, like = Node(1, note="a"), _point(ours.dataclass)
+    node = Node(1, note="a")
+    like = _point(ours.dataclass)
     assert repr(node) == repr(like(1)).rpartition(".")[2].replace("Point", "Node")
     assert (node, node.sum, node.origin) == (Node(1), 3, 0) and node != Node(1, 3)
     assert dataclasses.replace(node, x=4) == Node(4) and dataclasses.asdict(node)["tags"] == []

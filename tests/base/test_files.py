@@ -74,7 +74,8 @@ def test_a_model_its_includes_and_a_recipe_are_read_as_the_editor_has_them(tmp_p
 
 
 def test_a_link_is_the_file_that_it_leads_to(tmp_path: Path) -> None:
-    file, link = tmp_path / "a.xml", tmp_path / "b.xml"
+    file = tmp_path / "a.xml"
+    link = tmp_path / "b.xml"
     file.write_text("old")
     link.symlink_to(file)
     with unsaved({os.path.realpath(file): b"new"}):

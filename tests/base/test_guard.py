@@ -32,8 +32,10 @@ def guarded(
     begin = [sys.executable] if pidfd else [sys.executable, "-c", WITHOUT_PIDFD]
     process = subprocess.Popen(
         [*begin, str(Path(guard.__file__)), str(life), str(os.getpid()), "0", "0", "sh", "-c", script],
-        stdout=subprocess.PIPE, pass_fds=(life, *more), start_new_session=True,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        pass_fds=(life, *more),
+        start_new_session=True,
+    )
     os.close(life)
     try:
         yield process, held

@@ -59,11 +59,14 @@ def test_a_program_without_logging_does_not_import_it() -> None:
     assert done.stdout == "False\n"
 
 
-@pytest.mark.parametrize("call", [
-    lambda: mjcf.from_xml_string("<mujoco"),
-    lambda: mjcf.from_xml_string(ARM).worldbody.add("geomm"),
-    lambda: mjcompose.load("nowhere"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: mjcf.from_xml_string("<mujoco"),
+        lambda: mjcf.from_xml_string(ARM).worldbody.add("geomm"),
+        lambda: mjcompose.load("nowhere"),
+    ],
+)
 def test_a_traceback_ends_at_the_line_of_the_program(call: Callable[[], object]) -> None:
     with pytest.raises(mjcompose.MjcomposeError) as raised:
         call()

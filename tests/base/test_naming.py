@@ -9,9 +9,35 @@ import pytest
 from mjcompose.base.naming import file_name, is_portable, odd_character, portable_path, portable_step
 
 HOSTILE = [
-    "../../home/arm", "/etc/passwd", "..", ".", "", "a/b", "a\\b", "C:x", "~/x", "con", "NUL.zip", "Aux.tar.gz", "LPT9", "com¹", "conin$",
-    "a.", "a ", "-rf", "--output", "a\nb", "a\x00b", "caf\udce9", "x\u202egpj.exe", ".bashrc", "...", "CON .x", "a:stream", "a?*<>|\"",
-]  # fmt: skip
+    "../../home/arm",
+    "/etc/passwd",
+    "..",
+    ".",
+    "",
+    "a/b",
+    "a\\b",
+    "C:x",
+    "~/x",
+    "con",
+    "NUL.zip",
+    "Aux.tar.gz",
+    "LPT9",
+    "com¹",
+    "conin$",
+    "a.",
+    "a ",
+    "-rf",
+    "--output",
+    "a\nb",
+    "a\x00b",
+    "caf\udce9",
+    "x\u202egpj.exe",
+    ".bashrc",
+    "...",
+    "CON .x",
+    "a:stream",
+    'a?*<>|"',
+]
 
 
 @pytest.mark.parametrize("name", HOSTILE)
@@ -32,9 +58,14 @@ def test_python_knows_the_same_reserved_names(name: str) -> None:
 
 
 DEVICES = [
-    "con", "prn", "aux", "nul", "conin$", "conout$",
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    "conin$",
+    "conout$",
     *(f"{port}{number}" for port in ("com", "lpt") for number in "0123456789¹²³"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("name", DEVICES)

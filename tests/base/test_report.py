@@ -295,7 +295,8 @@ def test_others_of_the_same_cause_are_listed_one_a_line_before_the_help() -> Non
 
 
 def test_summary() -> None:
-    error, warning = Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)
+    error = Diagnostic("bad-name", "a")
+    warning = Diagnostic("bad-name", "b", severity=Severity.WARNING)
     note = Diagnostic("bad-name", "c", severity=Severity.NOTE)
     assert summary([error, error, warning]) == "2 errors, 1 warning"
     assert summary([warning, warning, note]) == "2 warnings, 1 note"
@@ -362,10 +363,32 @@ def test_colors_stay_where_they_are_meant() -> None:
 
 
 NAMES = [
-    "\n::error file=a.py::planted", "\r\n  ::add-mask::x", "##[error]planted", "##vso[task.complete]x", "\x1b]0;title\x07", "\x1b[31m",
-    "\u202egpj.exe", "\u200bhidden", "\U000e0041\U000e0042", "\u2028", "\ufeff", "<script>alert(1)</script>", "`|`", "``", "`<b>`",
-    "a`<img src=x>", "@someone", "&#64;someone", "[a](http://example.org)", "]]>", "\n# heading", "\n- item", "\n```", "\x00\x01", "\udce9",
-]  # fmt: skip
+    "\n::error file=a.py::planted",
+    "\r\n  ::add-mask::x",
+    "##[error]planted",
+    "##vso[task.complete]x",
+    "\x1b]0;title\x07",
+    "\x1b[31m",
+    "\u202egpj.exe",
+    "\u200bhidden",
+    "\U000e0041\U000e0042",
+    "\u2028",
+    "\ufeff",
+    "<script>alert(1)</script>",
+    "`|`",
+    "``",
+    "`<b>`",
+    "a`<img src=x>",
+    "@someone",
+    "&#64;someone",
+    "[a](http://example.org)",
+    "]]>",
+    "\n# heading",
+    "\n- item",
+    "\n```",
+    "\x00\x01",
+    "\udce9",
+]
 RUN_BY_MACHINES = re.compile(r"(?m)^\s*::|##\w*\[")
 UNSEEN_OR_TURNED = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\u200b\ufeff\U000e0000-\U000e0fff\ud800-\udfff]"
@@ -378,9 +401,15 @@ def about(text: str) -> Diagnostic:
     notes = (Note(f"there is {name}"), Note(f"and {name}", Span(f"{text}.xml", 1, 1)))
     cells = (CellName(text, text), CellName(f"{text}2", text))
     return Diagnostic(
-        "bad-name", f"the name {name} is bad", Span(f"{text}.xml", 1, 2), notes=notes, help=f"rename {name}", cells=cells,
-        others=(Note(f"also {name}", at(2, 1)),), recipes=(text, "b.yaml"),
-    )  # fmt: skip
+        "bad-name",
+        f"the name {name} is bad",
+        Span(f"{text}.xml", 1, 2),
+        notes=notes,
+        help=f"rename {name}",
+        cells=cells,
+        others=(Note(f"also {name}", at(2, 1)),),
+        recipes=(text, "b.yaml"),
+    )
 
 
 @pytest.mark.parametrize("text", NAMES)

@@ -43,9 +43,13 @@ def test_a_document_without_diagnostics() -> None:
 
 def test_every_field() -> None:
     whole = Diagnostic(
-        "unknown-name", "no `senser`", SPAN, notes=(Note("it is here", Span("/a/b.xml", 1, 2)), Note("names: sensor")),
-        help="write `sensor`", fix=Fix("sensor"),
-    )  # fmt: skip
+        "unknown-name",
+        "no `senser`",
+        SPAN,
+        notes=(Note("it is here", Span("/a/b.xml", 1, 2)), Note("names: sensor")),
+        help="write `sensor`",
+        fix=Fix("sensor"),
+    )
     found = check_document(render_sarif([whole, Diagnostic("bad-name", "b", severity=Severity.NOTE), whole]))
     assert [each["level"] for each in found] == ["error", "note", "error"]
     assert [each["ruleIndex"] for each in found] == [0, 1, 0]

@@ -125,7 +125,8 @@ def test_frames_in_frames_are_multiplied_as_mujoco_does(steps: list[tuple[Vec3, 
 @STEADY
 @given(VECTORS, QUATS, VECTORS, QUATS)
 def test_an_inverse_undoes(pos: Vec3, quat: Quat, other: Vec3, turned: Quat) -> None:
-    outer, inner = Pose(pos, rotation.normalize(quat)), Pose(other, rotation.normalize(turned))
+    outer = Pose(pos, rotation.normalize(quat))
+    inner = Pose(other, rotation.normalize(turned))
     back = outer.inverse() @ (outer @ inner)
     assert back.pos == pytest.approx(inner.pos, abs=1e-12)
     assert back.quat == pytest.approx(inner.quat, abs=1e-12)
@@ -166,7 +167,8 @@ def test_angles_without_end_lead_nowhere(angle: float) -> None:
 @given(QUATS, VECTORS, QUATS, VECTORS)
 @pytest.mark.mujoco4("another order of operations")
 def test_a_frame_in_a_frame_is_where_mujoco_puts_it(quat: Quat, pos: Vec3, turned: Quat, other: Vec3) -> None:
-    outer, inner = Pose(pos, rotation.normalize(quat)), Pose(other, rotation.normalize(turned))
+    outer = Pose(pos, rotation.normalize(quat))
+    inner = Pose(other, rotation.normalize(turned))
     frame, site = (f'pos="{_text(each.pos)}" quat="{_text(each.quat)}"' for each in (outer, inner))
     xml = f"<mujoco><worldbody><frame {frame}><site {site}/></frame></worldbody></mujoco>"
     model = mujoco.MjModel.from_xml_string(xml)

@@ -172,10 +172,21 @@ def confined_by(monkeypatch: pytest.MonkeyPatch, kernel: Kernel) -> list[str]:
 @linux
 @pytest.mark.parametrize(
     "said",
-    [{"version": -errno.EIO}, {"version": 0}, {"create": -errno.EPERM}, {"create": -errno.ENOSYS}, {"create": -errno.E2BIG},
-     {"add": -errno.EINVAL}, {"restrict": -errno.EPERM}, {"restrict": -errno.E2BIG}, {"there": -errno.EACCES}, {"there": 0},
-     {"filter": -errno.EACCES}, {"filter": -errno.EINVAL}],
-)  # fmt: skip
+    [
+        {"version": -errno.EIO},
+        {"version": 0},
+        {"create": -errno.EPERM},
+        {"create": -errno.ENOSYS},
+        {"create": -errno.E2BIG},
+        {"add": -errno.EINVAL},
+        {"restrict": -errno.EPERM},
+        {"restrict": -errno.E2BIG},
+        {"there": -errno.EACCES},
+        {"there": 0},
+        {"filter": -errno.EACCES},
+        {"filter": -errno.EINVAL},
+    ],
+)
 def test_what_the_kernel_has_and_refuses_is_an_error(monkeypatch: pytest.MonkeyPatch, said: dict[str, int]) -> None:
     with pytest.raises(Unconfined):
         confined_by(monkeypatch, Kernel(**said))
@@ -211,9 +222,12 @@ def judged(machine: str, number: int, *arguments: int, kind: int | None = None) 
     words = [number, kind, 0, 0]
     for each in (*arguments, *[0] * (6 - len(arguments))):
         words += [each & 0xFFFFFFFF, each >> 32]
-    at, held = 0, 0
+    at = 0
+    held = 0
     while True:
-        code, yes, no = int.from_bytes(program[at : at + 2], order), program[at + 2], program[at + 3]
+        code = int.from_bytes(program[at : at + 2], order)
+        yes = program[at + 2]
+        no = program[at + 3]
         value = int.from_bytes(program[at + 4 : at + 8], order)
         at += 8
         if code == 0x20:
@@ -227,13 +241,51 @@ def judged(machine: str, number: int, *arguments: int, kind: int | None = None) 
 
 ALLOW = 0x7FFF0000
 NUMBERS = {
-    "x86_64": {"read": 0, "exit_group": 231, "openat": 257, "clone": 56, "fork": 57, "vfork": 58, "execve": 59, "socket": 41,
-               "connect": 42, "kill": 62, "ptrace": 101, "unlink": 87, "rename": 82, "clone3": 435, "io_uring_setup": 425,
-               "openat2": 437, "execveat": 322, "bpf": 321, "prlimit64": 302, "pidfd_open": 434, "mount": 165, "x32": 1 << 30},
-    "aarch64": {"read": 63, "exit_group": 94, "openat": 56, "clone": 220, "execve": 221, "socket": 198, "connect": 203, "kill": 129,
-                "ptrace": 117, "unlinkat": 35, "renameat": 38, "clone3": 435, "io_uring_setup": 425, "openat2": 437,
-                "execveat": 281, "bpf": 280, "prlimit64": 261, "mount": 40},
-}  # fmt: skip
+    "x86_64": {
+        "read": 0,
+        "exit_group": 231,
+        "openat": 257,
+        "clone": 56,
+        "fork": 57,
+        "vfork": 58,
+        "execve": 59,
+        "socket": 41,
+        "connect": 42,
+        "kill": 62,
+        "ptrace": 101,
+        "unlink": 87,
+        "rename": 82,
+        "clone3": 435,
+        "io_uring_setup": 425,
+        "openat2": 437,
+        "execveat": 322,
+        "bpf": 321,
+        "prlimit64": 302,
+        "pidfd_open": 434,
+        "mount": 165,
+        "x32": 1 << 30,
+    },
+    "aarch64": {
+        "read": 63,
+        "exit_group": 94,
+        "openat": 56,
+        "clone": 220,
+        "execve": 221,
+        "socket": 198,
+        "connect": 203,
+        "kill": 129,
+        "ptrace": 117,
+        "unlinkat": 35,
+        "renameat": 38,
+        "clone3": 435,
+        "io_uring_setup": 425,
+        "openat2": 437,
+        "execveat": 281,
+        "bpf": 280,
+        "prlimit64": 261,
+        "mount": 40,
+    },
+}
 
 
 @linux

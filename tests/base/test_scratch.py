@@ -195,9 +195,10 @@ def _deep(path: Path) -> None:
 
 @posix
 @pytest.mark.parametrize(
-    "plant", [*map(_folder_with, ("a file", "a folder", "a pipe", "a link")), _file, _link],
+    "plant",
+    [*map(_folder_with, ("a file", "a folder", "a pipe", "a link")), _file, _link],
     ids=["file", "folder", "pipe", "link", "no folder", "link to a folder"],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("name", ["..", "...", ".arm.zip", ".\udce9", ".a\nb"])
 def test_a_sweep_never_ends_a_command(tmp_path: Path, name: str, plant: Callable[[Path], None]) -> None:
     work = tmp_path / "work"

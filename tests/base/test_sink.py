@@ -58,9 +58,14 @@ def test_errors_come_first_and_those_of_a_recipe_before_those_of_models() -> Non
     sink.error("bad-name", "x", Span("robot.yaml", 9, 1))
     sink.error("bad-name", "x", Span("--set mass", 1, 1))
     assert [(str(each.severity), str(each.span)) for each in sink.sorted()] == [
-        ("error", "--set mass:1:1"), ("error", "robot.yaml:9:1"), ("error", "gripper.XML:1:1"), ("error", "None"),
-        ("warning", "a.yaml:1:1"), ("warning", "None"), ("note", "a.yaml:1:1"),
-    ]  # fmt: skip
+        ("error", "--set mass:1:1"),
+        ("error", "robot.yaml:9:1"),
+        ("error", "gripper.XML:1:1"),
+        ("error", "None"),
+        ("warning", "a.yaml:1:1"),
+        ("warning", "None"),
+        ("note", "a.yaml:1:1"),
+    ]
 
 
 def test_only_errors_are_errors() -> None:
@@ -98,17 +103,21 @@ def test_what_lacks_a_lost_name_is_not_told_but_counts() -> None:
     sink.warning("option-conflict", "`right/` wants more")
     sink.error("source-fetch", "the repository `https://host/left/cup` cannot be fetched")
     assert [each.message for each in sink.diagnostics] == [
-        "`left` is wrong", "the body `cups` does not exist", "the word `cup` in a message means nothing",
+        "`left` is wrong",
+        "the body `cups` does not exist",
+        "the word `cup` in a message means nothing",
         "the repository `https://host/left/cup` cannot be fetched",
-    ]  # fmt: skip
+    ]
     assert sink.error_count == 6
 
 
-ONE, TWO = CellName("a-1", "a-1"), CellName("a-2", "a-2")
+ONE = CellName("a-1", "a-1")
+TWO = CellName("a-2", "a-2")
 
 
 def test_equal_faults_of_several_cells_are_one_that_names_them_all() -> None:
-    sink, fault = Sink(), Diagnostic("bad-name", "x")
+    sink = Sink()
+    fault = Diagnostic("bad-name", "x")
     for cell in (ONE, TWO, ONE):
         sink.add_of_cell(cell, fault)
     sink.add_of_cell(TWO, Diagnostic("bad-name", "y"))
@@ -153,7 +162,8 @@ def test_promoted_warnings_are_errors() -> None:
 
 
 def test_findings_of_cells_at_one_place_are_one_with_what_each_says() -> None:
-    at, other = Span("r.yaml", 3, 1), Span("r.yaml", 4, 1)
+    at = Span("r.yaml", 3, 1)
+    other = Span("r.yaml", 4, 1)
     sink = Sink()
     for number in range(19):
         cell = CellName(f"s{number}", None, number)
@@ -168,7 +178,8 @@ def test_findings_of_cells_at_one_place_are_one_with_what_each_says() -> None:
 
 
 def test_what_exists_instead_in_another_cell_is_kept() -> None:
-    sink, at = Sink(), Span("r.yaml", 3, 1)
+    sink = Sink()
+    at = Span("r.yaml", 3, 1)
     for name in "abc":
         fault = Diagnostic("attach-place", "no site `x`", at, notes=(Note("a hint"), Note(f"sites: {name}")))
         sink.add_of_cell(CellName(name), fault)
@@ -178,7 +189,8 @@ def test_what_exists_instead_in_another_cell_is_kept() -> None:
 
 
 def test_a_severity_and_a_code_of_its_own_are_another_finding() -> None:
-    sink, at = Sink(), Span("r.yaml", 3, 1)
+    sink = Sink()
+    at = Span("r.yaml", 3, 1)
     sink.add_of_cell(CellName("a"), Diagnostic("bad-name", "x", at))
     sink.add_of_cell(CellName("b"), Diagnostic("bad-name", "y", at, Severity.WARNING))
     sink.add_of_cell(CellName("c"), Diagnostic("unknown-name", "z", at))
@@ -186,18 +198,25 @@ def test_a_severity_and_a_code_of_its_own_are_another_finding() -> None:
     for cell in "ef":
         sink.add_of_cell(CellName(cell), Diagnostic("bad-name", f"of {cell}", help="the same helps"))
     assert [(each.message, len(each.cells)) for each in sink.diagnostics] == [
-        ("x", 1), ("y", 1), ("z", 1), ("without a place", 1), ("of e", 2),
-    ]  # fmt: skip
+        ("x", 1),
+        ("y", 1),
+        ("z", 1),
+        ("without a place", 1),
+        ("of e", 2),
+    ]
 
 
 def test_equal_findings_of_several_recipes_are_one() -> None:
-    sink, at = Sink(), Span("part.xml", 3, 1)
+    sink = Sink()
+    at = Span("part.xml", 3, 1)
     for recipe in ("a.yaml", "b.yaml"):
         sink.add_of_recipe(recipe, Diagnostic("bad-name", "x", at))
         sink.add_of_recipe(recipe, Diagnostic("bad-name", recipe, at))
     assert [(each.message, each.recipes) for each in sink.diagnostics] == [
-        ("x", ("a.yaml", "b.yaml")), ("a.yaml", ("a.yaml",)), ("b.yaml", ("b.yaml",)),
-    ]  # fmt: skip
+        ("x", ("a.yaml", "b.yaml")),
+        ("a.yaml", ("a.yaml",)),
+        ("b.yaml", ("b.yaml",)),
+    ]
 
 
 def test_faults_of_turns_at_one_place_are_one_but_two_faults_of_one_turn_are_two() -> None:

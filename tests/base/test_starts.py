@@ -39,7 +39,7 @@ STARTERS = {
     "tools/cluster/client.py:connected:distributed": "the client of a cluster",
     "tools/cluster/client.py:Crew._take:distributed": "the client of a cluster",
     "tools/cluster/worker.py:make:distributed": "the worker asks for its address",
-}  # fmt: skip
+}
 """What starts programs beside the door or could, by file, function and way, and why it may."""
 
 CALLS = {
@@ -70,7 +70,7 @@ OTHER_LANGUAGES = {
     "editors/vscode/src/service.ts:spawn": "see above",
     "editors/vscode/src/tasks.ts:ProcessExecution": "`build` and `check`, in the workspace that the user trusts",
     "editors/vscode/src/tasks.ts:executeTask": "see above",
-}  # fmt: skip
+}
 """What starts programs in C and TypeScript, and why it may."""
 
 MODULES = {"subprocess", "multiprocessing", "pty", "webbrowser", "distributed", "anyio", "runpy", "pexpect"}
@@ -79,9 +79,19 @@ WAYS = re.compile(
     r"|LocalCluster|create_subprocess_\w+|subprocess_(exec|shell)|(open|run)_process|getoutput|getstatusoutput"
 )
 IN_WAYS = (
-    "system", "popen", "fork", "startfile", "exec", "spawn", "ProcessPool", "LocalCluster", "subprocess", "_process",
-    "getoutput", "getstatusoutput",
-)  # fmt: skip
+    "system",
+    "popen",
+    "fork",
+    "startfile",
+    "exec",
+    "spawn",
+    "ProcessPool",
+    "LocalCluster",
+    "subprocess",
+    "_process",
+    "getoutput",
+    "getstatusoutput",
+)
 """One of these is in each of the ways."""
 DOORS = {"Process", "Helper"}
 BY_NAME = {"import_module", "__import__", "find_spec", "getattr", "attrgetter", "methodcaller"}
@@ -142,12 +152,26 @@ def trees(*words: str) -> Iterator[tuple[str, ast.Module]]:
 
 def test_the_collector_finds_every_form() -> None:
     forms = [
-        "import subprocess", "from subprocess import run", "import multiprocessing.pool", "from os import system as s",
-        "import os as o; o.execv(a, b)", "os.posix_spawn(a, b, c)", "getattr(os, 'popen')", "os.spawnlp(a)",
-        "importlib.import_module('subprocess')", "__import__('pty')", "asyncio.create_subprocess_exec(a)",
-        "from concurrent.futures import ProcessPoolExecutor", "loop.subprocess_shell(a)", "anyio.run_process(a)",
-        "os.forkpty()", "os.startfile(a)", "import webbrowser as w", "Process(a)", "processes.Process(a)",
-    ]  # fmt: skip
+        "import subprocess",
+        "from subprocess import run",
+        "import multiprocessing.pool",
+        "from os import system as s",
+        "import os as o; o.execv(a, b)",
+        "os.posix_spawn(a, b, c)",
+        "getattr(os, 'popen')",
+        "os.spawnlp(a)",
+        "importlib.import_module('subprocess')",
+        "__import__('pty')",
+        "asyncio.create_subprocess_exec(a)",
+        "from concurrent.futures import ProcessPoolExecutor",
+        "loop.subprocess_shell(a)",
+        "anyio.run_process(a)",
+        "os.forkpty()",
+        "os.startfile(a)",
+        "import webbrowser as w",
+        "Process(a)",
+        "processes.Process(a)",
+    ]
     assert [form for form in forms if not list(starts(ast.parse(form)))] == []
     for form in ("import os", "platform.system()", "from concurrent.futures import ThreadPoolExecutor", "self.fork_of"):
         assert not list(starts(ast.parse(form))), form
@@ -274,7 +298,8 @@ def test_no_program_of_the_current_folder_starts(tmp_path: Path, monkeypatch: py
 
 
 def test_search_paths_have_absolute_folders_alone() -> None:
-    here, there = os.path.abspath(os.sep + "a"), os.path.abspath(os.sep + "b")
+    here = os.path.abspath(os.sep + "a")
+    there = os.path.abspath(os.sep + "b")
     path = os.pathsep.join(["", here, ".", "c", there, ""])
     names = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH")
     clean = without_current_folder({**dict.fromkeys(names, path), "OTHER": path})

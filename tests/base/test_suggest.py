@@ -81,9 +81,16 @@ def test_distance_is_that_of_the_definition(a: str, b: str, limit: int) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "plural"),
-    [("joint", "joints"), ("body", "bodies"), ("mesh", "meshes"), ("class", "classes"), ("key", "keys"),
-     ("joints", "joints"), ("default class", "default classes")],
-)  # fmt: skip
+    [
+        ("joint", "joints"),
+        ("body", "bodies"),
+        ("mesh", "meshes"),
+        ("class", "classes"),
+        ("key", "keys"),
+        ("joints", "joints"),
+        ("default class", "default classes"),
+    ],
+)
 def test_kinds_in_the_plural(kind: str, plural: str) -> None:
     assert exists_note(kind, ["a", "b"]).message == f"{plural} that exist: a, b"
     assert exists_note(kind, []).message == f"there are no {plural}"

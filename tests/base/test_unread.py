@@ -13,7 +13,7 @@ ROOT = Path(mjcompose.__file__).parent
 LOOKING = frozenset(
     {"partition", "rpartition", "startswith", "endswith", "removeprefix", "removesuffix", "find", "index", "count"}
     | {"rfind", "rindex", "rsplit", "replace", "search", "match", "fullmatch", "findall"}
-)  # fmt: skip
+)
 
 
 def readings(text: str) -> Iterator[str]:
@@ -43,10 +43,14 @@ def test_no_message_is_looked_into() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "a.message.rpartition(': ')", "'mass' in a.message", "_PATTERN.search(a.message)", "a.message.split('`')",
-        "f'`{name}`' in fault.message", "error.message.replace(path, shown)",
+        "a.message.rpartition(': ')",
+        "'mass' in a.message",
+        "_PATTERN.search(a.message)",
+        "a.message.split('`')",
+        "f'`{name}`' in fault.message",
+        "error.message.replace(path, shown)",
     ],
-)  # fmt: skip
+)
 def test_what_is_looking_into_one(text: str) -> None:
     assert list(readings(text))
 

@@ -66,9 +66,13 @@ def session() -> Iterator[engine.Session]:
 def folder(tmp_path: Path) -> Path:
     folder = tmp_path / "one"
     files = {
-        "cell.yaml": OUTER, "inner.yaml": INNER, "models/arm.xml": ARM, "models/motors.xml": MOTORS,
-        "meshes/cover.obj": COVER, "models/LICENSE": "SPDX-License-Identifier: MIT\n",
-    }  # fmt: skip
+        "cell.yaml": OUTER,
+        "inner.yaml": INNER,
+        "models/arm.xml": ARM,
+        "models/motors.xml": MOTORS,
+        "meshes/cover.obj": COVER,
+        "models/LICENSE": "SPDX-License-Identifier: MIT\n",
+    }
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
@@ -100,8 +104,13 @@ def test_it_is_the_same_from_everywhere(folder: Path, tmp_path: Path, session: e
 
 def test_every_file_that_was_read_is_listed(folder: Path, session: engine.Session) -> None:
     assert [each.path for each in manifest(folder, session).read] == [
-        "cell.yaml", "inner.yaml", "meshes/cover.obj", "models/LICENSE", "models/arm.xml", "models/motors.xml",
-    ]  # fmt: skip
+        "cell.yaml",
+        "inner.yaml",
+        "meshes/cover.obj",
+        "models/LICENSE",
+        "models/arm.xml",
+        "models/motors.xml",
+    ]
 
 
 def test_elements_are_told_where_they_are_written(folder: Path, session: engine.Session) -> None:
@@ -121,8 +130,10 @@ def test_what_was_chosen_and_what_was_found(folder: Path, session: engine.Sessio
     found = manifest(folder, session)
     assert (found.cell, found.variants, found.params) == (None, {"light": "dim"}, {"weight": 2, "label": "x"})
     assert [(each.name, each.kind, each.origin) for each in found.checks] == [
-        ("sizes", "expect", "cell.yaml:13"), ("there", "expect", "cell.yaml:14"), ("still", "settles", "cell.yaml:15"),
-    ]  # fmt: skip
+        ("sizes", "expect", "cell.yaml:13"),
+        ("there", "expect", "cell.yaml:14"),
+        ("still", "settles", "cell.yaml:15"),
+    ]
     assert found.checks[0].values == {"nu": 2}
     assert found.checks[1].values == {"joint **": 2}
     assert from_json(made(folder / "cell.yaml", session, folder, name="cell-dim")).cell == "cell-dim"

@@ -144,7 +144,8 @@ def put(path: Path, text: str) -> Path:
 
 
 def test_each_label_has_a_folder(tmp_path: Path) -> None:
-    arm, hand = put(tmp_path / "arm" / "LICENSE", "Apache"), put(tmp_path / "hand" / "LICENSE", "BSD")
+    arm = put(tmp_path / "arm" / "LICENSE", "Apache")
+    hand = put(tmp_path / "hand" / "LICENSE", "BSD")
     notice = put(tmp_path / "hand" / "NOTICE.txt", "thanks")
     found = license_files({"base": [arm], "left/gripper": [hand, notice], "none": []})
     assert found.files == {
@@ -160,7 +161,8 @@ def test_each_label_has_a_folder(tmp_path: Path) -> None:
 
 
 def test_equal_files_of_several_labels_are_kept_once(tmp_path: Path) -> None:
-    brick, other = put(tmp_path / "brick" / "LICENSE", "MIT"), put(tmp_path / "other" / "LICENSE", "MIT")
+    brick = put(tmp_path / "brick" / "LICENSE", "MIT")
+    other = put(tmp_path / "other" / "LICENSE", "MIT")
     named = put(tmp_path / "named" / "COPYING", "MIT")
     read: list[Path] = []
 
@@ -227,13 +229,15 @@ def test_an_archive_of_others_gets_the_time_and_stays_as_it_is() -> None:
     with zipfile.ZipFile(made, "w") as archive:
         for name in ("a.usdc", "Textures/ü.png"):
             info = zipfile.ZipInfo(name, (1999, 12, 31, 23, 59, 58))
-            info.extra, info.comment = b"\x86\x19\x04\x00\0\0\0\0", b"a comment"
+            info.extra = b"\x86\x19\x04\x00\0\0\0\0"
+            info.comment = b"a comment"
             archive.writestr(info, name.encode() * 50)
     changed = with_moment(made.getvalue(), MOMENT)
     assert len(changed) == len(made.getvalue())
     with zipfile.ZipFile(BytesIO(changed)) as archive:
         assert archive.testzip() is None
         assert [(info.filename, info.date_time) for info in archive.infolist()] == [
-            ("a.usdc", MOMENT), ("Textures/ü.png", MOMENT),
-        ]  # fmt: skip
+            ("a.usdc", MOMENT),
+            ("Textures/ü.png", MOMENT),
+        ]
     assert with_moment(changed, (1999, 12, 31, 23, 59, 58)) == made.getvalue()

@@ -144,9 +144,12 @@ def test_the_rest_of_the_room_does_without_pydantic() -> None:
         ({"files": [{"path": "../../../assets/x", "sha256": "0" * 64, "size": 1}]}, "it leads out of the bundle"),
         ({"files": [{"path": "a\\b", "sha256": "0" * 64, "size": 1}]}, "it has a backslash"),
         ({"read": [{"path": "arm.xml", "sha256": "x"}]}, "`read/0/sha256`: string should match pattern"),
-        ({"inputs": [{"path": "a", "reference": "a", "kind": "path", "sha256": "1" * 64, "licenses": ["../L"]}]}, "leads"),
+        (
+            {"inputs": [{"path": "a", "reference": "a", "kind": "path", "sha256": "1" * 64, "licenses": ["../L"]}]},
+            "leads",
+        ),
     ],
-)  # fmt: skip
+)
 def test_each_path_hash_and_name_has_a_form(change: dict[str, Any], fault: str) -> None:
     text = json.dumps({**json.loads(to_json(manifest())), **change}).encode()
     sink = Sink()

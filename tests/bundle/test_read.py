@@ -198,7 +198,8 @@ def test_a_file_without_a_name_is_told(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes().replace(b"\x01\0\0\0q", b"\0\0\x01\0q").replace(b"PK\1\2", b"PK\1\2"))
     data = bytearray(path.read_bytes())
     at = data.rindex(b"PK\1\2")
-    data[at + 28 : at + 30], data[at + 30 : at + 32] = b"\0\0", b"\1\0"
+    data[at + 28 : at + 30] = b"\0\0"
+    data[at + 30 : at + 32] = b"\1\0"
     path.write_bytes(data)
     assert "a.zip` is not a" in refusal(path)
 

@@ -80,7 +80,8 @@ def files(address: str) -> dict[str, bytes]:
     ],
 )
 def test_an_address_has_what_a_folder_has(folder: Path, address: str, pattern: str, words: tuple[str, ...]) -> None:
-    here, there = build(f"here/{pattern}", *words), build(f"{address}/{pattern}", *words)
+    here = build(f"here/{pattern}", *words)
+    there = build(f"{address}/{pattern}", *words)
     assert here.exit_code == there.exit_code == 0, there.output
     *said_here, count_here = here.stdout.replace("here/", f"{address}/").splitlines()
     *said_there, count_there = there.stdout.splitlines()
@@ -166,9 +167,12 @@ SHARED_MODEL = b"""<mujoco>
 
 def bundle(base: bytes = b"first") -> Bundle:
     files = {
-        "model.xml": SHARED_MODEL, "assets/arm/base.obj": base, "assets/hand/base.obj": b"second",
-        "assets/r & l.png": b"third", "LICENSES/arm/LICENSE": b"free",
-    }  # fmt: skip
+        "model.xml": SHARED_MODEL,
+        "assets/arm/base.obj": base,
+        "assets/hand/base.obj": b"second",
+        "assets/r & l.png": b"third",
+        "LICENSES/arm/LICENSE": b"free",
+    }
     plain = Bundle(files)
     return with_manifest(plain, Manifest(name="m", mujoco=None, grammar="4", files=files_of(plain)))
 

@@ -110,7 +110,8 @@ def test_a_full_disk_leaves_the_old_output(tmp_path: Path, monkeypatch: pytest.M
     out = tmp_path / "out"
     write_folder(made(old=b"1"), out)
     before = contents(out)
-    open_file, calls = Path.open, 0
+    open_file = Path.open
+    calls = 0
 
     def full(path: Path, *arguments: Any, **options: Any) -> Any:
         nonlocal calls
@@ -148,7 +149,8 @@ def test_a_rename_that_fails_is_rolled_back(
     out = tmp_path / "out"
     write_folder(made(old=b"1"), out)
     before = contents(out)
-    rename, calls = Path.replace, 0
+    rename = Path.replace
+    calls = 0
 
     def fails(path: Path, target: Path) -> Path:
         nonlocal calls

@@ -176,7 +176,8 @@ def test_a_zip_of_what_is_packed_is_as_python_makes_it(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "theirs.zip", "w") as archive:
         for path in ("model.xml", "assets/a.png", "assets/a.stl"):
             info = zipfile.ZipInfo(path)
-            info.create_system, info.external_attr = 3, 0o100644 << 16
+            info.create_system = 3
+            info.external_attr = 0o100644 << 16
             info.compress_type = zipfile.ZIP_DEFLATED if level_of(path) else zipfile.ZIP_STORED
             archive.writestr(info, PACKING_BUNDLE.files[path], compresslevel=level_of(path) or None)
     assert (tmp_path / "ours.zip").read_bytes() == (tmp_path / "theirs.zip").read_bytes()

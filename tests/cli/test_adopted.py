@@ -41,9 +41,12 @@ def test_plan_says_it_without_building(folder: Path) -> None:
     _recipe(folder)
     lines = run("plan", "r.yaml").stdout.splitlines()
     assert [line for line in lines if "adopt" in line] == [f"  adopt {words}" for words in SAID]
-    assert [each["value"] for each in json.loads(run("plan", "r.yaml", "--output-format", "json").stdout)["adopted"]] == [
-        "elliptic", "10",
-    ]  # fmt: skip
+    assert [
+        each["value"] for each in json.loads(run("plan", "r.yaml", "--output-format", "json").stdout)["adopted"]
+    ] == [
+        "elliptic",
+        "10",
+    ]
 
 
 def test_plan_knows_what_recipes_set_and_leave_out(folder: Path) -> None:
@@ -54,8 +57,9 @@ def test_plan_knows_what_recipes_set_and_leave_out(folder: Path) -> None:
     )
     lines = run("plan", "r.yaml").stdout.splitlines()
     assert [line for line in lines if "adopt" in line] == [
-        "  adopt option.cone elliptic, from in/two/", "  adopt option.impratio 3, from in/",
-    ]  # fmt: skip
+        "  adopt option.cone elliptic, from in/two/",
+        "  adopt option.impratio 3, from in/",
+    ]
 
 
 def test_explain_names_the_part_and_its_line(folder: Path) -> None:

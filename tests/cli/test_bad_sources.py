@@ -43,7 +43,8 @@ def tarred(name: str, type: bytes, leads_to: str = "") -> bytes:
         arm.size = len(MODEL)
         archive.addfile(arm, io.BytesIO(MODEL))
         member = tarfile.TarInfo(name)
-        member.type, member.linkname = type, leads_to
+        member.type = type
+        member.linkname = leads_to
         archive.addfile(member)
     return stream.getvalue()
 
@@ -135,43 +136,63 @@ CASES: dict[str, tuple[Callable[[World], str | None], str, str]] = {
     "another sha256 than the reference says": (other_sha256, "source-changed", "that the reference pins"),
     "another archive than the lock says": (other_archive_than_locked, "source-changed", "`arm.xml` changed"),
     "a branch that lost its commit": (
-        branch_that_lost_its_commit, "source-revision", "the branch or tag was moved",
+        branch_that_lost_its_commit,
+        "source-revision",
+        "the branch or tag was moved",
     ),
     "a tag that does not exist": (
-        lambda world: world.robots.reference("v2"), "source-revision", "tags that exist: v1",
+        lambda world: world.robots.reference("v2"),
+        "source-revision",
+        "tags that exist: v1",
     ),
     "a commit that never was": (
-        lambda world: world.robots.reference("0" * 40), "source-revision", "has no commit",
+        lambda world: world.robots.reference("0" * 40),
+        "source-revision",
+        "has no commit",
     ),
     "a host of git that is gone": (
-        lambda world: f"git+http://{NOBODY}/robots@main#arm/arm.xml", "source-fetch", "cannot be fetched",
+        lambda world: f"git+http://{NOBODY}/robots@main#arm/arm.xml",
+        "source-fetch",
+        "cannot be fetched",
     ),
     "a host of archives that is gone": (
-        lambda world: f"http://{NOBODY}/a.zip#arm.xml", "source-fetch", "cannot be fetched",
+        lambda world: f"http://{NOBODY}/a.zip#arm.xml",
+        "source-fetch",
+        "cannot be fetched",
     ),
     "a repository without the file": (
-        lambda world: world.robots.reference("main", "arm/leg.xml"), "source-not-found", "arm/arm.xml",
+        lambda world: world.robots.reference("main", "arm/leg.xml"),
+        "source-not-found",
+        "arm/arm.xml",
     ),
     "an archive without the file": (
-        lambda world: world.archive(zipped(**{"leg.xml": MODEL})), "source-not-found", "leg.xml",
+        lambda world: world.archive(zipped(**{"leg.xml": MODEL})),
+        "source-not-found",
+        "leg.xml",
     ),
     "an archive that escapes its folder": (
-        lambda world: world.archive(zipped(**{"arm.xml": MODEL, "../out.xml": MODEL})), "archive-refused",
+        lambda world: world.archive(zipped(**{"arm.xml": MODEL, "../out.xml": MODEL})),
+        "archive-refused",
         "leads out",
     ),
     "an archive with a link": (
-        lambda world: world.archive(tarred("a", tarfile.SYMTYPE, "/etc/passwd")), "archive-refused", "a link",
+        lambda world: world.archive(tarred("a", tarfile.SYMTYPE, "/etc/passwd")),
+        "archive-refused",
+        "a link",
     ),
     "an archive with a device": (
-        lambda world: world.archive(tarred("a", tarfile.CHRTYPE)), "archive-refused", "a device",
+        lambda world: world.archive(tarred("a", tarfile.CHRTYPE)),
+        "archive-refused",
+        "a device",
     ),
     "an archive that is a bomb": (
-        lambda world: world.archive(zipped(**{"arm.xml": MODEL, "b": bytes(1 << 24)})), "archive-refused",
+        lambda world: world.archive(zipped(**{"arm.xml": MODEL, "b": bytes(1 << 24)})),
+        "archive-refused",
         "only bombs do",
     ),
     "a lock with another commit": (lock_with_another_commit, "source-changed", "`arm/arm.xml` changed"),
     "a lock with another hash": (lock_with_another_hash, "source-changed", "`arm/arm.xml` changed"),
-}  # fmt: skip
+}
 QUICK = [
     "another archive than the lock says",
     "a tag that does not exist",
@@ -188,7 +209,8 @@ def test_one_error_at_its_place(world: World, case: str, monkeypatch: pytest.Mon
     reference = prepare(world)
     if reference is not None:
         world.recipe(reference)
-    outputs, lock = snapshot(world.folder / "out"), world.folder / "bad.lock"
+    outputs = snapshot(world.folder / "out")
+    lock = world.folder / "bad.lock"
     text = lock.read_bytes() if lock.is_file() else None
     entries = {entry.key for entry in world.store.entries()}
     for arguments in (("build", "bad.yaml", "-o", "out/"), ("lock", "bad.yaml")):

@@ -326,10 +326,25 @@ def test_same_bytes_everywhere(folder: Path, tmp_path: Path) -> None:
     # Python 3.11 reads the path of an editable install as text of the locale, and ends where it cannot.
     ours = "C" if sys.prefix.isascii() else "C.UTF-8"
     kwargs = {} if sys.platform == "win32" else {"preexec_fn": lambda: os.umask(0o077)}
-    here = process("build", "--no-cache", "cell.yaml", "-o", "out.zip", cwd=folder,
-                   env=environment(PYTHONHASHSEED="1", TZ="UTC", LC_ALL=ours))  # fmt: skip
-    there = process("build", "--no-cache", str(other / "cell.yaml"), "-o", str(other / "out.zip"), cwd=tmp_path,
-                    env=environment(PYTHONHASHSEED="2", TZ="Asia/Tokyo", LC_ALL="C.UTF-8"), **kwargs)  # fmt: skip
+    here = process(
+        "build",
+        "--no-cache",
+        "cell.yaml",
+        "-o",
+        "out.zip",
+        cwd=folder,
+        env=environment(PYTHONHASHSEED="1", TZ="UTC", LC_ALL=ours),
+    )
+    there = process(
+        "build",
+        "--no-cache",
+        str(other / "cell.yaml"),
+        "-o",
+        str(other / "out.zip"),
+        cwd=tmp_path,
+        env=environment(PYTHONHASHSEED="2", TZ="Asia/Tokyo", LC_ALL="C.UTF-8"),
+        **kwargs,
+    )
     assert (here.returncode, there.returncode) == (0, 0), here.stderr + there.stderr
     assert (folder / "out.zip").read_bytes() == (other / "out.zip").read_bytes()
 
@@ -361,12 +376,26 @@ def test_an_interruption_while_mujoco_works(folder: Path, tmp_path: Path, sent: 
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     started = subprocess.Popen(
-        [sys.executable, "-m", "mjcompose", "build", "slow.yaml", "-o", "out.zip", "--limit", "expansion=1000000", "--limit",
-         "bodies=100000"],
-        env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        [
+            sys.executable,
+            "-m",
+            "mjcompose",
+            "build",
+            "slow.yaml",
+            "-o",
+            "out.zip",
+            "--limit",
+            "expansion=1000000",
+            "--limit",
+            "bodies=100000",
+        ],
+        env=environment(TMPDIR=str(temporary)),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
         # tests that were started in the background of a shell ignore it, and so would what they start
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
+    )
     children = Path(f"/proc/{started.pid}/task/{started.pid}/children")
     deadline = time.monotonic() + 60
     while not (child := children.read_text().split()) and time.monotonic() < deadline:

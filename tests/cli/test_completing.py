@@ -106,9 +106,13 @@ def test_the_line_for_the_start_file() -> None:
 def test_bash_takes_an_equals_sign_for_the_end_of_a_word(study: Path, line: str, told: list[str]) -> None:
     """As bash calls the function: with the line, and with what replaces what stands after the last `=` in it."""
     source = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=environment(_MJCOMPOSE_COMPLETE="bash_source"), check=True,
-        capture_output=True, text=True, cwd=study,
-    ).stdout  # fmt: skip
+        [sys.executable, "-c", PROGRAM],
+        env=environment(_MJCOMPOSE_COMPLETE="bash_source"),
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=study,
+    ).stdout
     (function,) = {line.split("()")[0] for line in source.splitlines() if line.endswith("completion() {")}
     (study / "mjcompose").write_text(f"#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(PROGRAM)}\n")
     (study / "mjcompose").chmod(0o755)

@@ -51,7 +51,8 @@ def test_the_order_of_a_file_system(folder: Path, tmp_path: Path, monkeypatch: p
 def _backwards(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Have every listing of a folder in reverse order; what was listed."""
     listed: list[str] = []
-    scandir, listdir = os.scandir, os.listdir
+    scandir = os.scandir
+    listdir = os.listdir
 
     class Entries:
         def __init__(self, path: Any) -> None:
@@ -101,8 +102,13 @@ def test_a_cell_is_the_same_alone_and_among_others(folder: Path) -> None:
 @pytest.mark.slow
 def test_fetched_at_different_places_and_times(robots: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another store, another umask and a commit that came in between: with the lock the bytes are the same."""
-    robots.commit(**{"arm/arm.xml": ARM, "arm/meshes/cover.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
-                     "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "arm/tool.xml": TOOL})  # fmt: skip
+    robots.commit(
+        **{
+            "arm/arm.xml": ARM,
+            "arm/meshes/cover.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+            "arm/tool.xml": TOOL,
+        }
+    )
     work = tmp_path / "work"
     work.mkdir()
     monkeypatch.chdir(work)
@@ -115,9 +121,14 @@ def test_fetched_at_different_places_and_times(robots: Any, tmp_path: Path, monk
     assert run("build", "--no-cache", "cell.yaml", "-o", "one.zip", "--locked").exit_code == 0
     robots.commit(**{"arm/tool.xml": TOOL.replace("0.01", "0.02")})
     done = process(
-        "build", "--no-cache", "cell.yaml", "-o", "two.zip", "--locked",
+        "build",
+        "--no-cache",
+        "cell.yaml",
+        "-o",
+        "two.zip",
+        "--locked",
         env=environment(MJCOMPOSE_CACHE=str(tmp_path / "two"), PYTHONHASHSEED="7", TZ="Asia/Tokyo"),
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     assert (work / "one.zip").read_bytes() == (work / "two.zip").read_bytes()
 

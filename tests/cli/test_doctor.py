@@ -45,14 +45,20 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize(
     ("answer", "found"),
     [
-        ({"ok": True, "confined": ["limits", "Landlock 7"], "value": {"write": False, "connect": False}},
-         Finding("templates", "confined by limits, Landlock 7")),
-        ({"ok": True, "confined": [], "value": {"write": True, "connect": True}},
-         Finding("templates", "this system has no way to confine their process; it can write and connect", None)),
-        ({"ok": False, "error": "its process cannot be confined: seccomp", "crash": "unconfined"},
-         Finding("templates", "cannot be expanded: its process cannot be confined: seccomp", False)),
+        (
+            {"ok": True, "confined": ["limits", "Landlock 7"], "value": {"write": False, "connect": False}},
+            Finding("templates", "confined by limits, Landlock 7"),
+        ),
+        (
+            {"ok": True, "confined": [], "value": {"write": True, "connect": True}},
+            Finding("templates", "this system has no way to confine their process; it can write and connect", None),
+        ),
+        (
+            {"ok": False, "error": "its process cannot be confined: seccomp", "crash": "unconfined"},
+            Finding("templates", "cannot be expanded: its process cannot be confined: seccomp", False),
+        ),
     ],
-)  # fmt: skip
+)
 def test_how_templates_are_confined_is_told(
     monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: Finding
 ) -> None:

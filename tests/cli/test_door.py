@@ -35,8 +35,8 @@ def hostile(secret: Path) -> dict[str, str]:
         "texture.yaml": f"recipe: 1\nasset: {{texture: {{t: {{type: 2d, file: {secret}/s.png}}}}}}\n",
         "hfield.yaml": f"recipe: 1\nasset: {{hfield: {{h: {{file: {secret}/s.png, size: [1, 1, 1, 1]}}}}}}\n",
         "model.yaml": f"recipe: 1\nasset: {{model: {{m: {{file: {secret}/sub.xml}}}}}}\n",
-        "flexcomp.yaml": "recipe: 1\nadd:\n  - to: world\n    xml: '<flexcomp name=\"f\" type=\"mesh\" dim=\"2\""
-        f" file=\"{secret}/s.obj\"/>'\n",
+        "flexcomp.yaml": 'recipe: 1\nadd:\n  - to: world\n    xml: \'<flexcomp name="f" type="mesh" dim="2"'
+        f' file="{secret}/s.obj"/>\'\n',
         "parameter.yaml": f"recipe: 1\nparams: {{f: {secret}/s.obj}}\nasset: {{mesh: {{m: {{file: '${{f}}'}}}}}}\n",
         "absolute.yaml": f"recipe: 1\nbase: {secret}/sub.xml\n",
         "extends.yaml": f"recipe: 1\nextends: {secret}/own.yaml\n",
@@ -66,7 +66,7 @@ def hostile(secret: Path) -> dict[str, str]:
         "include.urdf": f'<robot name="u"><mujoco><include file="{secret}/include.xml"/></mujoco><link name="a">{BOX}</link></robot>',
         "mesh.urdf": robot.format("", f"{secret}/s.obj"),
         "package.urdf": robot.format("", "package://secret/s.obj"),
-    }  # fmt: skip
+    }
 
 
 NOT_OUTSIDE = {
@@ -95,7 +95,9 @@ def unlike_xml(secret: Path) -> dict[str, str]:
 def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Path, Path]]:
     """A folder with secrets, a repository of a stranger, and a folder with a recipe of one's own."""
     top = tmp_path_factory.mktemp("machine")
-    secret, robots, work = top / "secret", top / "robots", top / "work"
+    secret = top / "secret"
+    robots = top / "robots"
+    work = top / "work"
     for each in (secret, robots, work):
         each.mkdir()
     (secret / "s.obj").write_text(COVER + f"# {SECRET}\n")
@@ -370,8 +372,12 @@ def test_nothing_outside_is_opened(places: tuple[Path, Path, Path], tmp_path: Pa
             ]
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(AUDIT), str(secret), str(tmp_path / "log"), json.dumps(commands)],
-        cwd=work, env=environment(MJCOMPOSE_CACHE=str(tmp_path / "store")), capture_output=True, text=True, timeout=270,
-    )  # fmt: skip
+        cwd=work,
+        env=environment(MJCOMPOSE_CACHE=str(tmp_path / "store")),
+        capture_output=True,
+        text=True,
+        timeout=270,
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     opened = (tmp_path / "log").read_text()
     assert not opened, opened[:3000]

@@ -78,16 +78,23 @@ def folder(tmp_path: Path) -> Path:
 
 def begun(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
     process = subprocess.Popen(
-        [sys.executable, "-m", "mjcompose", *words], cwd=folder, env=environment() | {"MJCOMPOSE_CACHE": str(folder / "store")},
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        [sys.executable, "-m", "mjcompose", *words],
+        cwd=folder,
+        env=environment() | {"MJCOMPOSE_CACHE": str(folder / "store")},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     if words == ["lsp"]:
         opened = {"uri": (folder / "a.yaml").as_uri(), "languageId": "yaml", "version": 1, "text": RECIPE}
         assert process.stdin is not None
-        for number, (method, params) in enumerate((
-            ("initialize", {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}), ("initialized", {}),
-            ("textDocument/didOpen", {"textDocument": opened}),
-        )):  # fmt: skip
+        for number, (method, params) in enumerate(
+            (
+                ("initialize", {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}),
+                ("initialized", {}),
+                ("textDocument/didOpen", {"textDocument": opened}),
+            )
+        ):
             message = json.dumps({"jsonrpc": "2.0", "method": method, "params": params} | ({} if number else {"id": 1}))
             process.stdin.write(f"Content-Length: {len(message)}\r\n\r\n{message}".encode())
         process.stdin.flush()

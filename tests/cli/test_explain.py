@@ -28,8 +28,12 @@ def test_as_json(folder: Path) -> None:
     told = json.loads(result.stdout)
     assert (told["explains"], told["label"]) == ("element", "geom tool/palm")
     assert told["written"][0]["span"] == {
-        "file": "models/tool.xml", "line": 4, "column": 7, "end_line": 4, "end_column": 12,
-    }  # fmt: skip
+        "file": "models/tool.xml",
+        "line": 4,
+        "column": 7,
+        "end_line": 4,
+        "end_column": 12,
+    }
     assert [each["attribute"] for each in told["changes"]] == ["name"]
     told = json.loads(run("explain", "cell.yaml", "geom tool/palm size", "--output-format", "json").stdout)
     assert (told["explains"], told["value"]) == ("attribute", "0.03 0.03 0.01")

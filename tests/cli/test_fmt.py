@@ -128,7 +128,8 @@ def test_a_urdf_is_no_recipe(folder: Path) -> None:
 def test_a_file_that_has_changed_since_is_left_as_it_is(folder: Path) -> None:
     path = folder / "arm.xml"
     path.write_bytes(b"<mujoco />")
-    context, there = Context(sink=Sink(), folder=folder), sorted(folder.iterdir())
+    context = Context(sink=Sink(), folder=folder)
+    there = sorted(folder.iterdir())
     assert not rewrite(path, b"<mujoco/>\n", context, before=b"<mujoco></mujoco>")
     assert path.read_bytes() == b"<mujoco />" and sorted(folder.iterdir()) == there
     assert [each.code for each in context.sink.errors] == ["output-unwritable"]

@@ -40,15 +40,35 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     "words",
     [
-        "plan robot.yaml", "tree robot.yaml", "tree arm.xml --places", "build robot.yaml", "build robot.yaml --why", "check two.yaml",
-        "check two.yaml --output-format github", "check two.yaml --output-format markdown", "check two.yaml --output-format junit",
-        "check two.yaml --output-format sarif", "check two.yaml --output-format json", "lint .", "lint . --output-format github",
-        "lint . --output-format markdown", "lint . --statistics", "lint . --profile menagerie", "diff arm.xml robot.yaml",
-        "diff arm.xml robot.yaml --output-format markdown", "explain robot.yaml part/**", "explain arm.xml joint#0", "names arm.xml --json",
-        "names arm.xml --python", "tree robot.yaml --output-format json", "plan robot.yaml --output-format json", "fmt --check .", "check *.yaml",
+        "plan robot.yaml",
+        "tree robot.yaml",
+        "tree arm.xml --places",
+        "build robot.yaml",
+        "build robot.yaml --why",
+        "check two.yaml",
+        "check two.yaml --output-format github",
+        "check two.yaml --output-format markdown",
+        "check two.yaml --output-format junit",
+        "check two.yaml --output-format sarif",
+        "check two.yaml --output-format json",
+        "lint .",
+        "lint . --output-format github",
+        "lint . --output-format markdown",
+        "lint . --statistics",
+        "lint . --profile menagerie",
+        "diff arm.xml robot.yaml",
+        "diff arm.xml robot.yaml --output-format markdown",
+        "explain robot.yaml part/**",
+        "explain arm.xml joint#0",
+        "names arm.xml --json",
+        "names arm.xml --python",
+        "tree robot.yaml --output-format json",
+        "plan robot.yaml --output-format json",
+        "fmt --check .",
+        "check *.yaml",
         "migrate arm.xml --from 3.2 --to 4.0",
     ],
-)  # fmt: skip
+)
 def test_no_name_is_a_command(folder: Path, words: str) -> None:
     arguments = [
         each for word in words.split() for each in (sorted(map(str, Path().glob(word))) if "*." in word else [word])
@@ -62,12 +82,21 @@ def test_no_name_is_a_command(folder: Path, words: str) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        ["build", "a\n::error::b.yaml"], ["build", "robot.yaml", "--pick", "a\n::error::b"], ["buil\n::error::d"],
-        ["build", "robot.yaml", "--target", "a\n::error::b"], ["build", "robot.yaml", "--n\n::error::o"], ["list", "a\n::error::b"],
-        ["build", "robot.yaml", "-o", "a\n::error::b.xyz"], ["lint", "--select", "a\n::error::b", "."], ["explain", "a\n::error::b"],
-        ["rebuild", "a\n::error::b"], ["verify", "a\n::error::b"], ["diff", "a\n::error::b", "arm.xml"], ["import", "a\n::error::b"],
+        ["build", "a\n::error::b.yaml"],
+        ["build", "robot.yaml", "--pick", "a\n::error::b"],
+        ["buil\n::error::d"],
+        ["build", "robot.yaml", "--target", "a\n::error::b"],
+        ["build", "robot.yaml", "--n\n::error::o"],
+        ["list", "a\n::error::b"],
+        ["build", "robot.yaml", "-o", "a\n::error::b.xyz"],
+        ["lint", "--select", "a\n::error::b", "."],
+        ["explain", "a\n::error::b"],
+        ["rebuild", "a\n::error::b"],
+        ["verify", "a\n::error::b"],
+        ["diff", "a\n::error::b", "arm.xml"],
+        ["import", "a\n::error::b"],
     ],
-)  # fmt: skip
+)
 def test_no_argument_is_a_command(folder: Path, words: list[str]) -> None:
     result = run(*words)
     assert result.exit_code in (1, 2)
@@ -77,11 +106,22 @@ def test_no_argument_is_a_command(folder: Path, words: list[str]) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        "view --html out.html {}", "diff --html out.html {} own.xml", "plan {}", "tree {}", "check {} --output-format sarif", "lint .",
-        "build {} -o out.zip --sbom out.json --depfile out.d", "check {} --junit out.xml", "lock {}", "names {} --python", "explain {} geom#0",
-        "diff {} own.xml --output-format markdown", "import own\udce9.xml", "view --html out.html own\udce9.xml",
+        "view --html out.html {}",
+        "diff --html out.html {} own.xml",
+        "plan {}",
+        "tree {}",
+        "check {} --output-format sarif",
+        "lint .",
+        "build {} -o out.zip --sbom out.json --depfile out.d",
+        "check {} --junit out.xml",
+        "lock {}",
+        "names {} --python",
+        "explain {} geom#0",
+        "diff {} own.xml --output-format markdown",
+        "import own\udce9.xml",
+        "view --html out.html own\udce9.xml",
     ],
-)  # fmt: skip
+)
 def test_a_file_name_that_is_not_utf8(folder: Path, words: str) -> None:
     for file in Path().iterdir():
         file.unlink()

@@ -10,9 +10,15 @@ import pytest
 
 HEAVY = ("mujoco", "numpy", "pydantic")
 UNKNOWN_ONLY = (
-    "lxml", "yaml", "importlib.metadata", "concurrent.futures", "tarfile", "tempfile",
-    "mjcompose.sources.git_repository", "mjcompose.sources.web_archive",
-)  # fmt: skip
+    "lxml",
+    "yaml",
+    "importlib.metadata",
+    "concurrent.futures",
+    "tarfile",
+    "tempfile",
+    "mjcompose.sources.git_repository",
+    "mjcompose.sources.web_archive",
+)
 """What only a model that must be built has a use for."""
 _TELL = """
 import atexit, sys

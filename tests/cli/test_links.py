@@ -159,7 +159,8 @@ def test_a_lock_that_leads_elsewhere_is_read_but_not_written(theirs: Path) -> No
 
 def test_a_link_that_takes_the_place_of_a_file_is_replaced_and_not_followed(theirs: Path) -> None:
     """Between the look and the write, somebody puts a link there."""
-    file, secret = theirs / "arm.xml", theirs.parent / "mine" / "secret.xml"
+    file = theirs / "arm.xml"
+    secret = theirs.parent / "mine" / "secret.xml"
     file.write_text("before")
     with staged_file(file, rewrites=True, within=door_of_walk(theirs)) as stage:
         stage.write_text("after")
@@ -182,12 +183,15 @@ SEVERAL = "recipe: 1\nbase: ./own.xml\nmatrix: {axes: {size: [1, 2]}, name: '${n
 @pytest.mark.parametrize(
     ("link", "words"),
     [
-        ("build/robot.zip", ["build", "robot.yaml"]), ("build/robot.png", ["build", "robot.yaml", "--picture"]),
-        ("build/robot.png", ["render", "robot.yaml"]), ("build/several-2.zip", ["build", "several.yaml", "--all"]),
-        ("build/models.csv", ["build", "several.yaml", "--all"]), ("out/robot.xml", ["build", "robot.yaml", "-o", "out/{name}.xml"]),
+        ("build/robot.zip", ["build", "robot.yaml"]),
+        ("build/robot.png", ["build", "robot.yaml", "--picture"]),
+        ("build/robot.png", ["render", "robot.yaml"]),
+        ("build/several-2.zip", ["build", "several.yaml", "--all"]),
+        ("build/models.csv", ["build", "several.yaml", "--all"]),
+        ("out/robot.xml", ["build", "robot.yaml", "-o", "out/{name}.xml"]),
         ("out/robot.manifest.json", ["build", "robot.yaml", "-o", "out/robot.mjb"]),
     ],
-)  # fmt: skip
+)
 def test_an_output_that_the_user_does_not_name_follows_no_link(theirs: Path, link: str, words: list[str]) -> None:
     (theirs / "own.xml").write_text("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
     (theirs / "robot.yaml").write_text("recipe: 1\nbase: ./own.xml\n")

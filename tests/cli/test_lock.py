@@ -277,8 +277,13 @@ def test_a_recipe_without_sources(work: Path) -> None:
 def test_what_is_fetched_to_be_extended_is_locked(work: Path) -> None:
     """It need not give a model, nor anything that is left in the end; what it extends itself is locked too."""
     robots = work.parent / "robots"
-    commit(robots, **{"slow.yaml": "recipe: 1\nextends: ./dark.yaml\noption: {timestep: 0.004}\n",
-                      "dark.yaml": "recipe: 1\noption: {timestep: 0.005}\n"})  # fmt: skip
+    commit(
+        robots,
+        **{
+            "slow.yaml": "recipe: 1\nextends: ./dark.yaml\noption: {timestep: 0.004}\n",
+            "dark.yaml": "recipe: 1\noption: {timestep: 0.005}\n",
+        },
+    )
     source = f"git+file://{robots}@main"
     (work / "beside.yaml").write_text(f"recipe: 1\nextends: {source}#slow.yaml\n")
     (work / "cell.yaml").write_text("recipe: 1\nextends: ./beside.yaml\nbase: ./tool.xml\noption: {timestep: 0.001}\n")
@@ -498,13 +503,18 @@ def test_what_is_fetched_reaches_no_file_of_this_machine(work: Path, locked: boo
     if locked:
         run("lock", "cell.yaml")
     before = snapshot(work)
-    commit(robots, **{
-        "arm/mesh.xml": ARM.replace("cover.obj", str(secret)),
-        "arm/far.xml": ARM.replace('"cover.obj"', f'"cover.obj" file="{"../" * 12}{secret.relative_to("/")}"').replace('file="cover.obj" ', ""),
-        "arm/include.xml": f'<mujoco><include file="{work.parent / "secret.xml"}"/></mujoco>',
-        "arm/recipe.yaml": f"recipe: 1\nattach: {{x: {{model: {work.parent / 'secret.xml'}}}}}\n",
-        "arm/element.yaml": f"recipe: 1\nasset: {{mesh: {{m: {{file: {secret}}}}}}}\n",
-    })  # fmt: skip
+    commit(
+        robots,
+        **{
+            "arm/mesh.xml": ARM.replace("cover.obj", str(secret)),
+            "arm/far.xml": ARM.replace(
+                '"cover.obj"', f'"cover.obj" file="{"../" * 12}{secret.relative_to("/")}"'
+            ).replace('file="cover.obj" ', ""),
+            "arm/include.xml": f'<mujoco><include file="{work.parent / "secret.xml"}"/></mujoco>',
+            "arm/recipe.yaml": f"recipe: 1\nattach: {{x: {{model: {work.parent / 'secret.xml'}}}}}\n",
+            "arm/element.yaml": f"recipe: 1\nasset: {{mesh: {{m: {{file: {secret}}}}}}}\n",
+        },
+    )
     for name in ("mesh.xml", "far.xml", "include.xml", "recipe.yaml", "element.yaml"):
         (work / "evil.yaml").write_text(f"recipe: 1\nattach: {{x: {{model: git+file://{robots}@main#arm/{name}}}}}\n")
         result = run("build", "evil.yaml", "--no-compile", "-o", "out.zip")

@@ -144,8 +144,13 @@ def test_an_unknown_option(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("option", "instead"),
-    [("--json", "--output-format"), ("--variant", "--set"), ("--no-verify", "--no-compile"), ("--samples", "--sample-table")],
-)  # fmt: skip
+    [
+        ("--json", "--output-format"),
+        ("--variant", "--set"),
+        ("--no-verify", "--no-compile"),
+        ("--samples", "--sample-table"),
+    ],
+)
 def test_an_option_of_another_tool_has_a_hint(option: str, instead: str) -> None:
     assert f"Did you mean '{instead}'?" in run("build", "cell.yaml", option).stderr
 
@@ -226,8 +231,13 @@ def test_a_file_that_does_not_exist_is_wrong_usage(folder: Path, words: tuple[st
 
 
 def test_quiet(folder: Path) -> None:
-    for words in (("build", "cell.yaml"), ("build", "cell.yaml", "--why"), ("check", "cell.yaml"), ("lock", "cell.yaml"),
-                  ("new", "new.yaml")):  # fmt: skip
+    for words in (
+        ("build", "cell.yaml"),
+        ("build", "cell.yaml", "--why"),
+        ("check", "cell.yaml"),
+        ("lock", "cell.yaml"),
+        ("new", "new.yaml"),
+    ):
         result = run(*words, "-q")
         assert (result.exit_code, result.stdout, result.stderr) == (0, "", ""), words
     assert "error[attach-place]" in run("check", "wrong.yaml", "--quiet").stderr

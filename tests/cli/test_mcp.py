@@ -23,9 +23,14 @@ class Agent:
 
     def __init__(self, folder: Path) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "mjcompose", "mcp"], cwd=folder, env=environment(),
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
-        )  # fmt: skip
+            [sys.executable, "-P", "-m", "mjcompose", "mcp"],
+            cwd=folder,
+            env=environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+        )
         self.number = 0
         client = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}}
         self.server = self.ask("initialize", client)
@@ -117,7 +122,8 @@ def test_a_picture(agent: Agent, folder: Path) -> None:
 
 
 def test_it_sees_nothing_outside_of_its_folder(agent: Agent, folder: Path) -> None:
-    secret, model = folder.parent / "secret.yaml", folder.parent / "secret.xml"
+    secret = folder.parent / "secret.yaml"
+    model = folder.parent / "secret.xml"
     secret.write_text("hunter2: [\n")
     model.write_text('<mujoco><worldbody><body name="hunter2"/></worldbody></mujoco>')
     for words in (

@@ -18,15 +18,87 @@ Text = Callable[[str], str]
 
 # What is put in the place of a value, or between two characters.
 ODD = (
-    "", " ", "0", "-1", "1e999", "nan", "null", "~", "true", "''", '""', "[]", "{}", "[[]]", "- -", "?", "&a", "*a", "!x",
-    "${x}", "world", "main", "base", "/", "//", "arm/", "é", "\t", "\x00", "\u2028", "'", '"', "#", ": :", "|", ">", "%",
-    "90deg", "1rad", "[1, 2, 3]", "[a, b]", "{a: 1}", "./demo.yaml", "../..", "package:os/x.xml", "2023-01-01", "<<: *a",
-    "1" * 400, "[" * 60,
-)  # fmt: skip
+    "",
+    " ",
+    "0",
+    "-1",
+    "1e999",
+    "nan",
+    "null",
+    "~",
+    "true",
+    "''",
+    '""',
+    "[]",
+    "{}",
+    "[[]]",
+    "- -",
+    "?",
+    "&a",
+    "*a",
+    "!x",
+    "${x}",
+    "world",
+    "main",
+    "base",
+    "/",
+    "//",
+    "arm/",
+    "é",
+    "\t",
+    "\x00",
+    "\u2028",
+    "'",
+    '"',
+    "#",
+    ": :",
+    "|",
+    ">",
+    "%",
+    "90deg",
+    "1rad",
+    "[1, 2, 3]",
+    "[a, b]",
+    "{a: 1}",
+    "./demo.yaml",
+    "../..",
+    "package:os/x.xml",
+    "2023-01-01",
+    "<<: *a",
+    "1" * 400,
+    "[" * 60,
+)
 ODD_XML = (
-    "", " ", "0", "-1", "1e999", "nan", "inf", "0x10", "1 2", "1 2 3 4 5 6 7 8 9 10", "true", "auto", "world", "main", "é",
-    "a b", "/", "\t", "x" * 300, "<", "&amp;", "&", "'", "arm6.xml", "../..", "-", "1,2", "free", "mocap",
-)  # fmt: skip
+    "",
+    " ",
+    "0",
+    "-1",
+    "1e999",
+    "nan",
+    "inf",
+    "0x10",
+    "1 2",
+    "1 2 3 4 5 6 7 8 9 10",
+    "true",
+    "auto",
+    "world",
+    "main",
+    "é",
+    "a b",
+    "/",
+    "\t",
+    "x" * 300,
+    "<",
+    "&amp;",
+    "&",
+    "'",
+    "arm6.xml",
+    "../..",
+    "-",
+    "1,2",
+    "free",
+    "mocap",
+)
 
 
 @st.composite
@@ -50,7 +122,8 @@ def _edited(text: str, kind: str, where: float, replacement: str, other: float, 
     lines = text.splitlines(keepends=True)
     if not lines:
         return replacement
-    at, to = int(where * len(lines)), int(other * len(lines))
+    at = int(where * len(lines))
+    to = int(other * len(lines))
     if kind == "drop":
         del lines[at]
     elif kind == "repeat":

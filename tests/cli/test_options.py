@@ -32,10 +32,13 @@ def run(*arguments: str) -> tuple[int, str]:
 @pytest.mark.parametrize(
     "command",
     [
-        ("build", "r.yaml", "--no-compile", "-o", "out/"), ("check", "r.yaml", "--no-compile"),
-        ("explain", "r.yaml", "option"), ("import", "m.xml", "m.xml", "-o", "new.yaml"), ("diff", "m.xml", "m.xml"),
+        ("build", "r.yaml", "--no-compile", "-o", "out/"),
+        ("check", "r.yaml", "--no-compile"),
+        ("explain", "r.yaml", "option"),
+        ("import", "m.xml", "m.xml", "-o", "new.yaml"),
+        ("diff", "m.xml", "m.xml"),
     ],
-)  # fmt: skip
+)
 def test_every_command_that_reads_models_takes_limits(recipe: str, command: tuple[str, ...]) -> None:
     code, said = run(*command, "--limit", "expansion=7")
     assert code and "makes 8 elements; 7 are allowed" in said, said

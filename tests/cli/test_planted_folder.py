@@ -58,9 +58,13 @@ firefox chromium google-chrome links elinks lynx w3m browser curl npm node conda
 
 ROWS: dict[str, list[tuple[str, ...]]] = {
     "build": [
-        ("build", "cell.yaml", "-o", "out.zip"), ("build", "matrix.yaml", "--all", "-o", "cells/{name}/", "--jobs", "2"),
-        ("build", "robot.yaml", "--no-cache", "-o", "robot.zip"), ("build", "from_git.yaml"), ("build", "from_web.yaml"),
-        ("build", "template.yaml", "-o", "t.zip"), ("build", "cell.yaml", "--target", "urdf", "-o", "urdf/"),
+        ("build", "cell.yaml", "-o", "out.zip"),
+        ("build", "matrix.yaml", "--all", "-o", "cells/{name}/", "--jobs", "2"),
+        ("build", "robot.yaml", "--no-cache", "-o", "robot.zip"),
+        ("build", "from_git.yaml"),
+        ("build", "from_web.yaml"),
+        ("build", "template.yaml", "-o", "t.zip"),
+        ("build", "cell.yaml", "--target", "urdf", "-o", "urdf/"),
     ],
     "check": [("check", "robot.yaml"), ("check", "cell.yaml"), ("check", "cell.yaml", "matrix.yaml", "--offline")],
     "lint": [("lint", "."), ("lint", "--fix", "arm.xml")],
@@ -71,7 +75,9 @@ ROWS: dict[str, list[tuple[str, ...]]] = {
     "tree": [("tree", "robot.yaml"), ("tree", "arm.xml")],
     "explain": [("explain", "cell.yaml", "geom rod"), ("explain", "consumer-missing")],
     "diff": [
-        ("diff", "HEAD:cell.yaml", "cell.yaml"), ("diff", "arm.xml", "tool.xml"), ("diff", "HEAD:arm.xml", "arm.xml"),
+        ("diff", "HEAD:cell.yaml", "cell.yaml"),
+        ("diff", "arm.xml", "tool.xml"),
+        ("diff", "HEAD:arm.xml", "arm.xml"),
     ],
     "names": [("names", "cell.yaml", "--python", "-o", "names.py")],
     "view": [("view", "cell.yaml", "--html", "-o", "page.html"), ("view", "cell.yaml"), ("view", "HEAD:arm.xml")],
@@ -97,7 +103,7 @@ ROWS: dict[str, list[tuple[str, ...]]] = {
     "completion": [("completion", "bash")],
     "help": [("help", "build")],
     "version": [("version",)],
-}  # fmt: skip
+}
 """The lines that are typed for each command; `lsp` and `mcp` have tests of their own."""
 QUICK = {"check", "version"}
 
@@ -140,18 +146,27 @@ class Folder:
         own = {name: os.environ[name] for name in ("LANG", "MUJOCO_GL", "TMPDIR") if name in os.environ}
         binaries = os.path.dirname(sys.executable)
         return own | {
-            "PATH": f":.:bin:.venv/bin:{binaries}:{os.environ['PATH']}:", "HOME": str(self.place / "home"),
-            "MJCOMPOSE_CACHE": str(self.place / "cache"), "MJCOMPOSE_PROGRAMS": str(self.place / "programs"),
-            "MJCOMPOSE_TIMEOUT": "5", "PIP_NO_INDEX": "1", "BROWSER": "browser", "DISPLAY": ":99",
-        }  # fmt: skip
+            "PATH": f":.:bin:.venv/bin:{binaries}:{os.environ['PATH']}:",
+            "HOME": str(self.place / "home"),
+            "MJCOMPOSE_CACHE": str(self.place / "cache"),
+            "MJCOMPOSE_PROGRAMS": str(self.place / "programs"),
+            "MJCOMPOSE_TIMEOUT": "5",
+            "PIP_NO_INDEX": "1",
+            "BROWSER": "browser",
+            "DISPLAY": ":99",
+        }
 
     def run(self, *words: str, more: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[bytes]:
         """Type a command, as a process of its own; one that does not end gets Ctrl-C."""
         program = os.path.join(os.path.dirname(sys.executable), "mjcompose")
         with subprocess.Popen(
-            [program, *words], cwd=self.path, env={**self.environment(), **(more or {})}, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        ) as process:  # fmt: skip
+            [program, *words],
+            cwd=self.path,
+            env={**self.environment(), **(more or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        ) as process:
             try:
                 out, errors = process.communicate(timeout=8 if words[0] == "view" else 300)
             except subprocess.TimeoutExpired:
@@ -190,12 +205,17 @@ class Folder:
 
     def _write_models(self) -> None:
         texts = {
-            "arm.xml": ARM, "tool.xml": TOOL, "robot.yaml": ROBOT, "cell.yaml": CELL, "matrix.yaml": MATRIX,
-            "arm.urdf.xacro": XACRO, "template.yaml": "recipe: 1\nbase: ./arm.urdf.xacro\n",
+            "arm.xml": ARM,
+            "tool.xml": TOOL,
+            "robot.yaml": ROBOT,
+            "cell.yaml": CELL,
+            "matrix.yaml": MATRIX,
+            "arm.urdf.xacro": XACRO,
+            "template.yaml": "recipe: 1\nbase: ./arm.urdf.xacro\n",
             "from_git.yaml": f"recipe: 1\nbase: git+{self.address}/robots@v1#arm.xml\n",
             "from_web.yaml": f"recipe: 1\nbase: {self.address}/robots.zip#arm.xml\n",
             "stamp.json": "{}",
-        }  # fmt: skip
+        }
         for name, text in texts.items():
             (self.path / name).write_text(text)
         release = self.place / "release"
@@ -361,9 +381,12 @@ def test_python_m_drops_the_folder_before_it_imports_anything(theirs: Folder) ->
         (theirs.path / f"{name}.py").unlink()
     shutil.rmtree(theirs.path / "mjcompose")
     done = subprocess.run(
-        [sys.executable, "-m", "mjcompose", "check", "cell.yaml"], cwd=theirs.path, env=theirs.environment(),
-        capture_output=True, check=False,
-    )  # fmt: skip
+        [sys.executable, "-m", "mjcompose", "check", "cell.yaml"],
+        cwd=theirs.path,
+        env=theirs.environment(),
+        capture_output=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr.decode()
     assert theirs.left() == []
 
@@ -383,8 +406,13 @@ def test_relative_entries_of_pythonpath_are_ignored(theirs: Folder) -> None:
 def test_completion_in_the_shell(theirs: Folder) -> None:
     for shell in ("bash", "zsh", "fish"):
         line = "mjcompose check ce"
-        more = {"_MJCOMPOSE_COMPLETE": f"{shell}_complete", "COMP_WORDS": line, "COMP_CWORD": "2" if shell != "fish" else "ce",
-                "COMP_LINE": line, "COMP_POINT": str(len(line))}  # fmt: skip
+        more = {
+            "_MJCOMPOSE_COMPLETE": f"{shell}_complete",
+            "COMP_WORDS": line,
+            "COMP_CWORD": "2" if shell != "fish" else "ce",
+            "COMP_LINE": line,
+            "COMP_POINT": str(len(line)),
+        }
         theirs.run("check", "ce", more=more)
         theirs.run("check", more={"_MJCOMPOSE_COMPLETE": f"{shell}_source"})
     assert theirs.left() == []
@@ -420,14 +448,21 @@ def test_the_tools_of_agents(theirs: Folder) -> None:
     client = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}}
     calls = [("check", {"recipe": "robot.yaml"}), ("render", {"recipe": "arm.xml"}), ("tree", {"recipe": "cell.yaml"})]
     messages: list[dict[str, object]] = [
-        {"id": 0, "method": "initialize", "params": client}, {"method": "notifications/initialized"},
-        *({"id": number, "method": "tools/call", "params": {"name": name, "arguments": arguments}}
-          for number, (name, arguments) in enumerate(calls, 1)),
-    ]  # fmt: skip
+        {"id": 0, "method": "initialize", "params": client},
+        {"method": "notifications/initialized"},
+        *(
+            {"id": number, "method": "tools/call", "params": {"name": name, "arguments": arguments}}
+            for number, (name, arguments) in enumerate(calls, 1)
+        ),
+    ]
     with subprocess.Popen(
-        [program, "mcp"], cwd=theirs.path, env=theirs.environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        [program, "mcp"],
+        cwd=theirs.path,
+        env=theirs.environment(),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
         text=True,
-    ) as server:  # fmt: skip
+    ) as server:
         assert server.stdin is not None and server.stdout is not None
         for message in messages:
             server.stdin.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")

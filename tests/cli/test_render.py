@@ -121,9 +121,11 @@ def test_what_is_wrong_is_a_line(folder: Path, words: list[str], code: int, said
 
 
 def test_a_picture_looks_at_an_element_with_names_and_parts_apart(folder: Path) -> None:
-    (folder / "two.xml").write_text(MODEL.replace("<body pos", '<body name="left/a" pos').replace(
-        "</worldbody>", '<body name="right/b" pos="3 0 1"><geom name="far" size="0.2"/></body></worldbody>'
-    ))  # fmt: skip
+    (folder / "two.xml").write_text(
+        MODEL.replace("<body pos", '<body name="left/a" pos').replace(
+            "</worldbody>", '<body name="right/b" pos="3 0 1"><geom name="far" size="0.2"/></body></worldbody>'
+        )
+    )
     for number, words in enumerate(([], ["--look", "geom/far"], ["--explode"], ["--labels", "body,geom"])):
         result = _run("two.xml", "-o", f"{number}.png", "--size", "64x48", *words)
         assert (result.exit_code, result.output) == (0, f"wrote {number}.png\n")

@@ -70,9 +70,13 @@ def test_colors_and_progress_on_a_terminal(folder: Path, settings: dict[str, str
     try:
         subprocess.run(
             [sys.executable, "-m", "mjcompose", "check", "wrong.yaml"],
-            env=environment(**{"TERM": "xterm", **settings}), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=theirs, timeout=60, check=False,
-        )  # fmt: skip
+            env=environment(**{"TERM": "xterm", **settings}),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=theirs,
+            timeout=60,
+            check=False,
+        )
         os.close(theirs)
         told = _read(ours)
     finally:

@@ -59,7 +59,8 @@ def test_it_fits_the_schema(folder: Path) -> None:
     package = importlib.util.find_spec("cyclonedx")
     if package is None or package.origin is None:
         pytest.skip("the package `cyclonedx-python-lib` has the schema")
-    referencing, jsonschema = pytest.importorskip("referencing"), pytest.importorskip("jsonschema")
+    referencing = pytest.importorskip("referencing")
+    jsonschema = pytest.importorskip("jsonschema")
     schemas = [json.loads(each.read_text()) for each in Path(package.origin).parent.glob("schema/_res/*.schema.json")]
     registry = referencing.Registry().with_resources(
         (each["$id"], referencing.Resource.from_contents(each)) for each in schemas

@@ -35,7 +35,10 @@ def test_a_number_is_finite(folder: Path) -> None:
 
 
 def test_differences_with_their_causes(folder: Path, monkeypatch: MonkeyPatch) -> None:
-    moved = [Moved("joint", name, amount, unit="rad", trial="hold home", time=0.1) for name, amount in (("a", 1), ("b", 0.5), ("c", 0.1))]  # fmt: skip
+    moved = [
+        Moved("joint", name, amount, unit="rad", trial="hold home", time=0.1)
+        for name, amount in (("a", 1), ("b", 0.5), ("c", 0.1))
+    ]
     caused = (
         Caused(moved[0], (Step("gap", Span("m.xml", 3, 7), "wrote `gap`"),)),
         Caused(moved[1], (), (Meaning("margins", "they add", Span("m.xml", 4, 5), None),)),

@@ -71,18 +71,52 @@ DEGREES = ARM.format(angle="degree", range="-90 90", ref="10")
 
 
 NAMES = {
-    "body": mujoco.mjtObj.mjOBJ_BODY, "jnt": mujoco.mjtObj.mjOBJ_JOINT, "geom": mujoco.mjtObj.mjOBJ_GEOM,
-    "site": mujoco.mjtObj.mjOBJ_SITE, "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
-    "sensor": mujoco.mjtObj.mjOBJ_SENSOR, "key": mujoco.mjtObj.mjOBJ_KEY, "light": mujoco.mjtObj.mjOBJ_LIGHT,
-    "exclude": mujoco.mjtObj.mjOBJ_EXCLUDE, "mat": mujoco.mjtObj.mjOBJ_MATERIAL,
-}  # fmt: skip
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "jnt": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "site": mujoco.mjtObj.mjOBJ_SITE,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
+    "key": mujoco.mjtObj.mjOBJ_KEY,
+    "light": mujoco.mjtObj.mjOBJ_LIGHT,
+    "exclude": mujoco.mjtObj.mjOBJ_EXCLUDE,
+    "mat": mujoco.mjtObj.mjOBJ_MATERIAL,
+}
 
 
 COUNTS = {"actuator": "nactuator" if hasattr(mujoco.MjModel, "nactuator") else "nu"}
 
 
-DERIVED = ("subtreemass", "invweight0", "acc0", "sameframe", "bvh", "weldid", "rootid", "treeid", "simple", "adr", "actuator_length0",
-           "parentid", "bodyid", "id", "num", "M0", "user", "aabb", "signature", "lightid", "trntype", "plugin", "rbound", "history", "poslocal", "poscom0", "length0", "body_margin")  # fmt: skip
+DERIVED = (
+    "subtreemass",
+    "invweight0",
+    "acc0",
+    "sameframe",
+    "bvh",
+    "weldid",
+    "rootid",
+    "treeid",
+    "simple",
+    "adr",
+    "actuator_length0",
+    "parentid",
+    "bodyid",
+    "id",
+    "num",
+    "M0",
+    "user",
+    "aabb",
+    "signature",
+    "lightid",
+    "trntype",
+    "plugin",
+    "rbound",
+    "history",
+    "poslocal",
+    "poscom0",
+    "length0",
+    "body_margin",
+)
 
 
 Arrays = dict[tuple[str, str, str], list[float]]
@@ -135,10 +169,11 @@ def arrays(model: mujoco.MjModel) -> Arrays:
             if any(word in array.removeprefix(kind) or word == array for word in DERIVED):
                 continue
             values = getattr(model, array)
-            for row in range(len(values)) if isinstance(values, np.ndarray) else ():
-                name = mujoco.mj_id2name(model, code, row)
-                if name is not None:
-                    found[kind, name, array.removeprefix(f"{kind}_")] = np.ravel(values[row]).tolist()
+            if isinstance(values, np.ndarray):
+                for row in range(len(values)):
+                    name = mujoco.mj_id2name(model, code, row)
+                    if name is not None:
+                        found[kind, name, array.removeprefix(f"{kind}_")] = np.ravel(values[row]).tolist()
         for row in range(getattr(model, COUNTS.get(kind, f"n{kind}"))):
             if name := mujoco.mj_id2name(model, code, row):
                 found[kind, name, "name"] = []
@@ -152,8 +187,10 @@ def arrays(model: mujoco.MjModel) -> Arrays:
 
 def changed(before: mujoco.MjModel, after: mujoco.MjModel) -> set[str]:
     """`NAME ARRAY` of all that differs, `+NAME` and `-NAME` of what is new or gone."""
-    old, new = arrays(before), arrays(after)
-    names_before, names_after = {key[:2] for key in old}, {key[:2] for key in new}
+    old = arrays(before)
+    new = arrays(after)
+    names_before = {key[:2] for key in old}
+    names_after = {key[:2] for key in new}
     found = {f"+{name}" for _, name in names_after - names_before}
     found |= {f"-{name}" for _, name in names_before - names_after}
     return found | {f"{key[1]} {key[2]}" for key in old.keys() & new.keys() if not np.array_equal(old[key], new[key])}
@@ -161,7 +198,8 @@ def changed(before: mujoco.MjModel, after: mujoco.MjModel) -> set[str]:
 
 def force(model: mujoco.MjModel, name: str) -> float:
     data = mujoco.MjData(model)
-    data.qpos[:2], data.qvel[:2] = [0.3, 0.25], [0.7, -0.4]
+    data.qpos[:2] = [0.3, 0.25]
+    data.qvel[:2] = [0.7, -0.4]
     data.ctrl[:] = 0.4
     mujoco.mj_forward(model, data)
     force: float = data.actuator(name).force[0]

@@ -60,7 +60,7 @@ ACTUATORS = [
     '<general joint="hinge" gainprm="3" biasprm="0 -3"/>',
     '<general joint="hinge" class="servo" dyntype="filter" dynprm="1"/>',
     '<general joint="hinge" class="servo" dyntype="integrator"/>',
-]  # fmt: skip
+]
 
 
 def units_of(folder: Path, text: str, session: Session | None = None) -> ControlUnits:

@@ -75,14 +75,16 @@ def places(model: mujoco.MjModel) -> dict[str, np.ndarray]:
 
 
 def assert_same(ours: mujoco.MjModel, theirs: mujoco.MjModel) -> None:
-    one, other = places(ours), places(theirs)
+    one = places(ours)
+    other = places(theirs)
     assert one.keys() == other.keys()
     for name in one:
         np.testing.assert_allclose(one[name], other[name], atol=1e-12, err_msg=name)
 
 
 SITE = '<site name="flange" pos=".1 0 .2" quat="1 0 0 1"/>'
-ON_SITE, ON_MOUNT = '<frame pos=".1 0 .2" quat="1 0 0 1">', '<frame pos="0 .4 0" quat="1 1 0 0">'
+ON_SITE = '<frame pos=".1 0 .2" quat="1 0 0 1">'
+ON_MOUNT = '<frame pos="0 .4 0" quat="1 1 0 0">'
 OFFSET = 'pos="1 2 3" quat="1 0 0 .5"'
 WRITTEN = "pos: [1, 2, 3], quat: [1, 0, 0, 0.5]"
 
@@ -194,8 +196,18 @@ def test_siblings_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
         part__xml=part,
     )
     assert [ours.body(at).name for at in range(1, ours.nbody)] == [
-        "arm", "tool", "first/b", "third/b", "one/", "one/b", "three/b", "late/b", "two/b", "four/b", "added",
-    ]  # fmt: skip
+        "arm",
+        "tool",
+        "first/b",
+        "third/b",
+        "one/",
+        "one/b",
+        "three/b",
+        "late/b",
+        "two/b",
+        "four/b",
+        "added",
+    ]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -254,7 +266,8 @@ def reads_what_hangs_below(model: mujoco.MjModel, carrier: str, sensors: str, se
     data = mujoco.MjData(model)
     data.qpos[:] += np.random.default_rng(seed).uniform(-0.3, 0.3, model.nq)
     mujoco.mj_inverse(model, data)  # with no velocity and no acceleration
-    body, site = model.body(carrier).id, model.site(carrier).id
+    body = model.body(carrier).id
+    site = model.site(carrier).id
     turned = data.site_xmat[site].reshape(3, 3).T
     weight = -model.body_subtreemass[body] * model.opt.gravity
     lever = data.subtree_com[body] - data.site_xpos[site]
@@ -279,11 +292,17 @@ SENSE = "sense: [force, torque]"
         (f"p: {{model: ./part.xml, pos: [0, 0, 1], {SENSE}}}", ("p/sense", "p/")),  # a sensor in the foundation
         ("p: {model: ./part.xml, body: arm, sense: {name: w, force: true, torque: true}}", ("p/w", "p/w_")),
         (f"p: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}", ("sense", "")),
-        (f"p: {{model: ./part.xml, site: flange, {SENSE}, replicate: [{{count: 2, offset: [1, 0, 0]}}]}}", ("p1/sense", "p1/")),
-        (f"p: {{model: {{attach: {{q: {{model: ./part.xml, pos: [0, 1, 0], {SENSE}}}}}}}, site: flange}}", ("p/q/sense", "p/q/")),
+        (
+            f"p: {{model: ./part.xml, site: flange, {SENSE}, replicate: [{{count: 2, offset: [1, 0, 0]}}]}}",
+            ("p1/sense", "p1/"),
+        ),
+        (
+            f"p: {{model: {{attach: {{q: {{model: ./part.xml, pos: [0, 1, 0], {SENSE}}}}}}}, site: flange}}",
+            ("p/q/sense", "p/q/"),
+        ),
         (f"o: {{model: ./part.xml, body: p/b}}\n  p: {{model: ./part.xml, site: flange, {SENSE}}}", ("p/sense", "p/")),
     ],
-)  # fmt: skip
+)
 def test_sense_measures_what_hangs_below_a_place(tmp_path: Path, hung: str, names: tuple[str, str]) -> None:
     recipe = f"base: ./base.xml\nattach:\n  {hung}\ncheck: {{same: {{unchanged: {{}}}}}}\n"
     reads_what_hangs_below(composed(tmp_path, recipe), *names, seed=1)
@@ -303,12 +322,18 @@ def test_sense_has_its_cutoff_its_own_axes_and_a_separator(tmp_path: Path) -> No
     [
         (f"p: {{model: ./part.xml, site: flange, joint: free, {SENSE}}}", "attach-place", "no body carries it"),
         (f"p: {{model: ./part.xml, joint: mocap, {SENSE}}}", "attach-place", "no body carries it"),
-        (f"p: {{model: {{add: [{{to: world, body: {{freejoint: {{}}, geom: {{size: [1]}}}}}}]}}, {SENSE}}}",
-         "freejoint-on-body", "the body that `sense` gives it"),
-        (f"a: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}\n  p: {{model: ./base.xml, site: flange, prefix: '', {SENSE}}}",
-         "name-clash", ""),
+        (
+            f"p: {{model: {{add: [{{to: world, body: {{freejoint: {{}}, geom: {{size: [1]}}}}}}]}}, {SENSE}}}",
+            "freejoint-on-body",
+            "the body that `sense` gives it",
+        ),
+        (
+            f"a: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}\n  p: {{model: ./base.xml, site: flange, prefix: '', {SENSE}}}",
+            "name-clash",
+            "",
+        ),
     ],
-)  # fmt: skip
+)
 def test_sense_of_what_nothing_carries(tmp_path: Path, hung: str, code: str, words: str) -> None:
     (tmp_path / "part.xml").write_text(PART)
     (tmp_path / "base.xml").write_text(BASE)
@@ -319,17 +344,29 @@ def test_sense_of_what_nothing_carries(tmp_path: Path, hung: str, code: str, wor
 
 
 ARMS = {
-    "franka_emika_panda/panda_nohand": "site: attachment_site", "kuka_iiwa_14/iiwa14": "site: attachment_site",
-    "ufactory_xarm7/xarm7_nohand": "site: attachment_site", "universal_robots_ur5e/ur5e": "site: attachment_site",
-    "kinova_gen3/gen3": "site: pinch_site", "trossen_vx300s/vx300s": "site: pinch", "aloha/aloha": "site: left/gripper",
-    "stanford_tidybot/tidybot": "site: pinch_site", "ufactory_xarm7/xarm7": "site: link_tcp",
+    "franka_emika_panda/panda_nohand": "site: attachment_site",
+    "kuka_iiwa_14/iiwa14": "site: attachment_site",
+    "ufactory_xarm7/xarm7_nohand": "site: attachment_site",
+    "universal_robots_ur5e/ur5e": "site: attachment_site",
+    "kinova_gen3/gen3": "site: pinch_site",
+    "trossen_vx300s/vx300s": "site: pinch",
+    "aloha/aloha": "site: left/gripper",
+    "stanford_tidybot/tidybot": "site: pinch_site",
+    "ufactory_xarm7/xarm7": "site: link_tcp",
     "unitree_z1/z1": "body: link06",
-}  # fmt: skip
+}
 TOOLS = (
-    "robotiq_2f85/2f85", "franka_emika_panda/hand", "ufactory_xarm7/hand", "leap_hand/right_hand", "umi_gripper/umi_gripper",
-    "shadow_hand/left_hand", "shadow_hand/right_hand", "wonik_allegro/left_hand", "wonik_allegro/right_hand",
+    "robotiq_2f85/2f85",
+    "franka_emika_panda/hand",
+    "ufactory_xarm7/hand",
+    "leap_hand/right_hand",
+    "umi_gripper/umi_gripper",
+    "shadow_hand/left_hand",
+    "shadow_hand/right_hand",
+    "wonik_allegro/left_hand",
+    "wonik_allegro/right_hand",
     "realsense_d435i/d435i",
-)  # fmt: skip
+)
 
 
 @pytest.fixture(scope="module")
@@ -344,12 +381,14 @@ def plain_robots(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
 @pytest.mark.slow
 @pytest.mark.parametrize("arm", ARMS)
 def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(plain_robots: Path, tmp_path: Path, arm: str) -> None:
-    folder, rng = plain_robots, np.random.default_rng(len(arm))
+    folder = plain_robots
+    rng = np.random.default_rng(len(arm))
     parts = ""
     for number, tool in enumerate(TOOLS):
         pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
         parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: none, {SENSE}}}\n"
-    cell, recipe = tmp_path / "cell.yaml", tmp_path / "recipe.yaml"
+    cell = tmp_path / "cell.yaml"
+    recipe = tmp_path / "recipe.yaml"
     cell.write_text(f"recipe: 1\nconflict: base\nbase: {folder / arm}.xml\nattach:\n{parts}")
     pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
     # The root of tidybot slides: nothing that is fixed to a hinge above it has mass, which MuJoCo refuses.
@@ -532,8 +571,13 @@ def test_names_are_padded(tmp_path: Path) -> None:
     )
     names = [model.body(at).name for at in range(1, model.nbody, 2)]
     assert names[:2] + names[10:13] + names[-1:] == [
-        "p0_00/b", "p0_01/b", "p0_10/b", "p1_00/b", "p1_01/b", "p1_10/b",
-    ]  # fmt: skip
+        "p0_00/b",
+        "p0_01/b",
+        "p0_10/b",
+        "p1_00/b",
+        "p1_01/b",
+        "p1_10/b",
+    ]
 
 
 def test_a_part_may_hang_on_a_copy_and_keys_go_with_the_copies(tmp_path: Path) -> None:
@@ -548,7 +592,8 @@ def test_a_part_may_hang_on_a_copy_and_keys_go_with_the_copies(tmp_path: Path) -
         "  cube: {model: ./part.xml, replicate: [{count: 3, offset: [1, 0, 0], euler: [0, 0, 90deg]}]}\n",
     )
     assert model.body("lid/b").parentid[0] == model.body("cube1/b").id
-    qpos, qvel = model.key("home").qpos.reshape(3, 7), model.key("home").qvel.reshape(3, 6)
+    qpos = model.key("home").qpos.reshape(3, 7)
+    qvel = model.key("home").qvel.reshape(3, 6)
     half = np.sqrt(0.5)
     np.testing.assert_allclose(
         qpos, [[0, 0, 1, 1, 0, 0, 0], [1, 0, 1, half, 0, 0, half], [1, 1, 1, 0, 0, 0, 1]], atol=1e-12

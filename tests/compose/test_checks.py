@@ -69,7 +69,7 @@ CASES = {
     "what moves in a frame": f"<frame><frame>{MOVES}</frame></frame>",
     "what is fixed to what moves": f'<body><joint/>{NOTHING}<body name="tip">{BALL}</body></body>',
     "copies": f'<replicate count="2"><body>{BALL}</body></replicate>',
-}  # fmt: skip
+}
 
 
 def built(folder: Path, part: str, more: str = "") -> list[Diagnostic]:

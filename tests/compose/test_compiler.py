@@ -43,8 +43,19 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "groups": {"angle": "radian", "inertiagrouprange": [0, 3]},
     "limits": {"angle": "radian", "autolimits": True},
 }  # fmt: skip
-FIELDS = ("jnt_range", "qpos0", "qpos_spring", "body_mass", "body_inertia", "body_ipos", "body_quat", "geom_quat",
-          "geom_size", "actuator_ctrlrange", "jnt_limited")  # fmt: skip
+FIELDS = (
+    "jnt_range",
+    "qpos0",
+    "qpos_spring",
+    "body_mass",
+    "body_inertia",
+    "body_ipos",
+    "body_quat",
+    "geom_quat",
+    "geom_size",
+    "actuator_ctrlrange",
+    "jnt_limited",
+)
 
 
 def written(settings: dict[str, Any]) -> str:

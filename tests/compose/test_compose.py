@@ -30,8 +30,13 @@ def test_a_source_is_read_once(compose: Compose, monkeypatch: pytest.MonkeyPatch
     )
     assert [path.name for path in read] == ["robot.xml"]
     assert [each.get("name") for each in model.iter("joint")] == [
-        "hinge", "a/hinge", "b/hinge", "b/copy/hinge", "c/hinge", "c/copy/hinge",
-    ]  # fmt: skip
+        "hinge",
+        "a/hinge",
+        "b/hinge",
+        "b/copy/hinge",
+        "c/hinge",
+        "c/copy/hinge",
+    ]
 
 
 def test_parts_share_nothing(compose: Compose) -> None:

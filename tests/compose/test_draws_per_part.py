@@ -72,9 +72,12 @@ def test_fields_of_a_group_are_drawn_together(tmp_path: Path) -> None:
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
-    low=st.floats(0.1, 5), width=st.floats(0.1, 5), number=st.integers(1, 3),
-    per=st.sampled_from(["element", "body", "part", "sample"]), index=st.integers(0, 2),
-)  # fmt: skip
+    low=st.floats(0.1, 5),
+    width=st.floats(0.1, 5),
+    number=st.integers(1, 3),
+    per=st.sampled_from(["element", "body", "part", "sample"]),
+    index=st.integers(0, 2),
+)
 def test_a_group_is_at_one_point_of_all_its_distributions(
     tmp_path: Path, low: float, width: float, number: int, per: str, index: int
 ) -> None:

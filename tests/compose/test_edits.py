@@ -65,7 +65,10 @@ def test_drop_of_what_is_not_there(radian: Case) -> None:
         ("{select: {geom: upper}, set: {mass: null, density: 1}}", {"link1 mass", "link1 inertia"}),
         ("{select: {geom: base_geom}, set: {euler: [90deg, 0, 0]}}", {"base_geom quat", "base iquat"}),
         ("{select: {geom: '**', class: link, where: {group: 2}}, set: {rgba: [1, 0, 0, 1]}}", {"visual_upper rgba"}),
-        ("{select: {geom: '**', in: {body: link1}, where: '${size[0] == 0.03 and group == 0}'}, set: {condim: 4}}", {"upper condim", "lower condim"}),
+        (
+            "{select: {geom: '**', in: {body: link1}, where: '${size[0] == 0.03 and group == 0}'}, set: {condim: 4}}",
+            {"upper condim", "lower condim"},
+        ),
         ("{select: {geom: '*', parent: {body: link1}}, set: {solmix: 2}}", {"upper solmix", "visual_upper solmix"}),
         ("{select: {geom: '/(upper|lower)/'}, set: {gap: 0.01}}", {"upper gap", "lower gap"}),
         ("{select: {default: visual}, set: {geom: {group: 3}}}", {"visual_upper group"}),
@@ -82,10 +85,16 @@ def test_drop_of_what_is_not_there(radian: Case) -> None:
         ("{select: {site: tip}, remove: cascade}", {"-tip", "-s2"}),
         ("{select: {material: steel}, remove: cascade}", {"-steel"}),
         ("{select: {actuator: a1}, set: {kp: 3, 'forcerange[1]': 20}}", {"a1 gainprm", "a1 biasprm", "a1 forcerange"}),
-        ("{select: {actuator: '?1', where: {joint: shoul*}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
-        ("{select: {actuator: '?1', where: {joint: '/sho.+r/'}}, set: {gear: [2]}}", {f"{each} gear" for each in ("a1", "v1", "f1", "g1")}),
+        (
+            "{select: {actuator: '?1', where: {joint: shoul*}}, set: {gear: [2]}}",
+            {f"{each} gear" for each in ("a1", "v1", "f1", "g1")},
+        ),
+        (
+            "{select: {actuator: '?1', where: {joint: '/sho.+r/'}}, set: {gear: [2]}}",
+            {f"{each} gear" for each in ("a1", "v1", "f1", "g1")},
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) -> None:
     """In a whole model in radians, and in a part alone in degrees."""
     own = "degree" in (arm.folder / "arm.xml").read_text()
@@ -97,8 +106,16 @@ def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) 
     ("edit", "expected", "said"),
     [
         ("{select: {joint: elbw}, set: {damping: 1}}", "14 selector", "did you mean `joint: elbow`"),
-        ("{select: {joint: '*'}, expect: 2, set: {damping: 1}}", "36 selector", "selects 3 elements, expected 2\nit selects joint `shoulder`"),
-        ("{select: {geom: '*', parent: {body: lnk}}, set: {group: 1}}", "14 selector", "`parent: {body: lnk}` selects nothing"),
+        (
+            "{select: {joint: '*'}, expect: 2, set: {damping: 1}}",
+            "36 selector",
+            "selects 3 elements, expected 2\nit selects joint `shoulder`",
+        ),
+        (
+            "{select: {geom: '*', parent: {body: lnk}}, set: {group: 1}}",
+            "14 selector",
+            "`parent: {body: lnk}` selects nothing",
+        ),
         ("{select: {geom: '*', part: x}, set: {group: 1}}", "14 selector", "parts that exist: base"),
         ("{select: {xpath: '//geom'}, set: {group: 1}}", "15 unknown-element", "write a tag and narrow it"),
         ("{select: {geom: '*'}, rename: x}", "35 name-clash", "would both be called `x`"),
@@ -112,9 +129,13 @@ def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) 
         ("{select: {body: link1}, move: {to: tray}}", "40 wrong-type", "into itself"),
         ("{select: {site: tip}, move: {to: trai}}", "38 unknown-name", "did you mean `to: tray`"),
         ("{select: {joint: elbow}, move: {to: world}}", "41 unknown-element", "cannot stand in `world`"),
-        ("{select: {actuator: v1}, convert: {to: motor, ctrlrange: from-forcerange}}", "62 missing-key", "no `forcerange`"),
+        (
+            "{select: {actuator: v1}, convert: {to: motor, ctrlrange: from-forcerange}}",
+            "62 missing-key",
+            "no `forcerange`",
+        ),
     ],
-)  # fmt: skip
+)
 def test_wrong(radian: Case, edit: str, expected: str, said: str) -> None:
     assert radian.told(edit) == [expected]
     assert said in radian.said

@@ -66,9 +66,14 @@ INNER = """\
 """
 TETRA = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 FILES = {
-    "arm.xml": ARM, "tool.yaml": TOOL, "scene.xml": SCENE, "inner.xml": INNER,
-    "cell.yaml": "recipe: 1\nbase: ./scene.xml\n", "meshes/tetra.obj": TETRA, "LICENSE": "MIT License\n",
-}  # fmt: skip
+    "arm.xml": ARM,
+    "tool.yaml": TOOL,
+    "scene.xml": SCENE,
+    "inner.xml": INNER,
+    "cell.yaml": "recipe: 1\nbase: ./scene.xml\n",
+    "meshes/tetra.obj": TETRA,
+    "LICENSE": "MIT License\n",
+}
 
 
 @pytest.fixture

@@ -51,8 +51,9 @@ def names(model: mujoco.MjModel, kind: str) -> list[str]:
 def numbers(model: mujoco.MjModel, vector: str, row: Any) -> dict[str, list[float]]:
     """The numbers of a vector by the names of their owners."""
     kind = VECTORS[vector][0]
-    return {name: [float(row[at]) for at in span(model, vector, index)]
-            for index, name in enumerate(names(model, kind))}  # fmt: skip
+    return {
+        name: [float(row[at]) for at in span(model, vector, index)] for index, name in enumerate(names(model, kind))
+    }
 
 
 def goals(model: mujoco.MjModel, row: Any) -> dict[str, list[float]]:
@@ -84,7 +85,8 @@ def run(model: mujoco.MjModel, key: str, like: mujoco.MjModel, steps: int = 20) 
 def same(one: mujoco.MjModel, other: mujoco.MjModel, rounding: float = 1e-9) -> None:
     assert as_keys(one) == as_keys(other)
     for key in names(one, "key"):
-        left, right = run(one, key, one), run(other, key, one)
+        left = run(one, key, one)
+        right = run(other, key, one)
         for vector, found in left.items():
             assert found.keys() == right[vector].keys()
             for name, row in found.items():
@@ -105,11 +107,23 @@ def random_model(seed: int) -> str:
         if draw.random() < 0.2:
             parent = etree.SubElement(parent, "frame", pos="0 0.1 0")
         made = etree.SubElement(parent, "body", name=name, pos=f"{draw.random():.2f} 0.3 {count % 5}")
-        kinds = draw.choice([["free" if depth == 0 else "ball"], ["hinge"], ["slide"] * draw.randint(1, 3),
-                             draw.choices(["hinge", "slide"], k=draw.randint(depth == 0, 3))])  # fmt: skip
+        kinds = draw.choice(
+            [
+                ["free" if depth == 0 else "ball"],
+                ["hinge"],
+                ["slide"] * draw.randint(1, 3),
+                draw.choices(["hinge", "slide"], k=draw.randint(depth == 0, 3)),
+            ]
+        )
         for number, kind in enumerate(kinds):
-            etree.SubElement(made, "joint", name=f"{name}{'xyz'[number]}", type=kind, damping="0.1",
-                             axis="1 0 0" if kind == "free" else f"{number} 1 {draw.random():.2f}")  # fmt: skip
+            etree.SubElement(
+                made,
+                "joint",
+                name=f"{name}{'xyz'[number]}",
+                type=kind,
+                damping="0.1",
+                axis="1 0 0" if kind == "free" else f"{number} 1 {draw.random():.2f}",
+            )
             joints.append((f"{name}{'xyz'[number]}", kind))
         etree.SubElement(made, "geom", size=".1", contype="0", conaffinity="0", pos=".1 0 0")
         etree.SubElement(made, "site", name=f"s{count}")
@@ -123,7 +137,8 @@ def random_model(seed: int) -> str:
         if at == 1:
             body(goal, 1)
         body(world, 0)
-    actuator, sensor = etree.SubElement(root, "actuator"), etree.SubElement(root, "sensor")
+    actuator = etree.SubElement(root, "actuator")
+    sensor = etree.SubElement(root, "sensor")
     for at, (joint, kind) in enumerate(joints):
         if kind in ("hinge", "slide"):
             extra: dict[str, str] = {"kp": "3"}
@@ -138,11 +153,18 @@ def random_model(seed: int) -> str:
     model = mujoco.MjModel.from_xml_string(etree.tostring(root).decode())
     keyframe = etree.SubElement(root, "keyframe")
     for name in ("home", "away", "last"):
-        rows = {row: [round(draw.uniform(-1, 1), 3) for _ in range(getattr(model, size))]
-                for row, size in (("qpos", "nq"), ("qvel", "nv"), ("ctrl", "nu"), ("act", "na"))}  # fmt: skip
+        rows = {
+            row: [round(draw.uniform(-1, 1), 3) for _ in range(getattr(model, size))]
+            for row, size in (("qpos", "nq"), ("qvel", "nv"), ("ctrl", "nu"), ("act", "na"))
+        }
         rows["mpos"] = [round(draw.uniform(-1, 1), 3) for _ in range(3 * model.nmocap)]
-        etree.SubElement(keyframe, "key", name=name, time=str(draw.randint(0, 3)),
-                         **{row: " ".join(map(str, each)) for row, each in rows.items() if each})  # fmt: skip
+        etree.SubElement(
+            keyframe,
+            "key",
+            name=name,
+            time=str(draw.randint(0, 3)),
+            **{row: " ".join(map(str, each)) for row, each in rows.items() if each},
+        )
     return etree.tostring(root, pretty_print=True).decode()
 
 
@@ -167,7 +189,8 @@ def another_joint_order(text: str, draw: random.Random) -> list[str]:
 
 @pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 150))])
 def test_shuffled_models_move_as_before(made: Build, tmp_path: Path, seed: int) -> None:
-    text, draw = random_model(seed), random.Random(seed)
+    text = random_model(seed)
+    draw = random.Random(seed)
     (tmp_path / "m.xml").write_text(text)
     before = mujoco.MjModel.from_xml_string(text)
     interface = {
@@ -247,11 +270,17 @@ interface: {actuator: [b, {name: push, when: {tool: pusher}}, a], joint: [b, …
 def test_draws_follow_the_elements(made: Build, tmp_path: Path) -> None:
     (tmp_path / "pair.xml").write_text(PAIR)
     recipe: dict[str, Any] = {
-        "recipe": 1, "base": "./pair.xml",
-        "randomize": {"samples": 2, "seed": 1, "fields": {
-            "kp": {"select": {"actuator": "b"}, "attr": "kp", "scale": {"uniform": [0.5, 2]}},
-            "stop": {"select": {"joint": "*"}, "attr": "damping", "uniform": [1, 2]}}},
-    }  # fmt: skip
+        "recipe": 1,
+        "base": "./pair.xml",
+        "randomize": {
+            "samples": 2,
+            "seed": 1,
+            "fields": {
+                "kp": {"select": {"actuator": "b"}, "attr": "kp", "scale": {"uniform": [0.5, 2]}},
+                "stop": {"select": {"joint": "*"}, "attr": "damping", "uniform": [1, 2]},
+            },
+        },
+    }
     plain, ordered = (
         made(recipe | more, sample=1)
         for more in ({}, {"interface": {"actuator": ["b", "a"], "joint": ["c", "b", "a"]}})
@@ -259,8 +288,10 @@ def test_draws_follow_the_elements(made: Build, tmp_path: Path) -> None:
     assert not isinstance(plain, str) and not isinstance(ordered, str)
     assert names(ordered, "joint") == ["c", "b", "a"]
     for kind, array in (("actuator", "actuator_gainprm"), ("joint", "dof_damping")):
-        rows = [{name: np.ravel(getattr(each, array)[at]).tolist() for at, name in enumerate(names(each, kind))}
-                for each in (plain, ordered)]  # fmt: skip
+        rows = [
+            {name: np.ravel(getattr(each, array)[at]).tolist() for at, name in enumerate(names(each, kind))}
+            for each in (plain, ordered)
+        ]
         assert rows[0] == rows[1]
 
 
@@ -309,15 +340,25 @@ def test_an_attached_model_is_checked_after_mujoco_compiled_it(made: Build, tmp_
     assert "unknown-name the joint `x_b` does not exist" in made(recipe)
 
 
-ROBOTS = ["agility_cassie/cassie.xml", "aloha/aloha.xml", "shadow_hand/right_hand.xml", "unitree_g1/g1.xml",
-          "unitree_go1/go1.xml", "stanford_tidybot/tidybot.xml", "universal_robots_ur5e/ur5e.xml",
-          "trossen_vx300s/vx300s.xml", "robotiq_2f85/2f85.xml", "wonik_allegro/left_hand.xml"]  # fmt: skip
+ROBOTS = [
+    "agility_cassie/cassie.xml",
+    "aloha/aloha.xml",
+    "shadow_hand/right_hand.xml",
+    "unitree_g1/g1.xml",
+    "unitree_go1/go1.xml",
+    "stanford_tidybot/tidybot.xml",
+    "universal_robots_ur5e/ur5e.xml",
+    "trossen_vx300s/vx300s.xml",
+    "robotiq_2f85/2f85.xml",
+    "wonik_allegro/left_hand.xml",
+]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_robots_move_as_before(made: Build, corpus: Path, robot: str) -> None:
-    path, draw = corpus / "models" / robot, random.Random(robot)
+    path = corpus / "models" / robot
+    draw = random.Random(robot)
     before = mujoco.MjModel.from_xml_path(str(path))
     spec = mujoco.MjSpec.from_file(str(path))
 
@@ -341,11 +382,18 @@ def test_robots_move_as_before(made: Build, corpus: Path, robot: str) -> None:
 def test_worlds_and_samples_have_the_order(made: Build, tmp_path: Path) -> None:
     (tmp_path / "pair.xml").write_text(PAIR)
     recipe: dict[str, Any] = {
-        "recipe": 1, "base": "./pair.xml", "interface": {"actuator": ["b", "a"], "joint": ["c", "b", "a"]},
-        "randomize": {"samples": 3, "seed": 1, "fields": {
-            "kp": {"select": {"actuator": "b"}, "attr": "kp", "scale": {"uniform": [0.5, 2]}},
-            "damping": {"select": {"joint": "*"}, "attr": "damping", "uniform": [1, 2]}}},
-    }  # fmt: skip
+        "recipe": 1,
+        "base": "./pair.xml",
+        "interface": {"actuator": ["b", "a"], "joint": ["c", "b", "a"]},
+        "randomize": {
+            "samples": 3,
+            "seed": 1,
+            "fields": {
+                "kp": {"select": {"actuator": "b"}, "attr": "kp", "scale": {"uniform": [0.5, 2]}},
+                "damping": {"select": {"joint": "*"}, "attr": "damping", "uniform": [1, 2]},
+            },
+        },
+    }
     path = tmp_path / "recipe.yaml"
     path.write_text(json.dumps(recipe))
     context = Context(environment={}, folder=tmp_path)

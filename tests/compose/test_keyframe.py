@@ -44,7 +44,8 @@ class Reset:
     """A model reset to one of its keys; what it then has, by name."""
 
     def __init__(self, model: mujoco.MjModel, key: str) -> None:
-        self.model, self.data = model, mujoco.MjData(model)
+        self.model = model
+        self.data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, self.data, model.key(key).id)
 
     def qpos(self, joint: str) -> list[float]:
@@ -91,7 +92,8 @@ def test_every_vector_by_name(built: Built) -> None:
     assert key.qpos("hip") == [0, 1, 0, 0]
     assert key.qpos("cube/") == [4, 5, 6, 1, 0, 0, 0]
     cube = model.body("loose/cube").jntadr[0]
-    at, dof = model.jnt_qposadr[cube], model.jnt_dofadr[cube]
+    at = model.jnt_qposadr[cube]
+    dof = model.jnt_dofadr[cube]
     assert key.data.qpos[at : at + 7].tolist() == [1, 2, 3, 0, 0, 0, 1]
     assert key.data.qvel[dof : dof + 6].tolist() == [1, 2, 3, 4, 5, 6]
     assert key.qvel("shoulder") == [-np.pi / 4]
@@ -110,7 +112,8 @@ def test_what_a_key_says_nothing_about_is_at_its_reference(built: Built) -> None
         "keyframe:\n  nothing: {}\n  some: {qpos: {slide: 1}, mpos: {loose/goal: [0, 0, 0]}}\n"
     )
     assert names(model) == ["home", "up", "nothing", "some"]
-    nothing, some = Reset(model, "nothing").data, Reset(model, "some").data
+    nothing = Reset(model, "nothing").data
+    some = Reset(model, "some").data
     assert nothing.qpos.tolist() == model.qpos0.tolist()
     expected = model.qpos0.copy()
     expected[model.joint("slide").qposadr[0]] = 1
@@ -269,8 +272,10 @@ def test_no_unit_is_needed(compose: Compose, key: str) -> None:
 
 def test_joints_of_what_mujoco_expands_cannot_be_set(compose: Compose) -> None:
     base = ARM[: ARM.index("<keyframe>")] + "</mujoco>"
-    base = base.replace('<body name="upper">', '<replicate count="2"><body name="r"><joint name="r"/><geom size="1"/>'
-                       '</body></replicate><body name="upper">')  # fmt: skip
+    base = base.replace(
+        '<body name="upper">',
+        '<replicate count="2"><body name="r"><joint name="r"/><geom size="1"/></body></replicate><body name="upper">',
+    )
     assert compose("recipe: 1\nbase: ./arm.xml\nkeyframe: {k: {qpos: {r0: 1}}}\n", arm__xml=base) == [
         "3:23 not-supported"
     ]
@@ -288,7 +293,8 @@ def test_a_key_after_faults_of_others_tells_its_own(compose: Compose) -> None:
 
 def _is_the_reference(model: mujoco.MjModel, key: str, *but: str) -> None:
     """What a key says nothing about is where MuJoCo has it."""
-    reset, reference = Reset(model, key), mujoco.MjData(model)
+    reset = Reset(model, key)
+    reference = mujoco.MjData(model)
     own = {int(model.joint(joint).qposadr[0]) for joint in but}
     others = [at for at in range(model.nq) if at not in own]
     assert np.allclose(reset.data.qpos[others], reference.qpos[others], atol=1e-12)

@@ -155,11 +155,16 @@ def test_parts_that_are_too_large_together(tmp_path: Path) -> None:
         ('<asset><hfield name="h" nrow="30000" ncol="30000" size="1 1 1 1"/></asset>', 39),
         ('<size nuserdata="1000000000"/>', 26),
         ('<size nkey="50001"/>', 21),
-        (('<compiler><lengthrange inttotal="1e9"/></compiler><worldbody><body><joint name="j"/><geom size=".1"/></body>'
-         '</worldbody><actuator><muscle joint="j"/></actuator>'), 42),
+        (
+            (
+                '<compiler><lengthrange inttotal="1e9"/></compiler><worldbody><body><joint name="j"/><geom size=".1"/></body>'
+                '</worldbody><actuator><muscle joint="j"/></actuator>'
+            ),
+            42,
+        ),
         ('<size nuser_geom="100000000"/><worldbody><geom size=".1"/></worldbody>', 27),
     ],
-)  # fmt: skip
+)
 def test_what_a_few_words_reserve(tmp_path: Path, inside: str, column: int) -> None:
     """MuJoCo took 7 GB, or minutes, for each of them."""
     (tmp_path / "m.xml").write_text(f"<mujoco>{inside}</mujoco>")
@@ -222,8 +227,12 @@ def test_more_errors_than_are_looked_for(tmp_path: Path, monkeypatch: pytest.Mon
         for number in range(9):
             sink.error("bad-name", str(number))
     assert [each.message for each in sink.errors] == [
-        "0", "1", "2", "3", "there are more than 3 errors; mjcompose stopped looking for others",
-    ]  # fmt: skip
+        "0",
+        "1",
+        "2",
+        "3",
+        "there are more than 3 errors; mjcompose stopped looking for others",
+    ]
 
 
 def test_one_mistake_a_thousand_times_on_one_line(tmp_path: Path) -> None:
@@ -295,7 +304,7 @@ def test_more_edits_of_more_elements_than_there_is_time_for(tmp_path: Path) -> N
         ("- {select: {geom: '/(x+)+/'}, optional: true, set: {group: 2}}\n", 4),
     ],
     ids=["names", "conditions", "expressions"],
-)  # fmt: skip
+)
 def test_what_is_looked_at_counts(tmp_path: Path, edit: str, line: int) -> None:
     with allow(edits=30):
         (error,) = with_edits(tmp_path, edit * 50)

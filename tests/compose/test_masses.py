@@ -18,9 +18,16 @@ ARM = """
       <body name="fore" pos="1 0 0"><joint name="k" axis="0 1 0"/><geom size=".1" mass="3"/></body></body></body></worldbody>
 </mujoco>"""
 RULES = [
-    'settotalmass="9"', 'boundmass="2.5"', 'boundinertia="0.4"', 'balanceinertia="true"', 'inertiagrouprange="0 1"',
-    'fusestatic="true"', 'inertiafromgeom="true"', 'fusestatic="true" inertiagrouprange="0 2"', 'discardvisual="true"',
-]  # fmt: skip
+    'settotalmass="9"',
+    'boundmass="2.5"',
+    'boundinertia="0.4"',
+    'balanceinertia="true"',
+    'inertiagrouprange="0 1"',
+    'fusestatic="true"',
+    'inertiafromgeom="true"',
+    'fusestatic="true" inertiagrouprange="0 2"',
+    'discardvisual="true"',
+]
 RECIPES = {
     "the edit of a part": "attach: {{a: {{model: ./arm.xml, edit: [{{select: {{body: upper}}, {0}}}]}}}}",
     "the edit of a part on a joint": "attach: {{a: {{model: ./arm.xml, joint: free, edit: [{{select: {{body: upper}}, {0}}}]}}}}",

@@ -67,7 +67,8 @@ def points(model: mujoco.MjModel, name: str) -> np.ndarray:
     mujoco.mj_kinematics(model, data)
     geom = model.geom(name).id
     mesh = model.geom_dataid[geom]
-    start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    start = model.mesh_vertadr[mesh]
+    count = model.mesh_vertnum[mesh]
     return model.mesh_vert[start : start + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
 
 
@@ -96,7 +97,8 @@ def test_an_editor_makes_nothing(tmp_path: Path) -> None:
 def test_hulls_stand_where_the_meshes_do_and_weigh_nothing(tmp_path: Path) -> None:
     found, context = built(tmp_path, '{select: {geom: "{one,two,seen}"}, collision: {hull: {}}}')
     assert not context.sink.diagnostics
-    after, before = compiled(found), mujoco.MjModel.from_xml_string(ARM)
+    after = compiled(found)
+    before = mujoco.MjModel.from_xml_string(ARM)
     for array in ("body_mass", "body_inertia", "body_ipos", "body_iquat"):
         assert np.array_equal(getattr(after, array), getattr(before, array)), array
     for name in ("one", "two", "seen"):
@@ -167,10 +169,12 @@ def test_a_simpler_mesh_stands_where_the_old_one_did(tmp_path: Path) -> None:
     )
     found, context = built(tmp_path, "{select: {mesh: ball}, simplify: {faces: 400}}", arm)
     assert not context.sink.diagnostics
-    after, before = compiled(found), mujoco.MjModel.from_xml_string(arm)
+    after = compiled(found)
+    before = mujoco.MjModel.from_xml_string(arm)
     assert after.mesh("ball").facenum[0] <= 400 < before.mesh("ball").facenum[0]
     for name in ("one", "two"):
-        ours, theirs = points(after, name), points(before, name)
+        ours = points(after, name)
+        theirs = points(before, name)
         assert np.allclose(ours.min(axis=0), theirs.min(axis=0), atol=0.01)
         assert np.allclose(ours.max(axis=0), theirs.max(axis=0), atol=0.01)
     assert np.array_equal(after.body_inertia, before.body_inertia)

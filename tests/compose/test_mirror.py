@@ -28,11 +28,11 @@ ARM = """<mujoco model="arm"><compiler angle="radian"/><option integrator="impli
   <keyframe>
     <key name="home" qpos=".3 .5 .7 .2 .8 .6 0 0 .01" ctrl=".3 .4 1 .5 .2" act=".1" qvel="1 2 3 4 5 6 7 8"/>
     <key name="rest" time="2" qpos="-.2 0 0 .1 1 0 0 0 .02"/>
-  </keyframe></mujoco>"""  # fmt: skip
+  </keyframe></mujoco>"""
 HAND = """<mujoco model="hand"><worldbody><body name="palm"><geom size=".05"/>
   <body name="left_jaw" pos="0 .03 .1"><joint name="left_jaw" type="slide" axis="0 1 0"/><geom size=".01"/></body>
   <body name="right_jaw" pos="0 -.03 .1"><joint name="right_jaw" type="slide" axis="0 -1 0"/><geom size=".01"/></body></body>
-  </worldbody><keyframe><key name="home" qpos=".01 .02"/></keyframe></mujoco>"""  # fmt: skip
+  </worldbody><keyframe><key name="home" qpos=".01 .02"/></keyframe></mujoco>"""
 
 
 def built(folder: Path, recipe: str) -> bytes | list[Diagnostic]:
@@ -90,9 +90,13 @@ def test_keys_and_motion_are_reflected(tmp_path: Path, model: str) -> None:
 
 @pytest.mark.parametrize(
     ("place", "own"),
-    [("site: shoulder, mate: tip", ""), ("body: torso, pos: [0, 1, 0], joint: {type: hinge}", ", body: torso"),
-     ("frame: corner, quat: [1, 2, 3, 4]", ", body: world, joint: free"), ("pos: [0, 1, 0], joint: free", ", joint: free")],
-)  # fmt: skip
+    [
+        ("site: shoulder, mate: tip", ""),
+        ("body: torso, pos: [0, 1, 0], joint: {type: hinge}", ", body: torso"),
+        ("frame: corner, quat: [1, 2, 3, 4]", ", body: world, joint: free"),
+        ("pos: [0, 1, 0], joint: free", ", joint: free"),
+    ],
+)
 def test_any_place(tmp_path: Path, place: str, own: str) -> None:
     recipe = (
         "add:\n  - {to: world, frame: {name: corner, pos: [1, 2, 3], euler: [0, 0, 20deg]}}\n"
@@ -144,10 +148,18 @@ def test_keys_can_have_a_prefix_and_be_used(tmp_path: Path) -> None:
     [
         ("odd", "", "in the reference configuration, the body `wrist` is 20 mm from its mirror image"),
         ("hand", "", "`left` has the body `base`, and `right` has no counterpart of that name"),
-        ("arm", ", edit: [{select: {joint: pan}, set: {axis: [0, 0.1, 1]}}]", "the axis of the joint `pan` is not reflected"),
-        ("arm", ", edit: [{select: {actuator: elbow}, set: {gear: [3]}}]", "do not push the joint `elbow` like its mirror image"),
+        (
+            "arm",
+            ", edit: [{select: {joint: pan}, set: {axis: [0, 0.1, 1]}}]",
+            "the axis of the joint `pan` is not reflected",
+        ),
+        (
+            "arm",
+            ", edit: [{select: {actuator: elbow}, set: {gear: [3]}}]",
+            "do not push the joint `elbow` like its mirror image",
+        ),
     ],
-)  # fmt: skip
+)
 def test_no_mirror_image(tmp_path: Path, model: str, rest: str, message: str) -> None:
     recipe = "attach:\n  left: {model: ./arm.xml, pos: [0, 1, 0]}\n"
     recipe += f"  right: {{model: ./{model}.xml, mirror: {{of: left, across: y, keys: true}}{rest}}}\n"

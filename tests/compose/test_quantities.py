@@ -53,13 +53,13 @@ class Subject(NamedTuple):
 _ORIENTATIONS = {
     "euler": (lambda angle: [0, angle, 0], 1),
     "axisangle": (lambda angle: [0, 0, 1, angle], 3),
-}  # fmt: skip
+}
 _OF_JOINTS = {
     "range": (lambda angle: [0, angle], 1),
     "ref": (lambda angle: angle, None),
     "springref": (lambda angle: angle, None),
     "springyield": (lambda angle: angle, None),
-}  # fmt: skip
+}
 _BOX = {"type": "box", "size": [0.1, 0.2, 0.3], "mass": 1}
 _OWN: Mapping[str, Attributes] = {
     "body": {"geom": _BOX},
@@ -150,16 +150,21 @@ def world(chosen: list[Subject], meant: Meant, others: float | None, angle: str 
 
 
 _ARRAYS = {
-    "body": ("body_quat", "body_iquat"), "geom": ("geom_quat", "geom_pos"), "site": ("site_quat",),
-    "camera": ("cam_quat", "cam_fovy"), "light": ("light_cutoff",), "joint": ("jnt_range", "qpos0", "qpos_spring"),
-}  # fmt: skip
+    "body": ("body_quat", "body_iquat"),
+    "geom": ("geom_quat", "geom_pos"),
+    "site": ("site_quat",),
+    "camera": ("cam_quat", "cam_fovy"),
+    "light": ("light_cutoff",),
+    "joint": ("jnt_range", "qpos0", "qpos_spring"),
+}
 
 
 def assert_same(found: mujoco.MjModel, expected: mujoco.MjModel) -> None:
     for kind, arrays in _ARRAYS.items():
         object_type = getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
         for array in arrays:
-            ours, theirs = getattr(found, array), getattr(expected, array)
+            ours = getattr(found, array)
+            theirs = getattr(expected, array)
             assert ours.shape == theirs.shape, array
             for row in range(len(theirs)):
                 name = mujoco.mj_id2name(expected, object_type, row)
@@ -239,9 +244,15 @@ def condition(recipe: dict[str, Any], value: str) -> list[Subject]:
 
 
 PLACES: dict[str, Place] = {
-    "add": add, "set": set_whole, "set of a part": set_of_a_part, "one number": set_one_number, "move": move,
-    "class": classes, "variant": variant, "where": condition,
-}  # fmt: skip
+    "add": add,
+    "set": set_whole,
+    "set of a part": set_of_a_part,
+    "one number": set_one_number,
+    "move": move,
+    "class": classes,
+    "variant": variant,
+    "where": condition,
+}
 OTHER = 0.125
 FROM_BARE = ("set", "set of a part", "class")
 VALUES: Mapping[str, tuple[Any, Any]] = {
@@ -351,9 +362,12 @@ def given_by_a_cell(recipe: dict[str, Any], value: Any) -> dict[str, str]:
 
 GIVEN = {
     "cell": given_by_a_cell,
-    "default": given_by_default, "set": given_to_the_build, "variant": given_by_a_variant, "list": given_in_a_list,
+    "default": given_by_default,
+    "set": given_to_the_build,
+    "variant": given_by_a_variant,
+    "list": given_in_a_list,
     "draw": drawn,
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("angle", ["degree", "radian"])
@@ -393,12 +407,17 @@ def test_draws_of_attributes(unit: str, angle: str | None, folder: Path) -> None
     recipe["base"] = "./other.xml"
     fields = [*enumerate(SELECTABLE)]
     recipe["randomize"] = {
-        "seed": 1, "samples": 1,
+        "seed": 1,
+        "samples": 1,
         "fields": {
-            f"f{n}": {"select": _select(each), "attr": _one_number(each), "choice" if n % 2 else "uniform": [value, value]}
+            f"f{n}": {
+                "select": _select(each),
+                "attr": _one_number(each),
+                "choice" if n % 2 else "uniform": [value, value],
+            }
             for n, each in fields
         },
-    }  # fmt: skip
+    }
     found, errors = compiled(folder, recipe, sample="1")
     assert found is not None, errors
     assert_same(found, mujoco.MjModel.from_xml_string(world(SELECTABLE, Meant.of(radians), OTHER)))
@@ -407,18 +426,42 @@ def test_draws_of_attributes(unit: str, angle: str | None, folder: Path) -> None
 SERVO = """<mujoco model="servo"><compiler angle="{}"/><worldbody><body name="link"><joint name="a" axis="0 1 0" {}/>
 <geom size=".1"/></body></worldbody><actuator><position name="m" joint="a" kp="1" ctrlrange="-9 9"/></actuator></mujoco>"""
 OTHERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
-    "control": ("actuator: {n: {type: position, joint: a, kp: 1, ctrlrange: [M, T]}}", lambda m: m.actuator_ctrlrange[1]),
-    "set of a control": ("edit: [{select: {actuator: m}, set: {ctrlrange: [M, T]}}]", lambda m: m.actuator_ctrlrange[0]),
-    "one number of a control": ("edit: [{select: {actuator: m}, set: {'ctrlrange[0]': M, 'ctrlrange[1]': T}}]", lambda m: m.actuator_ctrlrange[0]),
-    "convert": ("edit: [{select: {actuator: m}, convert: {to: general, ctrlrange: [M, T]}}]", lambda m: m.actuator_ctrlrange[0]),
+    "control": (
+        "actuator: {n: {type: position, joint: a, kp: 1, ctrlrange: [M, T]}}",
+        lambda m: m.actuator_ctrlrange[1],
+    ),
+    "set of a control": (
+        "edit: [{select: {actuator: m}, set: {ctrlrange: [M, T]}}]",
+        lambda m: m.actuator_ctrlrange[0],
+    ),
+    "one number of a control": (
+        "edit: [{select: {actuator: m}, set: {'ctrlrange[0]': M, 'ctrlrange[1]': T}}]",
+        lambda m: m.actuator_ctrlrange[0],
+    ),
+    "convert": (
+        "edit: [{select: {actuator: m}, convert: {to: general, ctrlrange: [M, T]}}]",
+        lambda m: m.actuator_ctrlrange[0],
+    ),
     "key": ("keyframe: {k: {qpos: {a: T}, qvel: {a: M}}}", lambda m: (-m.key_qpos[0, 0], m.key_qpos[0, 0])),
     "key's control": ("keyframe: {k: {ctrl: {m: T}}}", lambda m: (-m.key_ctrl[0, 0], m.key_ctrl[0, 0])),
-    "condition on a part": ("attach: {p: {model: ./servo.xml, edit: [{select: {actuator: m, where: {ctrlrange: [-9, 9]}}, set: {ctrlrange: [M, T]}}]}}", lambda m: m.actuator_ctrlrange[1]),
+    "condition on a part": (
+        "attach: {p: {model: ./servo.xml, edit: [{select: {actuator: m, where: {ctrlrange: [-9, 9]}}, set: {ctrlrange: [M, T]}}]}}",
+        lambda m: m.actuator_ctrlrange[1],
+    ),
     "place": ("attach: {p: {model: ./servo.xml, axisangle: [0, 0, 1, T]}}", lambda m: _turn(m.body_quat[-1])),
-    "copies": ("attach: {p: {model: ./servo.xml, replicate: [{count: 2, euler: [0, 0, T], offset: [1, 0, 0]}]}}", lambda m: _turn(m.body_quat[-1])),
-    "offset": ("edit: [{select: {joint: a}, set: {ref: T}}]\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {joint: a}, attr: ref, offset: {uniform: [0deg, 0deg]}}}}", lambda m: (-m.qpos0[0], m.qpos0[0])),
-    "check": ("edit: [{select: {joint: a}, set: {ref: T}}]\ncheck: {c: {expect: {select: {joint: a}, attr: ref, equals: T}}}", lambda m: (-m.qpos0[0], m.qpos0[0])),
-}  # fmt: skip
+    "copies": (
+        "attach: {p: {model: ./servo.xml, replicate: [{count: 2, euler: [0, 0, T], offset: [1, 0, 0]}]}}",
+        lambda m: _turn(m.body_quat[-1]),
+    ),
+    "offset": (
+        "edit: [{select: {joint: a}, set: {ref: T}}]\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {joint: a}, attr: ref, offset: {uniform: [0deg, 0deg]}}}}",
+        lambda m: (-m.qpos0[0], m.qpos0[0]),
+    ),
+    "check": (
+        "edit: [{select: {joint: a}, set: {ref: T}}]\ncheck: {c: {expect: {select: {joint: a}, attr: ref, equals: T}}}",
+        lambda m: (-m.qpos0[0], m.qpos0[0]),
+    ),
+}
 
 
 def _turn(quat: Any) -> tuple[float, float]:
@@ -457,7 +500,8 @@ WITHOUT_ANGLES = {
     "edited servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b}}\nedit: [{select: {actuator: n}, set: {ctrlrange: [0, T]}}]",
     "sensor of a servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b}}\nsensor: {s: {type: actuatorpos, actuator: n, noise: T}}",
     "servo of a tendon": CABLE + "actuator: {n: {type: position, tendon: cable, ctrlrange: [0, T]}}",
-    "control of a servo of a tendon": CABLE + "actuator: {n: {type: position, tendon: cable}}\nkeyframe: {k: {ctrl: {n: T}}}",
+    "control of a servo of a tendon": CABLE
+    + "actuator: {n: {type: position, tendon: cable}}\nkeyframe: {k: {ctrl: {n: T}}}",
     "sensor of a tendon": CABLE + "sensor: {s: {type: tendonpos, tendon: cable, cutoff: T}}",
     "range of a tendon": CABLE + "edit: [{select: {tendon: cable}, set: {range: [0, T]}}]",
     "equality of slides": "add: [{to: link, joint: {name: b, type: slide}}]\nequality: {e: {type: joint, joint1: b, polycoef: [T, 0, 0, 0, 0]}}",
@@ -476,7 +520,7 @@ WITHOUT_ANGLES = {
     "draw for a servo of a slide": "add: [{to: link, joint: {name: b, type: slide}}]\nactuator: {n: {type: position, joint: b, ctrlrange: [0, 1]}}\nrandomize: {seed: 1, samples: 1, fields: {f: {select: {actuator: n}, attr: 'ctrlrange[1]', offset: {uniform: [10deg, 20deg]}}}}",
     "joint of a part": "attach: {p: {model: ./servo.xml, joint: {type: slide, range: [0, T]}}}",
     "draw": "randomize: {seed: 1, samples: 1, fields: {f: {select: {joint: a}, attr: damping, uniform: [10deg, 20deg]}}}",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("value", ["30deg", "'${t}'", "'${t - 0.5rad}'"])

@@ -67,8 +67,13 @@ def drawn(built: Built) -> dict[str, object]:
 
 def written(built: Built, tag: str, name: str) -> dict[str, str]:
     root = ElementTree.fromstring(built.bundle.files["model.xml"])
-    (found,) = [each.attrib for section in root if section.tag != "default" for each in section.iter(tag)
-                if each.get("name") == name]  # fmt: skip
+    (found,) = [
+        each.attrib
+        for section in root
+        if section.tag != "default"
+        for each in section.iter(tag)
+        if each.get("name") == name
+    ]
     return found
 
 
@@ -111,7 +116,8 @@ def test_angles_are_in_radians_where_they_are_told(make: Make) -> None:
     """The slide beside the hinge has no angles."""
     field = 'r: {select: {joint: "**"}, attr: "range[1]", uniform: [10, 20]}'
     built = make(field, top="angle: degree\n")
-    hinge, slide = drawn(built)["r[a]"], drawn(built)["r[b]"]
+    hinge = drawn(built)["r[a]"]
+    slide = drawn(built)["r[b]"]
     assert isinstance(hinge, float) and isinstance(slide, float)
     assert 0.17 < hinge < 0.35 and 10 < slide < 20
     assert numbers(written(built, "joint", "a")["range"])[1] == pytest.approx(hinge, rel=1e-15)
@@ -164,9 +170,11 @@ def test_fields_are_done_in_order(make: Make) -> None:
 def test_a_parameter(make: Make) -> None:
     top = "params: {size: {default: 1, max: 3}, tilt: 30deg, home: [0, 1]}\nadd: [{to: world, site: {name: s, pos: ['${size}', '${home[1]}', 0], euler: [0, 0, '${tilt}']}}]\n"
     built = make(
-        "size: {param: size, scale: {uniform: [2, 3]}}", "home: {param: home, uniform: [5, 6]}",
-        "turn: {param: tilt, offset: {uniform: [1rad, 2rad]}}", top=top,
-    )  # fmt: skip
+        "size: {param: size, scale: {uniform: [2, 3]}}",
+        "home: {param: home, uniform: [5, 6]}",
+        "turn: {param: tilt, offset: {uniform: [1rad, 2rad]}}",
+        top=top,
+    )
     found = drawn(built)
     site = written(built, "site", "s")
     assert numbers(site["pos"])[:2] == [found["size"], found["home[1]"]]
@@ -174,8 +182,10 @@ def test_a_parameter(make: Make) -> None:
     assert tilt.radians == pytest.approx(math.radians(30) + float(str(found["turn"])))
     draws = from_json(built.bundle.files["manifest.json"]).draws
     assert [(each.field, each.element, each.attribute, each.operation) for each in draws] == [
-        ("size", None, "size", "scale"), ("home", None, "home", "set"), ("turn", None, "tilt", "offset"),
-    ]  # fmt: skip
+        ("size", None, "size", "scale"),
+        ("home", None, "home", "set"),
+        ("turn", None, "tilt", "offset"),
+    ]
 
 
 def test_bounds_with_expressions_see_what_was_drawn(make: Make) -> None:
@@ -187,8 +197,14 @@ def test_bounds_with_expressions_see_what_was_drawn(make: Make) -> None:
 
 def test_a_variant(make: Make) -> None:
     top = "variants: {light: {none: {}, lamp: {add: [{to: world, light: {name: l}}]}}}\n"
-    names = {len(make("light: {param: light, choice: [none, lamp]}", top=top, sample=n, samples=9).composed.model.root.findall(".//light"))
-             for n in range(1, 9)}  # fmt: skip
+    names = {
+        len(
+            make(
+                "light: {param: light, choice: [none, lamp]}", top=top, sample=n, samples=9
+            ).composed.model.root.findall(".//light")
+        )
+        for n in range(1, 9)
+    }
     assert names == {0, 1}
 
 

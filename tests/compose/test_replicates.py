@@ -164,7 +164,8 @@ def test_a_part_is_attached_to_one_copy(tmp_path: Path, kind: str, name: str, nu
         pass
     assert isinstance(model, mujoco.MjModel), model
     assert model.nbody == alone.nbody * (2 if inner else 1) + 1 - inner
-    data, before = mujoco.MjData(model), mujoco.MjData(alone)
+    data = mujoco.MjData(model)
+    before = mujoco.MjData(alone)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_kinematics(alone, before)
     if kind != "frame":

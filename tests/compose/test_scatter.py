@@ -33,7 +33,7 @@ FILES = {
       <geom name="hills" type="hfield" hfield="h" pos="0 4 0"/><geom name="ramp" type="box" size=".5 .5 .01" pos="3 0 0" euler="0 15 0"/>
       <geom name="cone" type="mesh" mesh="m" pos="0 -4 0"/><geom name="floor" type="plane" size="1 1 1" pos="5 5 0"/>
     </worldbody></mujoco>""",
-}  # fmt: skip
+}
 
 
 def built(folder: Path, recipe: str) -> bytes | list[Diagnostic]:
@@ -72,7 +72,8 @@ def test_copies_keep_their_distance_and_lie_on_the_surface(tmp_path: Path, uprig
     scatter = f"count: 8, over: {{geom: table/top}}, clearance: 1cm, seed: 3, upright: {upright}"
     model, data = model_of(tmp_path, scattered("mug", scatter))
     copies = of_copies(model, data)
-    top, others = model.geom("table/top").id, [model.geom(name).id for name in ("table/leg", "table/post")]
+    top = model.geom("table/top").id
+    others = [model.geom(name).id for name in ("table/leg", "table/post")]
     assert len(copies) == 8
 
     def apart(one: list[int], other: list[int]) -> float:
@@ -175,7 +176,10 @@ def test_settled_copies_stay(tmp_path: Path) -> None:
 
 def test_two_parts_and_a_nested_recipe(tmp_path: Path) -> None:
     """The copies of a later part keep their distance from those of an earlier one, also in a nested recipe."""
-    rows = [scattered("mug", "count: 4, over: table/top, clearance: 1cm"), scattered("block", "count: 4, over: table/top, clearance: 1cm", ", joint: free").replace("c:", "d:")]  # fmt: skip
+    rows = [
+        scattered("mug", "count: 4, over: table/top, clearance: 1cm"),
+        scattered("block", "count: 4, over: table/top, clearance: 1cm", ", joint: free").replace("c:", "d:"),
+    ]
     (tmp_path / "inner.yaml").write_text("recipe: 1\nattach:\n  table: {model: ./table.xml}\n" + "".join(rows))
     model, data = model_of(tmp_path, "  in: {model: ./inner.yaml, pos: [3, 0, 0], euler: [0, 0, 40deg]}\n")
     movable = [geom for geom in range(model.ngeom) if model.body_dofnum[model.body_rootid[model.geom_bodyid[geom]]]]

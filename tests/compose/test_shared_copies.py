@@ -91,7 +91,8 @@ def test_the_model_moves_as_one_that_shares_nothing(folder: Path) -> None:
     alone = model_of(built(folder, f"attach: {{{parts}}}\n"), folder / "alone")
     assert (shared.nmesh, alone.nmesh) == (3, 9)
     assert (shared.ntex, alone.ntex, shared.nhfield, alone.nhfield) == (1, 3, 1, 3)
-    one, other = mujoco.MjData(shared), mujoco.MjData(alone)
+    one = mujoco.MjData(shared)
+    other = mujoco.MjData(alone)
     for step in range(200):
         one.ctrl[:] = other.ctrl[:] = [np.sin(0.1 * step), 0.5, -0.3]
         mujoco.mj_step(shared, one)
@@ -142,7 +143,8 @@ def test_kinds_that_a_draw_selects_are_shared_in_no_sample(
 
 def test_dedup_merges_the_rest(folder: Path) -> None:
     recipe = COPIES.replace("attach: {", "attach: {other: {model: ./arm.xml, pos: [0, 9, 0]}, ")
-    shared, merged = built(folder, recipe), built(folder, recipe, deduplicated=True)
+    shared = built(folder, recipe)
+    merged = built(folder, recipe, deduplicated=True)
     assert names(shared, "mesh")[:4] == ["other/link", "other/cover", "other/points", "arm0/link"]
     assert names(merged, "mesh") == ["other/link", "other/cover", "other/points"]
     assert names(merged, "material") == ["other/paint"]

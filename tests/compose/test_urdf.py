@@ -100,7 +100,8 @@ def names(model: mujoco.MjModel) -> list[str]:
 
 def assert_same(alone: mujoco.MjModel, model: mujoco.MjModel) -> None:
     assert names(alone) == names(model)
-    expected, found = arrays(alone), arrays(model)
+    expected = arrays(alone)
+    found = arrays(model)
     assert len(expected) > 300
     for name, value in expected.items():
         if EXACT:
@@ -173,8 +174,11 @@ def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     told = [(each.code, each.span and each.span.line) for each in context.sink.sorted() if each.code != "urdf-unread"]
     guessed = next(number for number, text in enumerate(lines, 1) if '<link name="arm">' in text)
     assert sorted(told) == [
-        ("mujoco-warning", line), ("unknown-attribute", 2), ("unknown-element", 3), ("urdf-mass", guessed),
-    ]  # fmt: skip
+        ("mujoco-warning", line),
+        ("unknown-attribute", 2),
+        ("unknown-element", 3),
+        ("urdf-mass", guessed),
+    ]
 
 
 def test_a_part_is_parsed_once_for_each_way_to_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -92,9 +92,14 @@ class Replay:
 
     def _python(self, program: str, arguments: list[str]) -> str | None:
         made = subprocess.run(
-            [program, *arguments], cwd=self.folder, env=environment(), capture_output=True, text=True,
-            timeout=400, check=False,
-        )  # fmt: skip
+            [program, *arguments],
+            cwd=self.folder,
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=400,
+            check=False,
+        )
         if lacks := _LACKS.search(made.stderr):
             other = _INSTALLED.get(lacks[1])
             if other is not None and is_ready(other) and program == sys.executable:

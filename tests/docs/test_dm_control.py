@@ -98,14 +98,20 @@ def test_the_examples_of_the_page_are_files() -> None:
 
 @pytest.mark.parametrize("line", NOW)
 def test_the_lines_that_change_run(line: str, tmp_path: Path) -> None:
-    root, gripper = mjcf.RootElement("arm"), mjcf.RootElement("gripper")
+    root = mjcf.RootElement("arm")
+    gripper = mjcf.RootElement("gripper")
     arm = root.worldbody.add("body", name="arm")
     arm.add("geom", size=[0.1])
     names = {
-        "mjcf": mjcf, "root": root, "arm": arm, "gripper": gripper, "out": tmp_path,
-        "joint": arm.add("joint", name="turn"), "site": arm.add("site", name="flange", pos=[0, 0, 1]),
+        "mjcf": mjcf,
+        "root": root,
+        "arm": arm,
+        "gripper": gripper,
+        "out": tmp_path,
+        "joint": arm.add("joint", name="turn"),
+        "site": arm.add("site", name="flange", pos=[0, 0, 1]),
         "finger": gripper.worldbody.add("body", name="finger"),
-    }  # fmt: skip
+    }
     root.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     names["physics"] = root.compile_model()
     exec(line, names)

@@ -95,7 +95,10 @@ WEIGHED = """\
 SERVO = '<actuator><position name="elbow" joint="elbow" kp="100" kv="10" forcerange="-50 50"/></actuator>'
 MODELS_OF = {
     **{code: {"arm.xml": ARM.format("", SERVO)} for code in ("convert-loss", "still-referred-to")},
-    "class-clash": {"arm.xml": ARM.format(CLASSES, ""), "tool.xml": ARM.format(CLASSES, "").replace('name="', 'name="t_')},
+    "class-clash": {
+        "arm.xml": ARM.format(CLASSES, ""),
+        "tool.xml": ARM.format(CLASSES, "").replace('name="', 'name="t_'),
+    },
     "compiler-unused": {"arm.xml": ARM.format('<compiler angle="degree"/>', "")},
     "keyframe-conflict": {
         "arm.xml": ARM.format("", HOME.format(1)),
@@ -113,7 +116,7 @@ MODELS_OF = {
     },
     "subtree-cut": {"arm.xml": CUT},
     "source-cycle": {"finger.yaml": "recipe: 1\nattach:\n  hand: {model: ./page.yaml}\n"},
-}  # fmt: skip
+}
 
 NOT_A_BUILD = {
     **dict.fromkeys(
@@ -235,9 +238,14 @@ def test_a_session_ends_with_the_error(code: str, text: str, tmp_path: Path) -> 
     script = f'mjcompose() {{ {shlex.quote(sys.executable)} -m mjcompose "$@"; }}\n'
     script += "".join(line[2:] for line in text.splitlines(keepends=True) if line.startswith("$ "))
     result = subprocess.run(
-        ["sh", "-c", script], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+        ["sh", "-c", script],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     assert re.findall(r"(?:error|warning)\[([\w-]+)\]", result.stderr) == [code]
 
 

@@ -78,8 +78,12 @@ def _run_in(folder: Path, *sites: Path) -> Run:
     def run(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, *words],
-            cwd=folder, env={**os.environ, **named}, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            cwd=folder,
+            env={**os.environ, **named},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
 
     return run
 
@@ -98,7 +102,8 @@ def test_one_of_each_is_used(run: Run, tmp_path: Path) -> None:
     built = run("-m", "mjcompose", "build", "cell.yaml", "--target", "sapien", "-o", "out.zip")
     assert built.returncode == 0, built.stderr
     with zipfile.ZipFile(tmp_path / "out.zip") as bundle:
-        model, manifest = bundle.read("model.xml").decode(), json.loads(bundle.read("manifest.json"))
+        model = bundle.read("model.xml").decode()
+        manifest = json.loads(bundle.read("manifest.json"))
     assert 'group="5"' in model and "armature" in model
     assert manifest["extensions"] == {"mjcompose-lab": "0.4.0"}
     counted = run("-m", "mjcompose", "count", "cell.yaml", "--only", "geom", "--output-format", "json")

@@ -35,7 +35,8 @@ def chapter(title: str) -> str:
 def files(title: str) -> dict[str, str]:
     """The files of a chapter by path: each block of Python, under the last path in backticks above it."""
     pieces = re.split(r"^```python\n(.*?)^```\n", chapter(title), flags=re.DOTALL | re.MULTILINE)
-    above, code = pieces[::2], pieces[1::2]
+    above = pieces[::2]
+    code = pieces[1::2]
     found = {}
     for text, block in zip(above, code, strict=False):
         found[re.findall(r"`(composer/[\w/]+\.py)`", text)[-1]] = block

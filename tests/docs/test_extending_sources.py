@@ -60,8 +60,12 @@ def command(package: Path, tmp_path: Path) -> Command:
         named = {} if drive is None else {"SHARED_MODELS": str(tmp_path / drive)}
         return subprocess.run(
             [sys.executable, "-m", "mjcompose", *words],
-            cwd=tmp_path, env={**os.environ, **own, **named}, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            cwd=tmp_path,
+            env={**os.environ, **own, **named},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
 
     return command
 

@@ -86,8 +86,17 @@ def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> Iterator[str]:
     for name in dir(a.opt):
         if not name.startswith("_") and not np.array_equal(getattr(a.opt, name), getattr(b.opt, name)):
             yield f"option {name}"
-    kinds = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "camera": "ncam", "actuator": "nu",
-             "sensor": "nsensor", "equality": "neq", "tendon": "ntendon"}  # fmt: skip
+    kinds = {
+        "body": "nbody",
+        "joint": "njnt",
+        "geom": "ngeom",
+        "site": "nsite",
+        "camera": "ncam",
+        "actuator": "nu",
+        "sensor": "nsensor",
+        "equality": "neq",
+        "tendon": "ntendon",
+    }
     for kind, count in kinds.items():
         names = [[getattr(model, kind)(i).name for i in range(getattr(model, count))] for model in (a, b)]
         if names[0] != names[1]:
@@ -149,9 +158,12 @@ def test_the_merged_model_becomes_the_recipe(tmp_path: Path, monkeypatch: pytest
             shutil.copy(file, tmp_path / "assets")
     parts = {Path(str(CORPUS)) / f"{robot}.xml": f"menagerie:{robot}" for robot in robots}
     found = recover(
-        tmp_path / "merged.xml", list(parts), tmp_path / "merged.yaml", Context(environment=dict(os.environ)),
+        tmp_path / "merged.xml",
+        list(parts),
+        tmp_path / "merged.yaml",
+        Context(environment=dict(os.environ)),
         references=parts,
-    )  # fmt: skip
+    )
     assert found is not None and found.outcome is not None and found.outcome.same
     assert yaml.safe_load(found.text) == yaml.safe_load((ROOT / recipe).read_text())
 

@@ -16,9 +16,23 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 HOW_TO = (
-    "combine", "urdf", "split", "keyframes", "actuators", "troubleshooting", "train", "randomize",
-    "open_in_mujoco", "python", "repeat", "simulators", "teams", "from_mjspec", "lint", "interface",
-)  # fmt: skip
+    "combine",
+    "urdf",
+    "split",
+    "keyframes",
+    "actuators",
+    "troubleshooting",
+    "train",
+    "randomize",
+    "open_in_mujoco",
+    "python",
+    "repeat",
+    "simulators",
+    "teams",
+    "from_mjspec",
+    "lint",
+    "interface",
+)
 PAGES = [
     *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
     *(ROOT / "docs" / "how-to" / f"{name}.md" for name in HOW_TO),

@@ -22,9 +22,17 @@ from chromium import NoBrowser, started
 ROOT = Path(__file__).resolve().parents[2]
 BESIDE = {"rules", "errors", "examples", "pictures", "live"}
 TYPED = (
-    "domain randomization", "combine robots", "quickstart", "headless", "namespace", "end effector", "Isaac Lab",
-    "sim-to-real", "macOS", "troubleshooting",
-)  # fmt: skip
+    "domain randomization",
+    "combine robots",
+    "quickstart",
+    "headless",
+    "namespace",
+    "end effector",
+    "Isaac Lab",
+    "sim-to-real",
+    "macOS",
+    "troubleshooting",
+)
 BEGINNERS = ("macOS", "Windows", "quickstart", "headless", "EGL", "pip install")
 """The page on the installation has these words."""
 ASKED = {

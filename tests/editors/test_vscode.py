@@ -51,10 +51,20 @@ def test_the_package_has_the_bundle_and_the_licenses_of_what_is_in_it(extension:
         notice = archive.read("extension/dist/NOTICE").decode()
         license = archive.read("extension/LICENSE.txt").decode()
     assert names == {
-        "[Content_Types].xml", "extension.vsixmanifest", "package.json", "readme.md", "changelog.md", "LICENSE.txt", "icon.png",
-        "picture.png", "language-configuration.json", "syntaxes/recipe.tmLanguage.json", "dist/extension.js", "dist/bridge.js",
+        "[Content_Types].xml",
+        "extension.vsixmanifest",
+        "package.json",
+        "readme.md",
+        "changelog.md",
+        "LICENSE.txt",
+        "icon.png",
+        "picture.png",
+        "language-configuration.json",
+        "syntaxes/recipe.tmLanguage.json",
+        "dist/extension.js",
+        "dist/bridge.js",
         "dist/NOTICE",
-    }  # fmt: skip
+    }
     assert license == (ROOT / "LICENSE").read_text(encoding="utf-8")
     assert "\nvscode-languageclient 11.0.0, MIT\n" in notice and "\nsemver " in notice
 

@@ -17,7 +17,7 @@ FILES = {
     "robot.xml": SOURCE,
     "more.xml": '<mujocoinclude>\n  <worldbody>\n    <geom type="mesh" mesh="base"/>\n  </worldbody>\n</mujocoinclude>\n',
     "base.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
-}  # fmt: skip
+}
 # Where it is told that a file cannot be read, and with which code.
 PLACES = {
     "recipe.yaml": (None, "file-unreadable"),

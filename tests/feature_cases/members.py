@@ -158,7 +158,8 @@ def _quat(part: Mapping[str, Any], given: Mapping[str, Any]) -> tuple[float, flo
     elif "zaxis" in part:
         mujoco.mju_quatZ2Vec(quat, np.array(part["zaxis"], dtype=float))
     elif "xyaxes" in part:
-        x, y = np.array(part["xyaxes"][:3], dtype=float), np.array(part["xyaxes"][3:], dtype=float)
+        x = np.array(part["xyaxes"][:3], dtype=float)
+        y = np.array(part["xyaxes"][3:], dtype=float)
         x /= np.linalg.norm(x)
         y -= x * (x @ y)
         y /= np.linalg.norm(y)
@@ -170,12 +171,15 @@ def _quat(part: Mapping[str, Any], given: Mapping[str, Any]) -> tuple[float, flo
 def _radians(angles: list[Any], given: Mapping[str, Any]) -> list[float]:
     degrees = given.get("angle") == "degree"
     return [
-        np.deg2rad(float(angle[:-3])) if isinstance(angle, str) and angle.endswith("deg")
-        else float(angle[:-3]) if isinstance(angle, str)
-        else np.deg2rad(angle) if degrees
+        np.deg2rad(float(angle[:-3]))
+        if isinstance(angle, str) and angle.endswith("deg")
+        else float(angle[:-3])
+        if isinstance(angle, str)
+        else np.deg2rad(angle)
+        if degrees
         else float(angle)
         for angle in angles
-    ]  # fmt: skip
+    ]
 
 
 def _site_quat(model: mujoco.MjModel, site: int) -> tuple[float, ...]:

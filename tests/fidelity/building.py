@@ -95,7 +95,8 @@ def reread(path: Path) -> bytes:
     from mjcompose.tree.parse import parse_file
     from mjcompose.tree.xml_text import write
 
-    sink, top = Sink(), repository(path)
+    sink = Sink()
+    top = repository(path)
     unit = parse_file(path, sink, door=own_door(path, () if top is None else (top,)))
     if unit is None:
         raise ValueError("; ".join(found.message for found in sink.diagnostics))

@@ -21,10 +21,11 @@ ROWS_OF_ROWS = (
 ROWS = {
     "a row": ('<replicate count="3" offset="0 .5 0">{}</replicate>', ("0", "1", "2")),
     "a row of twelve": (
-        '<replicate count="12" offset="0 .5 0" sep="_">{}</replicate>', tuple(f"_{at:02}" for at in range(12)),
+        '<replicate count="12" offset="0 .5 0" sep="_">{}</replicate>',
+        tuple(f"_{at:02}" for at in range(12)),
     ),
     "rows of rows": (ROWS_OF_ROWS, ("-00", "-10", "-01", "-11")),
-}  # fmt: skip
+}
 LINKS = {
     "weld": ("equality", "{type: weld, body1: lamp, body2: rail}"),
     "weld backwards": ("equality", "{type: weld, body1: rail, body2: lamp}"),

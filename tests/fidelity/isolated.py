@@ -38,7 +38,8 @@ class _Worker:
         self.done = 0
 
     def give(self, argument: Any, seconds: float) -> None:
-        self.argument, self.deadline = argument, time.monotonic() + seconds
+        self.argument = argument
+        self.deadline = time.monotonic() + seconds
         self.connection.send(argument)
 
     def end(self, *, kill: bool = False) -> None:

@@ -86,7 +86,8 @@ def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots =
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         done = builder(composition, Path(folder, "out"))
-        verdict.diagnostics, verdict.built = done.diagnostics, done.model is not None
+        verdict.diagnostics = done.diagnostics
+        verdict.built = done.model is not None
         if verdict.built and not composition.refused:
             try:
                 composed = done.load()

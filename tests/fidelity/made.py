@@ -20,7 +20,8 @@ from fidelity.oracle import composed, differences_in
 from fidelity.random_parts import random_case
 from mjcompose.mujoco.attributes import names
 
-POS, QUAT = (2.0, -1.0, 0.5), (0.8, 0.2, -0.4, 0.4)
+POS = (2.0, -1.0, 0.5)
+QUAT = (0.8, 0.2, -0.4, 0.4)
 PLACES = {
     "in the world": {"pos": (3.0, 0.0, 0.0)},
     "turned": {"pos": POS, "quat": QUAT},
@@ -82,14 +83,15 @@ BLOCKS = {
     "a rod": ROD,
     "a cloth": CLOTH,
     "a replicate": ROW.format(z=0.2, inside=""),
-    "a rod and a replicate": ROD + ROW.format(z=0.2, inside='<body name="in"><joint name="ij" type="ball"/><geom size=".05"/></body>'),
-}  # fmt: skip
+    "a rod and a replicate": ROD
+    + ROW.format(z=0.2, inside='<body name="in"><joint name="ij" type="ball"/><geom size=".05"/></body>'),
+}
 ACTUATORS = {
     "motors": '<motor name="m" joint="first"/><motor name="n" joint="last"/>',
     "filters": '<position name="m" joint="first" timeconst=".1"/><motor name="n" joint="last"/>',
     "a plugin": '<plugin name="m" joint="first" plugin="mujoco.pid" instance="i" actdim="2"/><general name="n" joint="last" dyntype="integrator"/>',
     "a last plugin": '<general name="n" joint="last" dyntype="filter"/><plugin name="m" joint="first" plugin="mujoco.pid" instance="i" actdim="2"/>',
-}  # fmt: skip
+}
 PID = """<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="40"/><config key="ki" value="3"/>
   <config key="imax" value="2"/><config key="slewmax" value="9"/></instance></plugin></extension>"""
 MODEL = """<mujoco>{extension}<worldbody><body name="stand" pos="{x} 0 1"><joint name="first" axis="0 1 0"/><geom size=".1"/>
@@ -102,9 +104,11 @@ def keyed(folder: Path) -> Iterator[Composition]:
     models = []
     for at, (block, acting) in enumerate(itertools.product(BLOCKS, ACTUATORS)):
         text = with_key(
-            MODEL.replace("{block}", BLOCKS[block]).replace("{actuators}", ACTUATORS[acting])
-            .replace("{extension}", PID if "plugin" in acting else "").replace("{x}", str(at))
-        )  # fmt: skip
+            MODEL.replace("{block}", BLOCKS[block])
+            .replace("{actuators}", ACTUATORS[acting])
+            .replace("{extension}", PID if "plugin" in acting else "")
+            .replace("{x}", str(at))
+        )
         models.append((f"{block}, {acting}", _written(folder / f"keyed{at}.xml", text)))
     places = ({"body": "stand", "pos": POS, "quat": QUAT}, {"site": "top"}, {"pos": POS, "quat": QUAT}, {"body": "arm"})
     for at, (name, base) in enumerate(models):
@@ -167,7 +171,8 @@ def judge(made: Made | Composition | Drawn) -> Verdict:
         for file, text in made.files.items():
             _written(folder / file, text)
         done = build(_written(folder / "recipe.yaml", f"recipe: 1\n{made.recipe}"), verified=True)
-        verdict.diagnostics, verdict.built = done.diagnostics, done.model is not None
+        verdict.diagnostics = done.diagnostics
+        verdict.built = done.model is not None
         if verdict.built:
             model = done.load()
             verdict.compiled = True
@@ -234,11 +239,17 @@ def _moving() -> Iterator[Made]:
 
 def _moves_alike(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
     alone = mujoco.MjModel.from_xml_path(str(folder / "p.xml"))
-    model.opt.disableflags, model.opt.timestep = alone.opt.disableflags, alone.opt.timestep
-    mine, theirs = mujoco.MjData(alone), mujoco.MjData(model)
-    turned, there = np.zeros(9), np.zeros(4)
-    mujoco.mju_mulQuat(there, model.body("stand").quat if "body: stand" in made.recipe else np.array([1.0, 0, 0, 0]),
-                       np.array(QUAT) / np.linalg.norm(QUAT))  # fmt: skip
+    model.opt.disableflags = alone.opt.disableflags
+    model.opt.timestep = alone.opt.timestep
+    mine = mujoco.MjData(alone)
+    theirs = mujoco.MjData(model)
+    turned = np.zeros(9)
+    there = np.zeros(4)
+    mujoco.mju_mulQuat(
+        there,
+        model.body("stand").quat if "body: stand" in made.recipe else np.array([1.0, 0, 0, 0]),
+        np.array(QUAT) / np.linalg.norm(QUAT),
+    )
     mujoco.mju_quat2Mat(turned, there)
     model.opt.gravity[:] = [0.5, -3.0, -9.0]
     alone.opt.gravity[:] = turned.reshape(3, 3).T @ model.opt.gravity
@@ -251,9 +262,10 @@ def _moves_alike(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
     found = []
     for one, other in itertools.combinations(("crate", "lid"), 2):
         gaps = [
-            data.xmat[m.body(q + one).id].reshape(3, 3).T @ (data.xpos[m.body(q + other).id] - data.xpos[m.body(q + one).id])
+            data.xmat[m.body(q + one).id].reshape(3, 3).T
+            @ (data.xpos[m.body(q + other).id] - data.xpos[m.body(q + one).id])
             for m, data, q in ((alone, mine, ""), (model, theirs, "p/"))
-        ]  # fmt: skip
+        ]
         found += [f"`{other}` is {gaps[1]}, alone {gaps[0]}"] * (not np.allclose(*gaps, atol=1e-6))
     origin = np.array(POS)
     if "body: stand" in made.recipe:
@@ -277,7 +289,7 @@ HOST = """<mujoco><worldbody>{row}<body name="stand" pos="2 0 0"><joint name="fi
 TOOLS = {
     "a tool": '<body name="a"><joint name="j" type="ball"/><geom size=".1"/></body><body name="b"><joint name="i"/><geom size=".1"/></body>',
     "a tool with a rod": f'<body name="a"><joint name="j"/><geom size=".1"/>{ROD}<body name="b"><joint name="i"/><geom size=".1"/></body></body>',
-}  # fmt: skip
+}
 TOOL = '<mujoco><worldbody>{}</worldbody><actuator><general name="f" joint="i" dyntype="filter"/></actuator>{{keyframe}}</mujoco>'
 
 
@@ -361,17 +373,27 @@ def _geared() -> Iterator[Made]:
             inner = f", edit: [{edit.replace('NAME', 'm')}]" if own else ""
             outer = "" if own else f"edit: [{edit.replace('NAME', 'p/m')}]\n"
             recipe = f"base: ./base.xml\nattach: {{p: {{model: ./part.xml, {where}{inner}}}}}\n{outer}"
-            yield Made(f"gear {gear:g}, {joint}{limits}, in the {'part' if own else 'whole'}", recipe, _feels,
-                       {"part.xml": part, "base.xml": base}, (str(gear), spans))  # fmt: skip
+            yield Made(
+                f"gear {gear:g}, {joint}{limits}, in the {'part' if own else 'whole'}",
+                recipe,
+                _feels,
+                {"part.xml": part, "base.xml": base},
+                (str(gear), spans),
+            )
 
 
 def _feels(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
     """At random places, speeds and targets the joint feels `kp (target - q) - kv v`, within its limits."""
-    gear, spans = float(made.about[0]), made.about[1]
-    data, rng, found = mujoco.MjData(model), np.random.default_rng(3), []
+    gear = float(made.about[0])
+    spans = made.about[1]
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(3)
+    found = []
     for _ in range(20):
         q, v, target = rng.uniform(-1, 1, 3)
-        data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, gear * target
+        data.qpos[:] = q
+        data.qvel[:] = v
+        data.ctrl[:] = gear * target
         mujoco.mj_forward(model, data)
         force = 150 * (target - q) - 6 * v
         force = min(max(force, -30.0), 60.0) if spans else force
@@ -408,7 +430,9 @@ def _sensing() -> Iterator[Made]:
 def _weighs(model: mujoco.MjModel, made: Made, folder: Path) -> list[str]:
     """In ten poses, held at rest: without speed or acceleration."""
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    data, rng, found = mujoco.MjData(model), np.random.default_rng(5), []
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(5)
+    found = []
     bodies = [at for at in range(model.nbody) if model.body(at).name.endswith("/sense")]
     for _ in range(10):
         data.qpos[:] = rng.uniform(-1, 1, model.nq)

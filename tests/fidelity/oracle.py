@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 STATES = 2
 CLOSE = 1e-8
-FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+FREE = int(mujoco.mjtJoint.mjJNT_FREE)
+BALL = int(mujoco.mjtJoint.mjJNT_BALL)
 _OBJECTS = {
     "geom": mujoco.mjtObj.mjOBJ_GEOM,
     "site": mujoco.mjtObj.mjOBJ_SITE,
@@ -82,10 +83,13 @@ def product(one: Array, other: Array) -> Array:
 def composed(case: Case, folder: Path, session: Session) -> bytes | str:
     """Return the text of the model that a case builds, or the first error."""
     context = Context(environment={}, folder=folder)
-    recipe, given, name = case.write(folder), {}, None
+    recipe = case.write(folder)
+    given = {}
+    name = None
     if case.cell is not None:
         cell = cells_of(recipe, context)[case.cell]
-        given, name = cell.given, cell.name
+        given = cell.given
+        name = cell.name
     built = build(Request(recipe, given, name=name, verified=False), context, session=session)
     return context.sink.errors[0].message if built is None else built.bundle.files[built.bundle.model]
 
@@ -125,7 +129,8 @@ class Oracle:
         return self.found
 
     def expect(self, what: str, expected: Any, actual: Any, close: float = CLOSE) -> None:
-        one, other = np.asarray(expected, dtype=float), np.asarray(actual, dtype=float)
+        one = np.asarray(expected, dtype=float)
+        other = np.asarray(actual, dtype=float)
         if one.shape != other.shape:
             self.found.append(f"{self.prefix}{what}: shape {other.shape}, alone {one.shape}")
             return
@@ -221,7 +226,8 @@ class Oracle:
             if not hasattr(self.alone, array):  # in another version
                 continue
             for index, other in self.ids[kind].items():
-                expected, actual = getattr(self.alone, array)[index], getattr(self.whole, array)[other]
+                expected = getattr(self.alone, array)[index]
+                actual = getattr(self.whole, array)[other]
                 self.expect(f"`{array}` of {kind} {index}", expected, actual)
 
     def _runs(self, kind: str, array: str, address: str, count: Any) -> None:
@@ -241,7 +247,8 @@ class Oracle:
         for index, other in self.ids["skin"].items():
             names = []
             for model, at in ((self.alone, index), (self.whole, other)):
-                start, count = int(model.skin_boneadr[at]), int(model.skin_bonenum[at])
+                start = int(model.skin_boneadr[at])
+                count = int(model.skin_bonenum[at])
                 bodies = model.skin_bonebodyid[start : start + count].tolist()
                 names.append([self._body_name(model, body, model is self.alone) for body in bodies])
             if names[0] != names[1]:
@@ -251,7 +258,8 @@ class Oracle:
         for index, other in self.ids["tuple"].items():
             names = []
             for model, at in ((self.alone, index), (self.whole, other)):
-                start, count = int(model.tuple_adr[at]), int(model.tuple_size[at])
+                start = int(model.tuple_adr[at])
+                count = int(model.tuple_size[at])
                 bodies = model.tuple_objid[start : start + count].tolist()
                 names.append([self._body_name(model, body, model is self.alone) for body in bodies])
             if names[0] != names[1]:
@@ -274,7 +282,8 @@ class Oracle:
                 self.found.append(f"{self.prefix}{self.alone.body(body).name} has {theirs} joints, alone {mine}")
                 continue
             for at in range(mine):
-                joint, twin = int(self.alone.body_jntadr[body]) + at, int(self.whole.body_jntadr[other]) + at
+                joint = int(self.alone.body_jntadr[body]) + at
+                twin = int(self.whole.body_jntadr[other]) + at
                 name = self.alone.joint(joint).name
                 if name and self.whole.joint(twin).name != self.prefix + name:
                     self.found.append(f"{self.prefix}{name}: joint {at} of its body is `{self.whole.joint(twin).name}`")
@@ -324,40 +333,50 @@ class Oracle:
         theirs.qpos[twins] = mine.qpos[positions]
         theirs.qvel[other_velocities] = mine.qvel[velocities]
         for body, other in self.bodies.items():
-            joint, twin = int(self.alone.body_jntadr[body]), int(self.whole.body_jntadr[other])
+            joint = int(self.alone.body_jntadr[body])
+            twin = int(self.whole.body_jntadr[other])
             if self.alone.body_jntnum[body] and self.alone.jnt_type[joint] == FREE:
-                at, there = int(self.alone.jnt_qposadr[joint]), int(self.whole.jnt_qposadr[twin])
+                at = int(self.alone.jnt_qposadr[joint])
+                there = int(self.whole.jnt_qposadr[twin])
                 theirs.qpos[there : there + 7] = moved(frame, mine.qpos[at : at + 7])
-                at, there = int(self.alone.jnt_dofadr[joint]), int(self.whole.jnt_dofadr[twin])
+                at = int(self.alone.jnt_dofadr[joint])
+                there = int(self.whole.jnt_dofadr[twin])
                 theirs.qvel[there : there + 3] = frame.turn(mine.qvel[at : at + 3])
-            mocap, other_mocap = int(self.alone.body_mocapid[body]), int(self.whole.body_mocapid[other])
+            mocap = int(self.alone.body_mocapid[body])
+            other_mocap = int(self.whole.body_mocapid[other])
             if mocap >= 0:
                 pose = moved(frame, np.concatenate([mine.mocap_pos[mocap], mine.mocap_quat[mocap]]))
                 theirs.mocap_pos[other_mocap] = pose[:3]
                 theirs.mocap_quat[other_mocap] = pose[3:]
         for actuator, other in self.ids["actuator"].items():
             mine.ctrl[actuator] = theirs.ctrl[other] = self.random.uniform(-1, 1)
-            address, there = int(self.alone.actuator_actadr[actuator]), int(self.whole.actuator_actadr[other])
+            address = int(self.alone.actuator_actadr[actuator])
+            there = int(self.whole.actuator_actadr[other])
             if address >= 0:
                 mine.act[address] = theirs.act[there] = self.random.uniform(0, 1)
 
     def _poses(self, mine: mujoco.MjData, theirs: mujoco.MjData, frame: Frame) -> None:
-        bodies, others = list(self.bodies), list(self.bodies.values())
+        bodies = list(self.bodies)
+        others = list(self.bodies.values())
         self.expect("positions of bodies", frame.point(mine.xpos[bodies]), theirs.xpos[others])
         self.expect("centers of mass", frame.point(mine.xipos[bodies]), theirs.xipos[others])
         turned = [frame.rot @ mine.xmat[body].reshape(3, 3) for body in bodies]
         self.expect("orientations of bodies", turned, [theirs.xmat[body].reshape(3, 3) for body in others])
         for kind in ("geom", "site"):
-            ids, twins = list(self.ids[kind]), list(self.ids[kind].values())
-            places, there = getattr(mine, f"{kind}_xpos"), getattr(theirs, f"{kind}_xpos")
+            ids = list(self.ids[kind])
+            twins = list(self.ids[kind].values())
+            places = getattr(mine, f"{kind}_xpos")
+            there = getattr(theirs, f"{kind}_xpos")
             self.expect(f"positions of {kind}s", frame.point(places[ids]), there[twins])
-            mats, other_mats = getattr(mine, f"{kind}_xmat"), getattr(theirs, f"{kind}_xmat")
+            mats = getattr(mine, f"{kind}_xmat")
+            other_mats = getattr(theirs, f"{kind}_xmat")
             turned = [frame.rot @ mats[at].reshape(3, 3) for at in ids]
             self.expect(f"orientations of {kind}s", turned, [other_mats[at].reshape(3, 3) for at in twins])
         for index, other in self.ids["flex"].items():
             points = []
             for model, data, at in ((self.alone, mine, index), (self.whole, theirs, other)):
-                start, count = int(model.flex_vertadr[at]), int(model.flex_vertnum[at])
+                start = int(model.flex_vertadr[at])
+                count = int(model.flex_vertnum[at])
                 points.append(data.flexvert_xpos[start : start + count])
             self.expect(f"vertices of flex {index}", frame.point(points[0]), points[1])
 
@@ -372,7 +391,8 @@ class Oracle:
             mujoco.mj_fullM(*((model, full, data.qM) if hasattr(data, "qM") else (model, data, full)))
             matrices.append(full)
         self.expect("mass matrix", turn @ matrices[0][np.ix_(dofs, dofs)] @ turn.T, matrices[1][np.ix_(others, others)])
-        actuators, twins = list(self.ids["actuator"]), list(self.ids["actuator"].values())
+        actuators = list(self.ids["actuator"])
+        twins = list(self.ids["actuator"].values())
         self.expect("forces of actuators", mine.actuator_force[actuators], theirs.actuator_force[twins])
         if mujoco.mj_versionString().startswith("3."):  # there, a length relative to a site depends on the world's axes
             actuators = [at for at in actuators if self.alone.actuator_trntype[at] != mujoco.mjtTrn.mjTRN_SITE]
@@ -390,7 +410,8 @@ class Oracle:
         return turn
 
     def _lengths(self, mine: mujoco.MjData, theirs: mujoco.MjData) -> None:
-        tendons, others = list(self.ids["tendon"]), list(self.ids["tendon"].values())
+        tendons = list(self.ids["tendon"])
+        others = list(self.ids["tendon"].values())
         self.expect("lengths of tendons", mine.ten_length[tendons], theirs.ten_length[others])
         self.expect("velocities of tendons", mine.ten_velocity[tendons], theirs.ten_velocity[others])
 
@@ -404,7 +425,8 @@ class Oracle:
         for index, other in self.ids["sensor"].items():
             values = []
             for model, data, at in ((self.alone, mine, index), (self.whole, theirs, other)):
-                start, width = int(model.sensor_adr[at]), int(model.sensor_dim[at])
+                start = int(model.sensor_adr[at])
+                width = int(model.sensor_dim[at])
                 values.append(data.sensordata[start : start + width])
             expected = seen_from_world(self.alone, index, values[0], frame)
             kind = mujoco.mjtSensor(int(self.alone.sensor_type[index])).name
@@ -437,14 +459,17 @@ class Oracle:
         frame = place_of(self.whole, data, self.attached)
         for body, other in self.bodies.items():
             for at in range(int(self.alone.body_jntnum[body])):
-                joint, twin = int(self.alone.body_jntadr[body]) + at, int(self.whole.body_jntadr[other]) + at
+                joint = int(self.alone.body_jntadr[body]) + at
+                twin = int(self.whole.body_jntadr[other]) + at
                 width = {FREE: 7, BALL: 4}.get(int(self.alone.jnt_type[joint]), 1)
-                start, there = int(self.alone.jnt_qposadr[joint]), int(self.whole.jnt_qposadr[twin])
+                start = int(self.alone.jnt_qposadr[joint])
+                there = int(self.whole.jnt_qposadr[twin])
                 expected = mine.qpos[start : start + width]
                 if width == 7:
                     expected = moved(frame, expected)
                 self.expect(f"key of joint {joint}", *_alike(expected, theirs.qpos[there : there + width]))
-            mocap, other_mocap = int(self.alone.body_mocapid[body]), int(self.whole.body_mocapid[other])
+            mocap = int(self.alone.body_mocapid[body])
+            other_mocap = int(self.whole.body_mocapid[other])
             if mocap >= 0:
                 pose = np.concatenate([mine.mpos.reshape(-1, 3)[mocap], mine.mquat.reshape(-1, 4)[mocap]])
                 found = np.concatenate(
@@ -453,7 +478,8 @@ class Oracle:
                 self.expect(f"key of mocap body {body}", *_alike(moved(frame, pose), found))
         for actuator, other in self.ids["actuator"].items():
             self.expect(f"key of actuator {actuator}", mine.ctrl[actuator], theirs.ctrl[other])
-            address, there = int(self.alone.actuator_actadr[actuator]), int(self.whole.actuator_actadr[other])
+            address = int(self.alone.actuator_actadr[actuator])
+            there = int(self.whole.actuator_actadr[other])
             if address >= 0:
                 self.expect(f"activation of actuator {actuator} in the key", mine.act[address], theirs.act[there])
 

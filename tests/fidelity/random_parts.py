@@ -415,10 +415,15 @@ def random_case(seed: int) -> Case:
             prefix = f"{key}/" if number is None else f"{key}{number}/"
             attached.append(
                 Attached(
-                    prefix, f"{key}.xml", kind, names.get(kind, ""), (pos[0], pos[1], pos[2]),
-                    (euler[0], euler[1], euler[2]), key="home" if keys == "merge" else f"{prefix}home",
+                    prefix,
+                    f"{key}.xml",
+                    kind,
+                    names.get(kind, ""),
+                    (pos[0], pos[1], pos[2]),
+                    (euler[0], euler[1], euler[2]),
+                    key="home" if keys == "merge" else f"{prefix}home",
                 )
-            )  # fmt: skip
+            )
             if number:
                 attached[-1].pos = shifted(attached[-1].pos, attached[-1].euler, (0.0, 0.0, 2.0))
     files["recipe.yaml"] = "\n".join(lines) + "\n"
@@ -429,7 +434,8 @@ def shifted(
     pos: tuple[float, float, float], euler: tuple[float, float, float], offset: tuple[float, float, float]
 ) -> tuple[float, float, float]:
     """Return a place with an offset in its own frame."""
-    quat, result = np.zeros(4), np.zeros(3)
+    quat = np.zeros(4)
+    result = np.zeros(3)
     mujoco.mju_euler2Quat(quat, np.array(euler), "xyz")
     mujoco.mju_rotVecQuat(result, np.array(offset), quat)
     return (pos[0] + result[0], pos[1] + result[1], pos[2] + result[2])

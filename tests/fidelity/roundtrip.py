@@ -126,7 +126,8 @@ def _unlike(prefix: str, before: object, after: object) -> list[str]:
     for name in dir(before):
         if name.startswith("_") or name in _OF_PATHS:
             continue
-        a, b = getattr(before, name), getattr(after, name)
+        a = getattr(before, name)
+        b = getattr(after, name)
         if isinstance(a, np.ndarray):
             same = a.shape == b.shape and a.tobytes() == b.tobytes()
         elif isinstance(a, (bool, int, float, bytes)):
@@ -146,7 +147,8 @@ def _mirror(path: Path, root: Path, folder: Path) -> Path:
         for entry in above.iterdir():
             if entry.name != part:
                 (place / entry.name).symlink_to(entry)
-        above, place = above / part, place / part
+        above = above / part
+        place = place / part
         place.mkdir()
     for entry in above.iterdir():
         if entry != path:

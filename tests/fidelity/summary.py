@@ -10,7 +10,8 @@ from fidelity import dmcontrol
 from fidelity.judging import Verdict
 from fidelity.roundtrip import Trip
 
-BEGIN, END = "<!-- fidelity: begin -->", "<!-- fidelity: end -->"
+BEGIN = "<!-- fidelity: begin -->"
+END = "<!-- fidelity: end -->"
 
 
 @dataclass(frozen=True)

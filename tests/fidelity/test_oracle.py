@@ -49,10 +49,32 @@ def test_many_parts_do_what_they_do_alone(tmp_path: Path, session: Session, star
 
 
 FEATURES = (
-    "<flexcomp", "<skin", "<hfield", "<mesh", "<plugin", "<exclude", "<pair", "contype=", "<tuple", "<numeric", "<spatial",
-    "<connect", "<weld", "refname=\"world\"", "freejoint", "mocap=", "class=\"own\"", "settotalmass", "boundinertia", "gravcomp",
-    "matrix:", "replicate:", "base: ./p.xml", "joint: {axis", "keys: prefix",
-)  # fmt: skip
+    "<flexcomp",
+    "<skin",
+    "<hfield",
+    "<mesh",
+    "<plugin",
+    "<exclude",
+    "<pair",
+    "contype=",
+    "<tuple",
+    "<numeric",
+    "<spatial",
+    "<connect",
+    "<weld",
+    'refname="world"',
+    "freejoint",
+    "mocap=",
+    'class="own"',
+    "settotalmass",
+    "boundinertia",
+    "gravcomp",
+    "matrix:",
+    "replicate:",
+    "base: ./p.xml",
+    "joint: {axis",
+    "keys: prefix",
+)
 
 
 def test_the_quick_cases_have_everything() -> None:

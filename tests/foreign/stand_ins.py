@@ -66,8 +66,10 @@ class Spec:
     """What dm_control's `element.spec` says, by our grammar."""
 
     def __init__(self, kind: ElementType, above: ElementType | None = None) -> None:
-        self.name, self.attributes = kind.tag, kind.attributes
-        self.kind, self.above = kind, above
+        self.name = kind.tag
+        self.attributes = kind.attributes
+        self.kind = kind
+        self.above = above
         self.repeated = kind.max_count != 1
         self.on_demand = above is not None and not always_there(above, kind)
 
@@ -95,7 +97,8 @@ class Named:
 
 class _Arrays:
     def __init__(self, physics: Physics, struct: Any) -> None:
-        self.physics, self.struct = physics, struct
+        self.physics = physics
+        self.struct = struct
 
     def __getattr__(self, field: str) -> _Rows:
         return _Rows(self.physics.model, getattr(self.struct, field), field)
@@ -103,7 +106,9 @@ class _Arrays:
 
 class _Rows:
     def __init__(self, model: mujoco.MjModel, array: Any, field: str) -> None:
-        self.model, self.array, self.field = model, array, field
+        self.model = model
+        self.array = array
+        self.field = field
 
     def __getitem__(self, key: Any) -> Any:
         names, columns = key if isinstance(key, tuple) else (key, None)

@@ -18,12 +18,68 @@ from lxml.etree import _Element as Node
 from mjcompose.tree.grammar import GRAMMAR
 
 ODD: tuple[Any, ...] = (
-    "", " ", "0", "-1", "1e999", "nan", "inf", ".inf", "world", "main", "base", "/", "//", "**", "*", "{a,b}", "/(a+)+$/",
-    "é", "\t", "\0", "\x1b[2J", "\ud800", "\ufffe", "a b", "${x}", "${1/0}", "90deg", "1 2 3", "1,2", "true", "x" * 300,
-    "../..", "./model.xml", "package:os/x.xml", "https://[::1/a.zip#x", "git+https://h/r@v#x", "<", "&", "1_000", "0x10",
-    0, 1, -1, 2**31, 2**63, 10**400, 1e308, 5e-324, float("inf"), float("nan"), True, False, None, [], {}, [[]], [{}],
-    [0, 0, 0], [1, 2], {"a": 1}, {"model": 1},
-)  # fmt: skip
+    "",
+    " ",
+    "0",
+    "-1",
+    "1e999",
+    "nan",
+    "inf",
+    ".inf",
+    "world",
+    "main",
+    "base",
+    "/",
+    "//",
+    "**",
+    "*",
+    "{a,b}",
+    "/(a+)+$/",
+    "é",
+    "\t",
+    "\0",
+    "\x1b[2J",
+    "\ud800",
+    "\ufffe",
+    "a b",
+    "${x}",
+    "${1/0}",
+    "90deg",
+    "1 2 3",
+    "1,2",
+    "true",
+    "x" * 300,
+    "../..",
+    "./model.xml",
+    "package:os/x.xml",
+    "https://[::1/a.zip#x",
+    "git+https://h/r@v#x",
+    "<",
+    "&",
+    "1_000",
+    "0x10",
+    0,
+    1,
+    -1,
+    2**31,
+    2**63,
+    10**400,
+    1e308,
+    5e-324,
+    float("inf"),
+    float("nan"),
+    True,
+    False,
+    None,
+    [],
+    {},
+    [[]],
+    [{}],
+    [0, 0, 0],
+    [1, 2],
+    {"a": 1},
+    {"model": 1},
+)
 ODD_TEXT = tuple(str(each) for each in ODD)
 Mutate = Callable[[bytes, Random, Sequence[bytes]], bytes]
 
@@ -134,7 +190,8 @@ def xml_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
 def _change(root: Node, random: Random, other: Node) -> None:
     nodes = [each for each in root.iter("*") if each is not root] or [root]
     node = random.choice(nodes)
-    kind, parent = random.randrange(9), node.getparent()
+    kind = random.randrange(9)
+    parent = node.getparent()
     if kind == 0 and parent is not None:
         parent.remove(node)
     elif kind == 1 and parent is not None:

@@ -47,7 +47,8 @@ def _work(name: str, seed: int, seconds: float, current: Path, told: Connection)
     os.environ |= {"MJCOMPOSE_TRACEBACK": "1", "MJCOMPOSE_CACHE": str(current.parent / "store")}
     stack = (current.parent / "stack").open("w+", encoding="utf-8")
     faulthandler.register(signal.SIGUSR1, stack)
-    target, random = TARGETS[name], Random(f"{name} {seed}")
+    target = TARGETS[name]
+    random = Random(f"{name} {seed}")
     corpus = os.environ.get("MJCOMPOSE_CORPUS")
     with Session(limits()) as session:
         tools = Tools(session)
@@ -75,10 +76,13 @@ def _limit_memory() -> None:
 
 def fuzz(name: str, seconds: float, seed: int, out: Path) -> tuple[int, Counter[str]]:
     """How many cases were run, and what was found how often; a worker that dies or hangs is followed by another."""
-    target, folder = TARGETS[name], out / name
+    target = TARGETS[name]
+    folder = out / name
     folder.mkdir(parents=True, exist_ok=True)
     current = folder / f"current{target.suffix}"
-    count, found, round_ = 0, Counter[str](), 0
+    count = 0
+    found = Counter[str]()
+    round_ = 0
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         here, there = multiprocessing.Pipe(duplex=False)

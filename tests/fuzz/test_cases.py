@@ -50,7 +50,8 @@ def test_what_is_put_in_is_text() -> None:
 
 
 def test_a_change_leaves_the_odd_values_as_they_are() -> None:
-    random, before = Random(1), repr(ODD)
+    random = Random(1)
+    before = repr(ODD)
     for _ in range(400):
         tree_changed(tree_changed({"a": [1, {"b": 2}]}, random), random)
         assert repr(ODD) == before

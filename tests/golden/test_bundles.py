@@ -52,15 +52,16 @@ def expected() -> dict[str, str]:
 @pytest.mark.skipif(
     (mujoco.__version__, sys.platform, platform.machine()) != WRITTEN_WITH, reason=f"written with {WRITTEN_WITH}"
 )
-@pytest.mark.parametrize("case", [
-    pytest.param(each, marks=pytest.mark.slow if "menagerie" in each else ()) for each in CASES
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "case", [pytest.param(each, marks=pytest.mark.slow if "menagerie" in each else ()) for each in CASES]
+)
 def test_bytes(case: str) -> None:
     if case.startswith("recipes/menagerie") and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
     if case.endswith(("/xacro", "/xacro_arm")):
         pytest.importorskip("xacro")
-    found, known = digests(CASES[case]), expected()
+    found = digests(CASES[case])
+    known = expected()
     if os.environ.get("UPDATE_EXPECTED"):
         known[case] = found
         EXPECTED.write_text("".join(f"{each} {known[each]}\n" for each in CASES if each in known), "ascii")

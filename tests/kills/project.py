@@ -68,9 +68,11 @@ class Project:
             (self.folder / name).mkdir(parents=True)
         (self.folder / "robots" / "tool.xml").write_text(_TOOL)
         for words in (
-            ["init", "-q", "-b", "main"], ["add", "--all"],
-            ["-c", "user.name=A", "-c", "user.email=a@b", "-c", "commit.gpgsign=false", "commit", "-q", "-m", "one"], ["tag", "v1"],
-        ):  # fmt: skip
+            ["init", "-q", "-b", "main"],
+            ["add", "--all"],
+            ["-c", "user.name=A", "-c", "user.email=a@b", "-c", "commit.gpgsign=false", "commit", "-q", "-m", "one"],
+            ["tag", "v1"],
+        ):
             subprocess.run(["git", *words], cwd=self.folder / "robots", check=True, capture_output=True)
         self.edit("1")
 
@@ -92,9 +94,15 @@ class Project:
     def start(self, words: tuple[str, ...], **more: object) -> subprocess.Popen[bytes]:
         """The command, in a session of its own."""
         return subprocess.Popen(
-            [sys.executable, "-m", "mjcompose", *words], cwd=self.folder / "cell", env=self.environment,
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, **more,  # type: ignore[call-overload]
-        )  # fmt: skip
+            [sys.executable, "-m", "mjcompose", *words],
+            cwd=self.folder / "cell",
+            env=self.environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            **more,  # type: ignore[call-overload]
+        )
 
     def run(self, words: tuple[str, ...]) -> tuple[int, str]:
         """The exit status of the command, and what it said."""
@@ -150,7 +158,8 @@ class Undisturbed:
 
 def undisturbed(project: Project, output: Output) -> Undisturbed:
     words = (*output.words, "--no-cache") if output.words[0] == "build" else output.words
-    digests, seconds = {}, 0.0
+    digests = {}
+    seconds = 0.0
     for edition in EDITIONS:
         project.edit(edition)
         start = time.monotonic()

@@ -35,7 +35,9 @@ def kill(
     project: Project, outputs: Sequence[Output], count: int, seed: int, *, say: Callable[[str], None]
 ) -> Counter[str]:
     """End that many builds; gives how many outputs were old, new or not there. Raises AssertionError for the rest."""
-    random, seen, killed = Random(seed), Counter[str](), set[str]()
+    random = Random(seed)
+    seen = Counter[str]()
+    killed: set[str] = set()
     whole = {output.name: undisturbed(project, output) for output in outputs}
     for number in range(1, count + 1):
         output = random.choice(outputs)

@@ -116,9 +116,13 @@ def test_a_place_that_is_read_only(project: Project, small_disk: Callable[[str],
     _fails_in_one_line(code, said)
     store = {"MJCOMPOSE_CACHE": str(disk / "store")}
     process = subprocess.run(
-        [sys.executable, "-m", "mjcompose", *ARCHIVE.words], cwd=project.folder / "cell",
-        env={**project.environment, **store}, capture_output=True, check=False, timeout=120,
-    )  # fmt: skip
+        [sys.executable, "-m", "mjcompose", *ARCHIVE.words],
+        cwd=project.folder / "cell",
+        env={**project.environment, **store},
+        capture_output=True,
+        check=False,
+        timeout=120,
+    )
     _fails_in_one_line(process.returncode, process.stderr.decode())
 
 
@@ -127,9 +131,13 @@ def test_without_a_home(project: Project) -> None:
     bare = {name: value for name, value in project.environment.items() if name not in names}
     for home in ({}, {"HOME": "/nonexistent/home"}, {"HOME": ""}):
         process = subprocess.run(
-            [sys.executable, "-m", "mjcompose", "build", "arm.xml.yaml", "-o", "out/a.zip"], cwd=_alone(project),
-            env={**bare, **home}, capture_output=True, check=False, timeout=120,
-        )  # fmt: skip
+            [sys.executable, "-m", "mjcompose", "build", "arm.xml.yaml", "-o", "out/a.zip"],
+            cwd=_alone(project),
+            env={**bare, **home},
+            capture_output=True,
+            check=False,
+            timeout=120,
+        )
         assert process.returncode == 0, process.stderr.decode()
 
 
@@ -148,9 +156,13 @@ def test_without_shared_memory(project: Project) -> None:
     ):
         pytest.skip("a mount of its own can only be had by root, outside of most containers")
     process = subprocess.run(
-        ["unshare", "-m", "sh", "-c", command], cwd=_alone(project), env=project.environment,
-        capture_output=True, check=False, timeout=120,
-    )  # fmt: skip
+        ["unshare", "-m", "sh", "-c", command],
+        cwd=_alone(project),
+        env=project.environment,
+        capture_output=True,
+        check=False,
+        timeout=120,
+    )
     if b"mount:" in process.stderr:
         pytest.skip("/dev/shm cannot be replaced here")
     assert process.returncode == 0, process.stderr.decode()

@@ -295,7 +295,8 @@ SECTIONS = ("check", "attach", "params", "randomize", "edit", "keyframe", "add",
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("seed", range(2))
 def test_mutations_of_good_recipes_are_judged_alike(section: str, seed: int) -> None:
-    chance, sections = random.Random(seed), good(section)
+    chance = random.Random(seed)
+    sections = good(section)
     refused = 0
     for _ in range(200):
         text = json.dumps(mistaken(section, chance.choice(sections), chance))

@@ -170,18 +170,38 @@ def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(sectio
         ("params: {x: 1}", "{x: true}", "wrong-type: parameter `x` is a number, got a boolean `true`"),
         ("params: {x: 1}", "{x: {a: 1}}", "wrong-type: parameter `x` is a number, got a table `{a: 1}`"),
         ("params: {x: [1, 2]}", "{x: [1]}", "wrong-length: parameter `x` has 2 numbers, got 1"),
-        ("params: {x: {type: int, default: 1}}", "{x: 1.5}", "wrong-type: parameter `x` is a whole number, got a number `1.5`"),
-        ("params: {x: {default: a, choices: [a, b]}}", "{x: c}", "out-of-range: parameter `x` is one of `a`, `b`, got text `c`"),
-        ("params: {x: {default: 20deg, max: 30deg}}", "{x: 0.6rad}", "out-of-range: parameter `x` is at most 30.0deg, got 34.37746770784939deg"),
+        (
+            "params: {x: {type: int, default: 1}}",
+            "{x: 1.5}",
+            "wrong-type: parameter `x` is a whole number, got a number `1.5`",
+        ),
+        (
+            "params: {x: {default: a, choices: [a, b]}}",
+            "{x: c}",
+            "out-of-range: parameter `x` is one of `a`, `b`, got text `c`",
+        ),
+        (
+            "params: {x: {default: 20deg, max: 30deg}}",
+            "{x: 0.6rad}",
+            "out-of-range: parameter `x` is at most 30.0deg, got 34.37746770784939deg",
+        ),
         ("params: {x: 1}", "{x: 10deg}", "wrong-type: parameter `x` is a number, got text `10deg`"),
-        ("params: {x: [10deg, 3]}", "{}", "bare-angle: `default` of parameter `x` has numbers with a unit and 3 without one"),
+        (
+            "params: {x: [10deg, 3]}",
+            "{}",
+            "bare-angle: `default` of parameter `x` has numbers with a unit and 3 without one",
+        ),
         ("params: {x: {}}", "{}", "missing-key: parameter `x` has neither `default` nor `type`"),
         ("params: {x: {type: float}}\na: '${x}'", "{}", "missing-key: parameter `x` has no default and must be given"),
         ("params: {x: {type: number}}", "{}", "wrong-keyword: `type` of parameter `x` cannot be `number`"),
         ("params: {x: {default: 1, mim: 2}}", "{}", "unknown-key: parameter `x` has no key `mim`"),
         ("params: {x: {default: 1, min: 2, max: 1}}", "{}", "out-of-range: `max` of parameter `x` is below its `min`"),
         ("params: {x: '${1}'}", "{}", "wrong-type: `default` of parameter `x` cannot be an expression"),
-        ("params: {sin: 1}", "{}", "bad-name: `sin` has a meaning of its own in expressions and cannot name a parameter"),
+        (
+            "params: {sin: 1}",
+            "{}",
+            "bad-name: `sin` has a meaning of its own in expressions and cannot name a parameter",
+        ),
         ("params: {a-b: 1}", "{}", "bad-name: a parameter has letters, digits and `_` in its name, got `a-b`"),
         ("params: [x]", "{}", "wrong-type: `params` is a mapping from names to parameters"),
         ("a: '${y}'", "{}", "unknown-name: the parameter `y` does not exist"),
@@ -193,10 +213,14 @@ def test_what_is_called_like_a_key_of_the_language_is_an_item_like_others(sectio
         ("variants: {v: {a: {}}}\nparams: {v: 1}", "{}", "name-clash: `v` is a variant and a parameter"),
         ("add: [{when: {y: 1}}]", "{}", "unknown-name: the variant or parameter `y` does not exist"),
         ("variants: {v: {a: {}}}\nadd: [{when: {v: b}}]", "{}", "unknown-name: variant `v` has no value `b`"),
-        ("add: [{when: 3}]", "{}", "wrong-type: `when` is a mapping from variants and parameters to values, or one boolean expression"),
+        (
+            "add: [{when: 3}]",
+            "{}",
+            "wrong-type: `when` is a mapping from variants and parameters to values, or one boolean expression",
+        ),
         ("add: [{when: '${1 + 1}'}]", "{}", "wrong-type: `when` needs `true` or `false`"),
     ],
-)  # fmt: skip
+)
 def test_one_fault_is_told_once(text: str, given: str, fault: str) -> None:
     assert expanded(text, given)[1] == [fault]
 
@@ -260,9 +284,12 @@ def test_cells(matrix: str, names: list[str]) -> None:
         ("{axes: {tool: [a, a]}}", "two cells of the matrix are called `cell-a`"),
         ("{axes: {tool: [a]}, name: '${foo}'}", "the parameter `foo` does not exist"),
         ("{axes: {tool: [a]}, nam: x}", "`matrix` has no key `nam`"),
-        ("{axes: {load: [" + "1, " * 400 + "1], tool: [" + "a, " * 300 + "a]}}", "the matrix has 120701 cells; 100000 are allowed"),
+        (
+            "{axes: {load: [" + "1, " * 400 + "1], tool: [" + "a, " * 300 + "a]}}",
+            "the matrix has 120701 cells; 100000 are allowed",
+        ),
     ],
-)  # fmt: skip
+)
 def test_faults(matrix: str, fault: str) -> None:
     names, faults = made(f"matrix: {matrix}")
     assert not names and fault in faults

@@ -55,7 +55,8 @@ def test_editors_and_the_schema_have_the_keys_of_the_form(at: tuple[Any, ...]) -
 
 @pytest.mark.parametrize("at", PLACES, ids=of_form)
 def test_fmt_writes_the_keys_in_the_order_of_the_form(at: tuple[Any, ...]) -> None:
-    path, model = tuple(map(str, at)), PLACES[at]
+    path = tuple(map(str, at))
+    model = PLACES[at]
     if rest_of(model) is None:
         assert [*key_order.WHOLE[path]] == model.key_names()
     else:

@@ -60,7 +60,8 @@ def chapters() -> Iterator[tuple[str, list[str]]]:
     for name, text in pages().items():
         for chapter in re.split(r"^##? ", text, flags=re.MULTILINE)[1:]:
             title, _, rest = chapter.partition("\n")
-            section, start = name.removesuffix(".md"), START.search(rest)
+            section = name.removesuffix(".md")
+            start = START.search(rest)
             before = f"{start[1]}." if start else ""
             if title not in ("Model references", "Elements of MJCF", "Recipe reference"):
                 yield (

@@ -142,8 +142,10 @@ variants: {tool: {hand: {}, none: {}}}
 sensor: {"s${i}": {for: {i: "${n}"}, when: {tool: hand}}}
 matrix: {axes: {n: [1, 3], tool: [hand, none]}}
 """
-    counts = [len(expand(tree(text), cell.given, Sink()).document.entries["sensor"][1].entries)  # type: ignore[union-attr]
-              for cell in cells(tree(text), "r", Sink())]  # fmt: skip
+    counts = [
+        len(expand(tree(text), cell.given, Sink()).document.entries["sensor"][1].entries)  # type: ignore[union-attr]
+        for cell in cells(tree(text), "r", Sink())
+    ]
     assert counts == [1, 0, 3, 0]
 
 
@@ -163,10 +165,11 @@ edit:
     entry = concrete(text)["edit"][0]
     assert entry["select"] == {"joint": "hip", "where": '${range[0] > (-1) and name != "le\'ft"}'}
     assert entry["set"] == {
-        "damping": "${value * 20 + index}", "ref": "-30.0deg",
+        "damping": "${value * 20 + index}",
+        "ref": "-30.0deg",
         "armature": "${size[(-1)] + element.damping}",  # `size` may be an attribute, too
         "user": [-1, "x-1"],
-    }  # fmt: skip
+    }
     assert entry["rename"] == "${name}_${'hip'}_${pi}"
 
 

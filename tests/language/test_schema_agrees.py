@@ -31,13 +31,38 @@ RECIPES = [
     for case in cases(ROOT / "tests" / "errors")
     for name, text in case.texts.items()
     if name.endswith(".yaml")
-]  # fmt: skip
+]
 # What is judged elsewhere, or by the files that are named.
 _NOT_HERE = ("extends", "trust", "variants", "matrix", "recipe")
 _VALUES: list[Any] = [
-    "a", 1, 0, -1, 1.5, [0, 0, 1], [1, 0, 0, 0], "90deg", True, False, "true", [], {}, "", [1, 2], ["a", "b"],
-    "0 0 1", "**", "world", [[1, 2, 3]], {"a": 1}, "1", [True], "main", 3.0, "./x.xml", [0.5, "90deg"],
-]  # fmt: skip
+    "a",
+    1,
+    0,
+    -1,
+    1.5,
+    [0, 0, 1],
+    [1, 0, 0, 0],
+    "90deg",
+    True,
+    False,
+    "true",
+    [],
+    {},
+    "",
+    [1, 2],
+    ["a", "b"],
+    "0 0 1",
+    "**",
+    "world",
+    [[1, 2, 3]],
+    {"a": 1},
+    "1",
+    [True],
+    "main",
+    3.0,
+    "./x.xml",
+    [0.5, "90deg"],
+]
 # Kinds of fault that a schema can see wherever they are.
 _SEEN = ("unknown-key", "unknown-attribute", "unknown-element")
 
@@ -91,8 +116,9 @@ def keys(node: Node) -> Iterator[Any]:
         for key, value in node.entries.values():
             yield key.span
             yield from keys(value) if key.name != "where" else ()
-    for item in node.items if isinstance(node, Sequence) else ():
-        yield from keys(item)
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from keys(item)
 
 
 def is_rare(fault: Diagnostic) -> bool:

@@ -157,8 +157,10 @@ def test_all_settings_of_a_part_are_one_finding_with_one_help(workshop: Workshop
     linked = workshop.link(options(base), *(Piece(options(wanted), prefix) for prefix in ("a/", "b/", "c/")))
     fault = linked.fault
     assert [note.message.split(":")[0] for note in fault.notes] == [
-        "`option.cone`", "`option.impratio`", "`visual.map.znear`",
-    ]  # fmt: skip
+        "`option.cone`",
+        "`option.impratio`",
+        "`visual.map.znear`",
+    ]
     assert [other.message for other in fault.others] == ["`b/`", "`c/`"]
     sentence, *lines = str(fault.help).splitlines()
     assert "`drop: [option, visual]`" in sentence
@@ -380,7 +382,8 @@ def test_a_part_is_refused_where_mujoco_refuses_it_alone(joint: str, other: str,
 
 pytestmark = pytest.mark.mujoco4("MuJoCo 3.12 has no `passthrough`")
 
-ASKING, LOADING = 'passthrough="textures"', ""
+ASKING = 'passthrough="textures"'
+LOADING = ""
 TEXTURES = {"file": 'file="t.png"', "built": 'builtin="flat" width="4" height="4"', "none": None}
 
 
@@ -396,7 +399,8 @@ def picture() -> bytes:
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    head, data = struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0), zlib.compress(b"\0\1\2\3")
+    head = struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)
+    data = zlib.compress(b"\0\1\2\3")
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 

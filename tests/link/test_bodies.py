@@ -240,7 +240,8 @@ def test_the_body_of_an_attachment_has_the_least_mass_of_the_base(
     base = f'<mujoco><compiler {bounds}/><worldbody><body name="empty"/></worldbody></mujoco>'
     part = '<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
     linked = workshop.link(base, Piece(part, "p/", options=options))
-    made, empty = linked.model().body("p/"), linked.alone(0).body("empty")
+    made = linked.model().body("p/")
+    empty = linked.alone(0).body("empty")
     assert made.mass == empty.mass and made.inertia.tolist() == empty.inertia.tolist()
     assert made.mass[0] or made.inertia.all()
 

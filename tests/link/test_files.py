@@ -73,7 +73,8 @@ ASSETS = """
 def test_files_are_found_where_mujoco_finds_them(
     workshop: Workshop, folders: str, mesh: str, texture: str, role: str
 ) -> None:
-    text, content = ASSETS.format(folders=folders), {mesh: obj(), texture: png()}
+    text = ASSETS.format(folders=folders)
+    content = {mesh: obj(), texture: png()}
     if role == "base":
         linked = workshop.link(text, BASE, files=content)
     else:
@@ -206,9 +207,12 @@ def test_units_of_one_label_share_a_folder_while_their_files_are_the_same(worksh
     first = {"a.obj": obj(0.1), "b.obj": obj(0.2)}
     second = {"a.obj": obj(0.3), "b.obj": obj(0.2)}
     linked = workshop.link(
-        text, Piece(text, "x/", files=second, label="robot"), Piece(text, "y/", files=first, label="robot"),
-        files=first, label="robot",
-    )  # fmt: skip
+        text,
+        Piece(text, "x/", files=second, label="robot"),
+        Piece(text, "y/", files=first, label="robot"),
+        files=first,
+        label="robot",
+    )
     linked.check()
     assert sorted(linked.bundled()) == ["assets/robot-2/a.obj", "assets/robot/a.obj", "assets/robot/b.obj"]
 
@@ -384,7 +388,8 @@ def _all_geoms(model: mujoco.MjModel) -> list[tuple[list[tuple[str, str]], list[
     for geom in range(model.ngeom):
         names: list[tuple[str, str]] = []
         numbers: list[bytes] = []
-        data, material = int(model.geom_dataid[geom]), int(model.geom_matid[geom])
+        data = int(model.geom_dataid[geom])
+        material = int(model.geom_matid[geom])
         if data >= 0 and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
             names.append(("mesh", model.mesh(data).name))
             start = int(model.mesh_vertadr[data])
@@ -397,10 +402,8 @@ def _all_geoms(model: mujoco.MjModel) -> list[tuple[list[tuple[str, str]], list[
             for texture in model.mat_texid[material].tolist():
                 if texture >= 0:
                     names.append(("texture", model.tex(texture).name))
-                    start, size = (
-                        int(model.tex_adr[texture]),
-                        int(model.tex_height[texture] * model.tex_width[texture]),
-                    )
+                    start = int(model.tex_adr[texture])
+                    size = int(model.tex_height[texture] * model.tex_width[texture])
                     numbers.append(model.tex_data[start : start + size].tobytes())
         found.append((names, numbers))
     return found
@@ -456,12 +459,15 @@ def test_what_differs_stays_apart(workshop: Workshop, one: str, other: str) -> N
 
 
 SAME = {
-    "a number written otherwise": ('<mesh name="x" file="m.obj" scale="1 2 3"/>', '<mesh name="x" file="m.obj" scale="1.0 2e0 3"/>'),
+    "a number written otherwise": (
+        '<mesh name="x" file="m.obj" scale="1 2 3"/>',
+        '<mesh name="x" file="m.obj" scale="1.0 2e0 3"/>',
+    ),
     "from a class": ('<material name="x" shininess="0"/>', '<material name="x" class="dull"/>'),
     "another file of the same bytes": ('<mesh name="x" file="m.obj"/>', '<mesh name="x" file="copy.obj"/>'),
     "a name from the file": ('<mesh name="m" file="m.obj"/>', '<mesh file="m.obj"/>'),
     "another name": ('<mesh name="y" file="m.obj"/>', '<mesh name="z" file="m.obj"/>'),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("one", "other"), SAME.values(), ids=SAME.keys())
@@ -523,11 +529,14 @@ def test_a_file_that_is_not_there_is_told_later(workshop: Workshop) -> None:
 @pytest.mark.parametrize(
     ("file", "path", "name"),
     [
-        ("con.obj", "assets/aux_/con_.obj", "con"), ("wood: oak.obj", "assets/aux_/wood_ oak.obj", "wood: oak"),
-        ("nul/link.obj", "assets/aux_/nul_/link.obj", "link"), ("end./a.obj", "assets/aux_/end_/a.obj", "a"),
-        ("a\nb.obj", "assets/aux_/a_b.obj", "a\nb"), ("COM1.x.obj", "assets/aux_/COM1_.x.obj", "COM1.x"),
+        ("con.obj", "assets/aux_/con_.obj", "con"),
+        ("wood: oak.obj", "assets/aux_/wood_ oak.obj", "wood: oak"),
+        ("nul/link.obj", "assets/aux_/nul_/link.obj", "link"),
+        ("end./a.obj", "assets/aux_/end_/a.obj", "a"),
+        ("a\nb.obj", "assets/aux_/a_b.obj", "a\nb"),
+        ("COM1.x.obj", "assets/aux_/COM1_.x.obj", "COM1.x"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("alone", [True, False])
 def test_files_get_paths_that_every_system_can_have(
     tmp_path: Path, file: str, path: str, name: str, *, alone: bool

@@ -227,7 +227,8 @@ def test_a_free_body_aligned_with_its_inertia_keeps_it(workshop: Workshop, setti
       <body name="cube" pos="1 2 3" euler="10 20 30"><freejoint {align}/>
       <geom type="box" size=".1 .2 .3" pos=".1 .2 .3" euler="40 50 60"/></body></frame></worldbody></mujoco>"""
     linked = workshop.link(part, Piece(BASE, "p/"))
-    alone, composed = linked.alone(0), linked.model()
+    alone = linked.alone(0)
+    composed = linked.model()
     for array in ("body_pos", "body_quat", "body_mass", "body_inertia", "body_ipos", "geom_pos", "geom_quat"):
         assert getattr(composed, array)[-1] == pytest.approx(getattr(alone, array)[-1], abs=1e-12), array
 
@@ -271,7 +272,8 @@ def test_muscles_keep_the_range_that_their_own_rules_give(workshop: Workshop, ru
 
 
 def test_the_rules_of_one_part_do_not_reach_another(workshop: Workshop) -> None:
-    plain, ruled = MUSCLES.format(rules=""), MUSCLES.format(rules='<lengthrange mode="all" uselimit="true"/>')
+    plain = MUSCLES.format(rules="")
+    ruled = MUSCLES.format(rules='<lengthrange mode="all" uselimit="true"/>')
     workshop.link(plain, ruled).check()
 
 

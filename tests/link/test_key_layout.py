@@ -105,7 +105,9 @@ class World:
     """A random world; its elements have names of their own."""
 
     def __init__(self, draw: st.DrawFn) -> None:
-        self.draw, self.count, self.joints = draw, 0, 0
+        self.draw = draw
+        self.count = 0
+        self.joints = 0
 
     def name(self) -> str:
         self.count += 1
@@ -122,7 +124,8 @@ class World:
             elif depth and kind == "frame":
                 found.append(f"<frame>{self.inside(depth - 1, world=world, bare=bare)}</frame>")
             elif depth and kind == "replicate":
-                count, sep = self.draw(st.integers(1, 3)), self.draw(st.sampled_from(["", "_"]))
+                count = self.draw(st.integers(1, 3))
+                sep = self.draw(st.sampled_from(["", "_"]))
                 inner = self.inside(depth - 1, world=world, bare=True)
                 found.append(f'<replicate count="{count}" offset="0 1 0" sep="{sep}">{inner}</replicate>')
             elif depth:
@@ -147,7 +150,8 @@ class World:
 
     def flex(self, kind: str) -> str:
         pins = '<pin id="0"/>'
-        shape, young = 'dim="1" count="4 1 1"', '<elasticity young="1e5"/>'
+        shape = 'dim="1" count="4 1 1"'
+        young = '<elasticity young="1e5"/>'
         if kind == "cloth":
             young = ""
             shape = self.draw(

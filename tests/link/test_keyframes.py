@@ -112,9 +112,12 @@ def test_unnamed_keys_stay_apart(workshop: Workshop) -> None:
     model = workshop.link(
         PLAIN.replace("</mujoco>", '<keyframe><key qpos="1"/><key name="" qpos="2"/></keyframe></mujoco>'),
         Piece(PLAIN.replace("</mujoco>", '<keyframe><key qpos="3"/><key/></keyframe></mujoco>')),
-        Piece(PLAIN.replace("</mujoco>", '<keyframe><key qpos="4"/></keyframe></mujoco>'), "q/",
-              options={"keyframes": "prefix"}),
-    ).check()  # fmt: skip
+        Piece(
+            PLAIN.replace("</mujoco>", '<keyframe><key qpos="4"/></keyframe></mujoco>'),
+            "q/",
+            options={"keyframes": "prefix"},
+        ),
+    ).check()
     assert model.nkey == 5
     ref = np.radians(10)
     assert model.key_qpos == pytest.approx(

@@ -162,7 +162,8 @@ def test_linking_is_the_same_twice(workshop: Workshop) -> None:
 
 def test_a_copy_of_a_unit_links_to_the_same_text(workshop: Workshop) -> None:
     found = []
-    base, part = workshop.unit(BASE), workshop.unit(ONE.replace(' fitaabb="true"', ""))
+    base = workshop.unit(BASE)
+    part = workshop.unit(ONE.replace(' fitaabb="true"', ""))
     for _ in range(2):
         linking = Linking(base.copied(), [Part(part.copied(), "p/")], Sink())
         assert link(linking)

@@ -58,7 +58,8 @@ def settled(settings: str, joint: str, default: str) -> str:
 @pytest.mark.parametrize(("joint", "default"), SETTLED)
 @pytest.mark.parametrize("other", FREE_JOINTS[:6])
 def test_where_a_joint_cannot_say_it_the_model_does(workshop: Workshop, joint: str, default: str, other: str) -> None:
-    aligned, plain = settled('alignfree="true"', joint, default), FREE.format(settings="", joint=other)
+    aligned = settled('alignfree="true"', joint, default)
+    plain = FREE.format(settings="", joint=other)
     linked = workshop.link(plain, aligned)
     linked.check()
     assert 'alignfree="true"' in linked.xml
@@ -93,10 +94,8 @@ def test_what_is_measured_is_measured_in_the_frame_before_alignment(
 
 @pytest.mark.parametrize(("settings", "joint"), ALIGNED.values(), ids=ALIGNED.keys())
 def test_nothing_hangs_on_what_is_aligned(workshop: Workshop, settings: str, joint: str) -> None:
-    model, arm = (
-        FREE.format(settings=settings, joint=joint),
-        '<mujoco><worldbody><body name="arm"/></worldbody></mujoco>',
-    )
+    model = FREE.format(settings=settings, joint=joint)
+    arm = '<mujoco><worldbody><body name="arm"/></worldbody></mujoco>'
     on_base = workshop.link(model, Piece(arm, "p/", placed("body", "b")))
     on_part = workshop.link(BASE, Piece(model, "p/"), Piece(arm, "q/", placed("body", "p/b")))
     for linked in (on_base, on_part):
@@ -255,7 +254,8 @@ def moving(size: str, count: int = 1) -> str:
 def test_a_part_does_not_starve_the_whole_model(workshop: Workshop) -> None:
     base = moving("", 30)
     linked = workshop.link(base, moving('<size memory="1M"/>'))
-    alone, whole = linked.alone(0), linked.model()
+    alone = linked.alone(0)
+    whole = linked.model()
     assert whole.narena >= alone.narena > MEGABYTE
     (warning,) = linked.sink.diagnostics
     assert (warning.code, warning.severity) == ("option-conflict", Severity.WARNING)

@@ -79,7 +79,7 @@ def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
 @pytest.mark.parametrize(
     ("inside", "code", "message"),
     [
-        ('<option><headlight/></option>', "unknown-element", "`<headlight>` cannot be in `<option>`"),
+        ("<option><headlight/></option>", "unknown-element", "`<headlight>` cannot be in `<option>`"),
         ('<contact internal="1"/>', "unknown-attribute", "`internal` is not an attribute of `<contact>`"),
         ('<default><joint nrow="3"/></default>', "unknown-attribute", "`nrow` is not an attribute of `<joint>`"),
         ('<compiler angle="1e"/>', "wrong-keyword", "`angle` of `<compiler>` expects `radian` or `degree`, got `1e`"),
@@ -88,18 +88,33 @@ def test_all_bad_values_are_told_at_once(workshop: Workshop) -> None:
             "wrong-length",
             "MuJoCo takes one `<global>` in `<visual>`, and this is another one",
         ),
-        ('<worldbody><body name="world"/></worldbody>', "bad-name",
-         "a body cannot be called `world`, which is the name of the world itself"),
+        (
+            '<worldbody><body name="world"/></worldbody>',
+            "bad-name",
+            "a body cannot be called `world`, which is the name of the world itself",
+        ),
         ('<default class="hand"/>', "bad-name", "a default class at the top must be called `main`, got `hand`"),
         ("<default><default/></default>", "bad-name", "a default class inside another has no name"),
         ('<default><default class="main"/></default>', "class-clash", "two classes are called `main`"),
-        ('<default><default class="a"><default class="a"/></default></default>', "class-clash", "two classes are called `a`"),
+        (
+            '<default><default class="a"><default class="a"/></default></default>',
+            "class-clash",
+            "two classes are called `a`",
+        ),
         ('<size njmax=" "/>', "wrong-type", "`njmax` of `<size>` is empty"),
-        ('<keyframe><key name="a"/></keyframe><keyframe><key name="a"/></keyframe>', "name-clash", "two keys are called `a`"),
-        ('<worldbody><geom mode="x" size="1"/></worldbody>', "unknown-attribute", "`mode` is not an attribute of `<geom>`"),
+        (
+            '<keyframe><key name="a"/></keyframe><keyframe><key name="a"/></keyframe>',
+            "name-clash",
+            "two keys are called `a`",
+        ),
+        (
+            '<worldbody><geom mode="x" size="1"/></worldbody>',
+            "unknown-attribute",
+            "`mode` is not an attribute of `<geom>`",
+        ),
         ("<worldbody><frame><bone/></frame></worldbody>", "unknown-element", "`<bone>` cannot be in `<frame>`"),
     ],
-)  # fmt: skip
+)
 def test_what_would_get_lost_is_told(workshop: Workshop, inside: str, code: str, message: str) -> None:
     sink = Sink()
     unit = workshop.unit(f"<mujoco>{inside}</mujoco>")
@@ -123,10 +138,11 @@ def test_what_mujoco_passes_over_in_the_file_itself_is_no_fault(workshop: Worksh
         ('<camera resolution="9 9" fovy="40" sensorsize="1 1"/>', "`fovy` and `sensorsize`"),
         ('<light directional="true" type="spot"/>', "`directional` and `type`"),
     ],
-)  # fmt: skip
+)
 def test_attributes_of_which_mujoco_takes_one(workshop: Workshop, element: str, names: str) -> None:
     """MuJoCo 3.12 to 4.0 looks at them outside of frames alone."""
-    sink, text = Sink(), "<mujoco><worldbody>{}</worldbody></mujoco>"
+    sink = Sink()
+    text = "<mujoco><worldbody>{}</worldbody></mujoco>"
     unit = workshop.unit(text.format(f"<body>{element}</body>"))
     assert not check_source(unit, sink)
     (error,) = sink.errors

@@ -31,11 +31,21 @@ def linked(workshop: Workshop, part: str, of_sub: str, **options: object) -> Lin
 
 
 def settings(model: mujoco.MjModel) -> list[object]:
-    opt, vis = model.opt, model.vis
+    opt = model.opt
+    vis = model.vis
     return [
-        opt.timestep, opt.iterations, opt.cone, opt.gravity.tolist(), opt.disableflags, opt.enableflags,
-        vis.map.znear, vis.map.zfar, vis.global_.realtime, vis.headlight.ambient.tolist(), model.narena,
-    ]  # fmt: skip
+        opt.timestep,
+        opt.iterations,
+        opt.cone,
+        opt.gravity.tolist(),
+        opt.disableflags,
+        opt.enableflags,
+        vis.map.znear,
+        vis.map.zfar,
+        vis.global_.realtime,
+        vis.headlight.ambient.tolist(),
+        model.narena,
+    ]
 
 
 ASKED = """<option timestep=".001" iterations="7" gravity="0 0 -1"><flag energy="enable" gravity="disable"/></option>
@@ -185,7 +195,8 @@ def test_sub_models_of_compositions_keep_their_files(workshop: Workshop) -> None
 
 
 def test_sub_models_of_compositions_that_differ_in_a_mesh_alone_stay_apart(workshop: Workshop) -> None:
-    parts, alone = [], []
+    parts = []
+    alone = []
     for prefix, content in (("a/", SUB_FILES), ("b/", {**SUB_FILES, "s/m/a.obj": obj(0.7)})):
         inner = workshop.link(BASE, Piece(HOLDER, "p/", files=content))
         unit = composed(inner)

@@ -27,7 +27,8 @@ class Taken:
     """A subtree taken of a model, and both compiled."""
 
     def __init__(self, path: Path, body: str, **options: object) -> None:
-        self.path, self.body = path, body
+        self.path = path
+        self.body = body
         self.sink = Sink()
         unit = parse_file(path, self.sink)
         assert unit is not None
@@ -94,8 +95,13 @@ def test_a_body_keeps_its_pose_and_that_of_the_frames_around_it(take) -> None:  
     taken = take(text, "arm")
     taken.check()
     assert [each.tag for each in taken.unit.root.find("worldbody").iter("frame", "body", "geom")] == [
-        "frame", "frame", "body", "geom", "body", "geom",
-    ]  # fmt: skip
+        "frame",
+        "frame",
+        "body",
+        "geom",
+        "body",
+        "geom",
+    ]
     assert {"geom gone", "geom floor", "body base", "joint base"} <= taken.left
 
 
@@ -167,8 +173,16 @@ def test_what_concerns_the_body_alone_comes_with_it(take) -> None:  # type: igno
         "sensor ref": "the geom `base`",
         "tuple both": "the body `base`",
     }
-    assert taken.left >= {"pair out", "tendon out", "equality out", "actuator out", "sensor out", "sensor none",
-                          "numeric none", "text none"}  # fmt: skip
+    assert taken.left >= {
+        "pair out",
+        "tendon out",
+        "equality out",
+        "actuator out",
+        "sensor out",
+        "sensor none",
+        "numeric none",
+        "text none",
+    }
 
 
 def test_what_a_tuple_of_the_body_holds_comes_with_it(take) -> None:  # type: ignore[no-untyped-def]
@@ -193,8 +207,10 @@ def test_a_camera_that_looks_at_something_else_is_cut(take) -> None:  # type: ig
     taken = take(model(arm, sensor), "arm")
     model_ = taken.check()
     assert taken.cut == {
-        "camera back": "the body `base`", "light lit": "the body `base`", "sensor seen": "the camera `back`",
-    }  # fmt: skip
+        "camera back": "the body `base`",
+        "light lit": "the body `base`",
+        "sensor seen": "the camera `back`",
+    }
     assert (model_.ncam, model_.nlight) == (2, 1)
 
 

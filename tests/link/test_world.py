@@ -248,7 +248,8 @@ EQUALITIES = [
     '<weld site1="here" site2="of_a"/>',
 ]
 POSE = Pose((3.0, -1.0, 0.5), normalize((0.8, 0.3, -0.2, 0.4)))
-SECTIONS_FREE, HINGE = "<freejoint/>", '<joint axis="0 1 0" damping=".02"/>'
+SECTIONS_FREE = "<freejoint/>"
+HINGE = '<joint axis="0 1 0" damping=".02"/>'
 CART = """<mujoco><worldbody><body name="cart" pos="0 1 0" euler="0 0 40"><joint type="slide" axis="1 0 0"/>
   <joint type="hinge" axis="0 1 1"/><geom size=".1" mass="5"/>
   <frame euler="0 50 0"><site name="deck" pos=".1 .2 .3" euler="15 0 0"/></frame></body></worldbody></mujoco>"""
@@ -256,7 +257,8 @@ CART = """<mujoco><worldbody><body name="cart" pos="0 1 0" euler="0 0 40"><joint
 
 def follows(alone: mujoco.MjModel, composed: mujoco.MjModel, pose: Pose, seconds: float) -> None:
     """The part moves as it does alone, in a world that is moved by `pose`; it starts at another pose than the reference."""
-    mine, theirs = mujoco.MjData(alone), mujoco.MjData(composed)
+    mine = mujoco.MjData(alone)
+    theirs = mujoco.MjData(composed)
     for data in (mine, theirs):
         data.qpos[-1] += 0.2
         data.qvel[-1] = 0.4
@@ -290,7 +292,8 @@ def test_below_a_body_its_world_is_that_body(workshop: Workshop, equality: str, 
     at = placed("site", "deck", pos=(0.1, 0.0, 0.2), quat=POSE.quat)
     composed = workshop.link(CART, Piece(text, place=at, options=piece)).check()
     alone = mujoco.MjModel.from_xml_string(text)
-    mine, theirs = mujoco.MjData(alone), mujoco.MjData(composed)
+    mine = mujoco.MjData(alone)
+    theirs = mujoco.MjData(composed)
     for turns in ([0.3, -0.4], [1.1, 0.7]):
         mine.qpos[:] = theirs.qpos[-2:] = turns
         theirs.qpos[:-2] = np.array([0.7, -0.5, 0.3])[: composed.nq - 2]
@@ -351,8 +354,13 @@ def test_sensors_and_tuples_that_name_the_world_keep_it(workshop: Workshop, wher
 
 
 def test_in_the_world_the_world_keeps_its_name(workshop: Workshop) -> None:
-    linked = workshop.link(BASE, Piece(NAMING.replace("<camera", "<!--").replace('"world"/></worldbody>', '"--></worldbody>'),
-                                       place=placed(pos=(1, 0, 0))))  # fmt: skip
+    linked = workshop.link(
+        BASE,
+        Piece(
+            NAMING.replace("<camera", "<!--").replace('"world"/></worldbody>', '"--></worldbody>'),
+            place=placed(pos=(1, 0, 0)),
+        ),
+    )
     assert 'body1="world"' in linked.xml and 'refname="world"' in linked.xml
     linked.check()
 

@@ -27,8 +27,12 @@ class Editor:
         self.stderr = tempfile.TemporaryFile()  # noqa: SIM115  a pipe that nobody reads would hold the server up
         self.process = subprocess.Popen(
             [sys.executable, "-m", "mjcompose", "lsp", "--stdio"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.stderr, cwd=folder, env=environment,
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.stderr,
+            cwd=folder,
+            env=environment,
+        )
         self.messages: queue.Queue[Any] = queue.Queue()
         self.published: dict[str, list[Any]] = {}
         self.log: list[str] = []
@@ -119,7 +123,8 @@ class Editor:
             raise AssertionError(f"the server has ended: {self.stderr.read().decode()}")
         method = message.get("method")
         if method == "textDocument/publishDiagnostics":
-            uri, version = message["params"]["uri"], message["params"].get("version")
+            uri = message["params"]["uri"]
+            version = message["params"].get("version")
             if version is None or version >= self.versions.get(uri, 0):  # others are of an earlier text
                 self.published[uri] = message["params"]["diagnostics"]
         elif method == "window/logMessage":
@@ -199,7 +204,8 @@ def labels(items: list[Any]) -> list[str]:
 def stretch(place: dict[str, Any], text: str) -> str:
     """The text of a range, as an editor counts: in UTF-16."""
     lines = text.replace("\r\n", "\n").split("\n")
-    begin, end = place["start"], place["end"]
+    begin = place["start"]
+    end = place["end"]
     assert begin["line"] == end["line"]
     line = lines[begin["line"]].encode("utf-16-le")
     return line[2 * begin["character"] : 2 * end["character"]].decode("utf-16-le")

@@ -56,10 +56,19 @@ def test_a_file_that_was_never_saved(editor: Editor) -> None:
 def test_everything_the_docs_promise_is_offered(editor: Editor) -> None:
     offered = {name for name, value in editor.capabilities.items() if value}
     assert {
-        "completionProvider", "hoverProvider", "definitionProvider", "referencesProvider", "renameProvider",
-        "codeActionProvider", "documentSymbolProvider", "foldingRangeProvider", "inlayHintProvider",
-        "codeLensProvider", "documentFormattingProvider", "executeCommandProvider",
-    } <= offered  # fmt: skip
+        "completionProvider",
+        "hoverProvider",
+        "definitionProvider",
+        "referencesProvider",
+        "renameProvider",
+        "codeActionProvider",
+        "documentSymbolProvider",
+        "foldingRangeProvider",
+        "inlayHintProvider",
+        "codeLensProvider",
+        "documentFormattingProvider",
+        "executeCommandProvider",
+    } <= offered
 
 
 def test_the_server_ends_with_its_editor(tmp_path: Path) -> None:

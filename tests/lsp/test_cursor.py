@@ -40,7 +40,8 @@ def test_every_key_and_value_of_a_recipe_is_found_where_the_tree_has_it(recipe: 
     text = recipe.read_text(encoding="utf-8")
     tree = load(text, recipe.name, Sink())
     assert tree is not None
-    lines, count = lines_of(text), 0
+    lines = lines_of(text)
+    count = 0
     for path, role, span in scalars(tree, ()):
         if span.end_column is None or span.end_column == span.column:
             continue
@@ -71,8 +72,12 @@ def test_every_key_and_value_of_a_recipe_is_found_where_the_tree_has_it(recipe: 
         ("edit:\n- a: 1\n- ▮", ("edit", 1), "either", ""),
         ("edit:\n- a: 1\n  ▮", ("edit", 0), "key", ""),
         ("edit:\n  - a: 1\n  - b▮", ("edit", 1), "either", "b"),
-        ("add:\n  - to: world\n    body:\n      geom:\n        - {type: box}\n        - {▮",
-         ("add", 0, "body", "geom", 1), "key", ""),
+        (
+            "add:\n  - to: world\n    body:\n      geom:\n        - {type: box}\n        - {▮",
+            ("add", 0, "body", "geom", 1),
+            "key",
+            "",
+        ),
         ("a:\n  pos: [0, 1, ▮", ("a", "pos", 2), "either", ""),
         ("a:\n  pos: [0,\n    1,\n    ▮", ("a", "pos", 2), "either", ""),
         ("a:\n  xml: |\n    <geom ▮", ("a", "xml"), "text", ""),
@@ -85,7 +90,7 @@ def test_every_key_and_value_of_a_recipe_is_found_where_the_tree_has_it(recipe: 
         ("a: &anchor ▮", ("a",), "value", ""),
         ("]]}} : ▮", (), "key", "]]}} : "),
     ],
-)  # fmt: skip
+)
 def test_half_written(marked: str, path: tuple[Any, ...], role: str, word: str) -> None:
     found = at(marked)
     assert (found.path, found.role, found.word) == (path, role, word)

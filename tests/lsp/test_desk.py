@@ -28,7 +28,9 @@ class Judge:
 
     def __init__(self) -> None:
         self.asked: list[str] = []
-        self.begun, self.may_answer, self.asked_again = (threading.Event(), threading.Event(), threading.Event())
+        self.begun = threading.Event()
+        self.may_answer = threading.Event()
+        self.asked_again = threading.Event()
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         self.asked.append(text)
@@ -49,7 +51,9 @@ def judge(monkeypatch: pytest.MonkeyPatch) -> Judge:
 def published(folder: Path, judge: Judge, meanwhile: str) -> list[list[str]]:
     """The codes that were published of a recipe, one list each time, where something happens before the verdict."""
     (folder / "m.xml").write_text(MODEL)
-    path, found, wrong = folder / "r.yaml", [], []
+    path = folder / "r.yaml"
+    found = []
+    wrong = []
 
     async def edit() -> None:
         desk = Desk(folder, lambda _, faults: found.append([each.code for each in faults]), wrong.append)

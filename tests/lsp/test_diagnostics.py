@@ -51,7 +51,8 @@ def test_another_encoding_is_heeded_where_the_editor_asks_for_it(folder: Path, s
     with Editor(folder, encodings=["utf-8"]) as own:
         assert own.capabilities["positionEncoding"] == "utf-8"
         (found,) = own.diagnostics(own.open("small/utf8.yaml", text))
-    begin, end = found["range"]["start"], found["range"]["end"]
+    begin = found["range"]["start"]
+    end = found["range"]["end"]
     line = text.splitlines()[1].encode()
     assert line[begin["character"] : end["character"]] == b"sitt"
 

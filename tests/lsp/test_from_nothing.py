@@ -35,13 +35,15 @@ LINES = """\
 «edit»:
   - {«select»: {«geom»: "«tool/*»"}, «set»: {«condim»: 4}}
 """
-OPEN, CLOSE = "«", "»"
+OPEN = "«"
+CLOSE = "»"
 
 
 def test_two_arms_a_table_and_a_tool(editor: Editor) -> None:
     name = "two_arms_from_nothing.recipe.yaml"
     uri = editor.open(name, "")
-    text, missing = "", []
+    text = ""
+    missing = []
     for line in LINES.splitlines(keepends=True):
         for piece in line.split(OPEN):
             wanted, closed, rest = piece.partition(CLOSE)

@@ -135,9 +135,10 @@ def test_many_prefixes_and_deletions(typist: Typist) -> None:
     """At every second end of a word or number, and now and then inside of one."""
     text = typist.recipe.read_text(encoding="utf-8")
     ends = (
-        at for at in range(len(text) + 1)
+        at
+        for at in range(len(text) + 1)
         if at % 8 == 0 or not (text[at - 1 : at].isalnum() and text[at : at + 1].isalnum())
-    )  # fmt: skip
+    )
     for number, at in enumerate(islice(ends, 0, None, 2)):
         typist.types(text[:at], at, analyzed=number % 20 == 0)
     for shorter, at in deletions(text, 30, 2):

@@ -26,7 +26,8 @@ ARM = """\
 
 
 def asked(marked: str) -> ModelQuestion:
-    at, text = position(marked), marked.replace(MARK, "")
+    at = position(marked)
+    text = marked.replace(MARK, "")
     return ModelQuestion(ModelAnalysis(Path("arm.xml"), Path(), text), text.split("\n"), at["line"], at["character"])
 
 
@@ -35,19 +36,19 @@ def asked(marked: str) -> ModelQuestion:
     [
         ("<geom name", "<ge▮om name", "tag", "mujoco/worldbody/body", "ge"),
         ("<geom name", "<▮\n<geom name", "tag", "mujoco/worldbody/body", ""),
-        ("name=\"rod\"", "na▮me=\"rod\"", "key", "mujoco/worldbody/body/geom", "na"),
-        (" size=\"0.1 0.2\"", " ▮", "key", "mujoco/worldbody/body/geom", ""),
-        (" size=\"0.1 0.2\"/>", " ▮", "key", "mujoco/worldbody/body/geom", ""),
-        ("\"rod\"", "\"r▮od\"", "value", "mujoco/worldbody/body/geom/name", "r"),
-        ("\"rod\"", "\"r▮", "value", "mujoco/worldbody/body/geom/name", "r"),
-        ("\"rod\"", "▮", "value", "mujoco/worldbody/body/geom/name", ""),
+        ('name="rod"', 'na▮me="rod"', "key", "mujoco/worldbody/body/geom", "na"),
+        (' size="0.1 0.2"', " ▮", "key", "mujoco/worldbody/body/geom", ""),
+        (' size="0.1 0.2"/>', " ▮", "key", "mujoco/worldbody/body/geom", ""),
+        ('"rod"', '"r▮od"', "value", "mujoco/worldbody/body/geom/name", "r"),
+        ('"rod"', '"r▮', "value", "mujoco/worldbody/body/geom/name", "r"),
+        ('"rod"', "▮", "value", "mujoco/worldbody/body/geom/name", ""),
         ("0.1 0.2", "0.1 0.▮2", "value", "mujoco/worldbody/body/geom/size", "0."),
         ("a geom", "a ▮geom", "text", "mujoco/worldbody/body", ""),
         ("<!--", "jo▮<!--", "content", "mujoco/worldbody/body", "jo"),
         ("</body>", "</b▮ody>", "end", "mujoco/worldbody/body", "b"),
         ("</worldbody>\n", "▮", "content", "mujoco/worldbody", ""),
     ],
-)  # fmt: skip
+)
 def test_the_place_of_a_cursor(old: str, new: str, role: str, path: str, word: str) -> None:
     cursor = asked(ARM.replace(old, new, 1)).cursor
     assert (cursor.role, "/".join(map(str, cursor.path)), cursor.word) == (role, path, word)
@@ -65,10 +66,13 @@ def test_every_beginning_of_a_text_can_be_read() -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("0.2\"/>", "0.2\" name=\"other\"/>"), ("<geom name", "<4 <geom name"), ("</body>", ""), ("<worldbody>", ""),
+        ('0.2"/>', '0.2" name="other"/>'),
+        ("<geom name", "<4 <geom name"),
+        ("</body>", ""),
+        ("<worldbody>", ""),
         ("<worldbody>", "<visua\n<worldbody>"),
     ],
-)  # fmt: skip
+)
 def test_a_fault_leaves_the_names_of_the_rest(old: str, new: str, tmp_path: Path) -> None:
     unit, nodes = read_model(tmp_path / "arm.xml", ARM.replace(old, new), tmp_path)
     assert unit is not None

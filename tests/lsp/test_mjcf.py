@@ -116,7 +116,7 @@ def marked(old: str, new: str, text: str = ARM) -> str:
         ('meshdir="meshes"', 'autolimits="▮"', {"true", "false"}, set()),
         ("</worldbody>", "</▮", {"worldbody"}, set()),
     ],
-)  # fmt: skip
+)
 def test_completion(own: Editor, old: str, new: str, some: set[str], not_there: set[str]) -> None:
     own.complete(ARM.replace("<mujoco", MARK + "<mujoco", 1), "arm.xml")  # the names of the whole text are known
     found = labels(own.complete(marked(old, new), "arm.xml"))

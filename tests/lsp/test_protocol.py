@@ -34,13 +34,21 @@ def read(sent: bytes, structure: Any = _structured) -> tuple[list[Any], list[tup
 @pytest.mark.parametrize(
     "head",
     [
-        b"Content-Length: -5\r\n\r\n", b"Content-Length: 0\r\n\r\n", b"Content-Length: five\r\n\r\n", b"Content-Length:\r\n\r\n",
-        b"Content-Length: 1e3\r\n\r\n", b"Content-Length: \xb2\r\n\r\n", b"Content-Length: 9" + b"9" * 99 + b"\r\n\r\n",
-        b"Content-Length: 3\r\nContent-Length: 4\r\n\r\n", b"Content-Type: x\r\n\r\n", b"Content-Length: -5\r\n\r\n" + json.dumps(GOOD).encode(),
-        b"Content-Length: -1\r\n\r\n{\n\"a\": 1\n}", b"\0\xff\r\n\r\n",
+        b"Content-Length: -5\r\n\r\n",
+        b"Content-Length: 0\r\n\r\n",
+        b"Content-Length: five\r\n\r\n",
+        b"Content-Length:\r\n\r\n",
+        b"Content-Length: 1e3\r\n\r\n",
+        b"Content-Length: \xb2\r\n\r\n",
+        b"Content-Length: 9" + b"9" * 99 + b"\r\n\r\n",
+        b"Content-Length: 3\r\nContent-Length: 4\r\n\r\n",
+        b"Content-Type: x\r\n\r\n",
+        b"Content-Length: -5\r\n\r\n" + json.dumps(GOOD).encode(),
+        b'Content-Length: -1\r\n\r\n{\n"a": 1\n}',
+        b"\0\xff\r\n\r\n",
         b"Content-Length:" + b" " * 60_000 + b"x\r\n\r\n",
     ],
-)  # fmt: skip
+)
 def test_a_head_without_a_length_is_answered_and_the_next_message_is_heard(head: bytes) -> None:
     got, answers = read(head + frame(GOOD))
     assert got == [GOOD]
@@ -51,8 +59,9 @@ def test_a_head_without_a_length_is_answered_and_the_next_message_is_heard(head:
 def test_heads_may_be_written_in_other_ways(head: bytes) -> None:
     body = json.dumps(GOOD).encode()
     assert read(head % len(body) + body + frame({**GOOD, "method": "exit", "id": 8})) == (
-        [GOOD], [(8, INVALID_REQUEST, "the server is shutting down")],
-    )  # fmt: skip
+        [GOOD],
+        [(8, INVALID_REQUEST, "the server is shutting down")],
+    )
 
 
 POSITION = {"textDocument": {"uri": "file:///a"}, "position": {"line": 0, "character": 0}}

@@ -82,7 +82,10 @@ GRIPPER = """
 
 def tetrahedron(size: float) -> bytes:
     """A mesh as a binary STL."""
-    a, b, c, d = (0.0, 0.0, 0.0), (size, 0.0, 0.0), (0.0, size, 0.0), (0.0, 0.0, size)
+    a = (0.0, 0.0, 0.0)
+    b = (size, 0.0, 0.0)
+    c = (0.0, size, 0.0)
+    d = (0.0, 0.0, size)
     faces = [(a, c, b), (a, b, d), (b, c, d), (a, d, c)]
     body = b"".join(struct.pack("<12fH", 0, 0, 0, *x, *y, *z, 0) for x, y, z in faces)
     return b"\0" * 80 + struct.pack("<I", len(faces)) + body

@@ -149,7 +149,8 @@ def test_paths_are_taken_as_text_or_as_paths(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_given_as_it_was_read_keeps_its_name(arm: mjcf.RootElement) -> None:
-    mesh, text = arm.find("mesh", "shell"), arm.to_xml_string()
+    mesh = arm.find("mesh", "shell")
+    text = arm.to_xml_string()
     mesh.file = mesh.file
     other = arm.asset.add("mesh", name="other", file=mesh.file)
     assert other._node.get("file") == mesh._node.get("file") == "shell.stl"
@@ -206,7 +207,8 @@ def test_a_file_on_disk_stays_as_it_is(tmp_path: Path) -> None:
 
 
 def test_a_bone_in_an_attached_model_and_in_the_one_above() -> None:
-    scene, doll = _model("doll/b", "scene"), _model()
+    scene = _model("doll/b", "scene")
+    doll = _model()
     with pytest.raises(mjcf.MjcfError, match="which would have two"):
         scene.attach(doll)
     scene.worldbody.body["doll/b"].remove()

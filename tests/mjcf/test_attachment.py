@@ -38,7 +38,8 @@ def test_everything_is_found_where_it_hangs(
 ) -> None:
     bodies = [body.full_identifier for body in arm.find_all("body")]
     assert bodies == ["base", "upper", "fore", "gripper/palm", "gripper/left", "gripper/right"]
-    fore, base = arm.find("body", "fore"), arm.find("geom", "base")
+    fore = arm.find("body", "fore")
+    base = arm.find("geom", "base")
     assert fore is not None and base is not None
     assert fore.find("body", "gripper/palm") is gripper.find("body", "palm")
     assert len(fore.find_all("joint")) == 3 and fore.find("actuator", "gripper/fingers") is None
@@ -302,7 +303,8 @@ def test_models_attached_to_attached_models(
     model = compiled(cell)
     assert model.geom("arm/gripper/tool/tip").bodyid == model.body("arm/gripper/right").id
     assert model.sensor("arm/left").objid == model.joint("arm/gripper/left").id
-    arm.model, gripper.model = "robot", "hand"
+    arm.model = "robot"
+    gripper.model = "hand"
     assert compiled(cell).sensor("tip").objid == compiled(cell).geom("robot/hand/tool/tip").id
     assert compiled(arm).sensor("left").objid == compiled(arm).joint("hand/left").id
 
@@ -387,7 +389,8 @@ def _ball(name: str) -> mjcf.RootElement:
 
 def _scene() -> tuple[mjcf.RootElement, list[mjcf.RootElement]]:
     """Two models beside each other, and a third one on the second, which refers to the first."""
-    root, models = mjcf.RootElement("scene"), [_ball(name) for name in ("one", "two", "three")]
+    root = mjcf.RootElement("scene")
+    models = [_ball(name) for name in ("one", "two", "three")]
     root.attach(models[0])
     root.attach(models[1])
     models[1].find("body", "b").attach(models[2])
@@ -402,7 +405,8 @@ def _ids(model: mujoco.MjModel, sensor: str) -> tuple[int, int]:
 def test_models_beside_one_another_refer_to_each_other(compiled: Compiled) -> None:
     root, (one, two, three) = _scene()
     for child, other in ((one, two), (two, one), (three, one), (one, three), (three, two)):
-        body, site = other.find("body", "b"), child.find("site", "s")
+        body = other.find("body", "b")
+        site = child.find("site", "s")
         sensor = child.sensor.add(
             "framepos", name=f"to_{other.model}", objtype="body", objname=body, reftype="site", refname=site
         )
@@ -423,7 +427,8 @@ def test_what_is_referred_to_from_beside_may_be_renamed_and_removed(compiled: Co
     root, (one, _two, three) = _scene()
     site = three.find("site", "s")
     sensor = one.sensor.add("framepos", name="there", objtype="site", objname=site)
-    three.model, site.name = "third", "renamed"
+    three.model = "third"
+    site.name = "renamed"
     assert sensor.objname is site and 'objname="../two/third/renamed"' in repr(sensor)
     model = compiled(root)
     assert _ids(model, "one/there")[0] == model.site("two/third/renamed").id
@@ -453,14 +458,17 @@ def test_references_follow_in_a_process_that_made_none_of_them(tmp_path: Path) -
 
 
 def test_what_is_referred_to_may_be_attached_later(compiled: Compiled) -> None:
-    root, walker, ball = mjcf.RootElement("scene"), _ball("walker"), _ball("ball")
+    root = mjcf.RootElement("scene")
+    walker = _ball("walker")
+    ball = _ball("ball")
     body = ball.find("body", "b")
     sensor = walker.sensor.add("framepos", name="s", objtype="body", objname=body)
     assert sensor.objname is body
     with pytest.raises(mjcf.MjcfError, match="`objname` to `<body>` `b` of the model `ball`, which is not attached"):
         walker.to_xml_string()
     root.attach(walker)
-    body.name, ball.model = "moved", "other"
+    body.name = "moved"
+    ball.model = "other"
     root.attach(_ball("ball"))  # it has the names that the other one had
     assert sensor.objname is body
     with pytest.raises(mjcf.MjcfError, match="which is not attached"):
@@ -471,8 +479,10 @@ def test_what_is_referred_to_may_be_attached_later(compiled: Compiled) -> None:
 
 
 def test_a_body_between_has_the_least_mass_that_its_parent_asks_for(compiled: Compiled) -> None:
-    root, child = mjcf.RootElement("scene"), _ball("walker")
-    root.compiler.boundmass, root.compiler.boundinertia = 2e-5, 1e-6
+    root = mjcf.RootElement("scene")
+    child = _ball("walker")
+    root.compiler.boundmass = 2e-5
+    root.compiler.boundinertia = 1e-6
     root.attach(child).add("joint", name="x", type="slide")
     model = compiled(root)
     assert model.body("walker/").mass[0] == 2e-5 and model.body("walker/").inertia.tolist() == [1e-6] * 3

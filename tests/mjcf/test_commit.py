@@ -105,7 +105,7 @@ def needs_no_class(differences: Differences) -> Callable[[RootElement], None]:
         ('<cylinder diameter="0.5"/>', '<cylinder joint="j" area="2"/>'),
         ('<position kv="3"/>', '<position joint="j" dampratio="1"/>'),
     ],
-)  # fmt: skip
+)
 def test_what_actuators_are_given_can_be_written_on_them(classes: str, actuator: str, needs_no_class: Check) -> None:
     model = _of_actuators(classes, actuator)
     before = model.actuator.all_children()[0].tag
@@ -117,7 +117,8 @@ def test_what_actuators_are_given_can_be_written_on_them(classes: str, actuator:
 
 def test_what_the_tag_cannot_say_makes_it_a_general(needs_no_class: Check) -> None:
     model = _of_actuators('<position kp="7"/><general gainprm="3"/>', '<position name="p" joint="j" ctrlrange="0 1"/>')
-    actuator, joint = model.find("position", "p"), model.find("joint", "j")
+    actuator = model.find("position", "p")
+    joint = model.find("joint", "j")
     with pytest.warns(mjcf.MjcfWarning, match=r"`<position>` `p` is written as a `general`"):
         needs_no_class(model)
     assert model.find("position") is None and model.find("general", "p") is actuator
@@ -135,7 +136,8 @@ def test_a_crank_length_is_written_where_there_is_a_crank() -> None:
 
 
 def test_a_class_of_an_attached_model_gives_what_it_says() -> None:
-    model, child = _of_actuators("", '<position name="p" joint="j"/>'), mjcf.RootElement("child")
+    model = _of_actuators("", '<position name="p" joint="j"/>')
+    child = mjcf.RootElement("child")
     model.default.geom.rgba = [1, 0, 0, 1]
     model.default.position.kp = 3
     child.default.geom.rgba = [0, 1, 0, 1]
@@ -144,8 +146,10 @@ def test_a_class_of_an_attached_model_gives_what_it_says() -> None:
     strong.add("motor", gear=[5])
     child.worldbody.add("body", name="palm").add("geom", size=[1])
     model.attach(child)
-    geom, actuator = model.find("geom"), model.find("actuator", "p")
-    geom.dclass, actuator.dclass = child.default, strong
+    geom = model.find("geom")
+    actuator = model.find("actuator", "p")
+    geom.dclass = child.default
+    actuator.dclass = strong
     assert (geom._node.get("class"), actuator._node.get("class")) == ("child/", "child/strong")
     _same(model)
     assert geom.rgba.tolist() == [0, 1, 0, 1] and actuator.gear.tolist() == [5]

@@ -43,7 +43,8 @@ def test_elements_that_are_copied_together_with_their_model_stay_in_it(
 ) -> None:
     frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
     turn = frame.add("joint", name="turn")
-    shoulder, left = arm.find("joint", "shoulder"), gripper.find("joint", "left")
+    shoulder = arm.find("joint", "shoulder")
+    left = gripper.find("joint", "left")
     for held in (
         {"model": arm, "joints": [shoulder, left], "frame": [frame, turn], "gripper": gripper},
         {"joints": [shoulder, left], "model": None, "frame": [frame, turn], "gripper": None},

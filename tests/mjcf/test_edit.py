@@ -64,7 +64,8 @@ def test_a_reference_in_a_class_goes_without_the_class() -> None:
 
 
 def test_a_section_is_emptied_and_stays(arm: mjcf.RootElement) -> None:
-    sensors, tip = arm.sensor, arm.find("sensor", "tip")
+    sensors = arm.sensor
+    tip = arm.find("sensor", "tip")
     sensors.remove()
     assert arm.sensor is sensors and arm.find("sensor", "tip") is None and tip is not None
     sensors.add("framepos", name="tip", objtype="site", objname="flange")
@@ -87,7 +88,8 @@ def test_cascade_takes_who_refers_to_a_joint_of_an_attachment_frame(
     arm: mjcf.RootElement, gripper: mjcf.RootElement
 ) -> None:
     frame = arm.find("site", "flange").attach(gripper)  # type: ignore[union-attr]
-    turn, slide = frame.add("joint", name="turn"), frame.add("joint")
+    turn = frame.add("joint", name="turn")
+    slide = frame.add("joint")
     arm.sensor.add("jointpos", joint=turn)
     arm.sensor.add("jointpos", name="kept", joint=slide)
     turn.remove(cascade=True)
@@ -95,7 +97,8 @@ def test_cascade_takes_who_refers_to_a_joint_of_an_attachment_frame(
 
 
 def test_cascade_takes_who_refers_to_a_copy_that_a_replicate_makes() -> None:
-    scene, rack = mjcf.RootElement("scene"), mjcf.RootElement("rack")
+    scene = mjcf.RootElement("scene")
+    rack = mjcf.RootElement("rack")
     pads = rack.worldbody.add("replicate", count=12)
     pad = pads.add("site", name="pad")
     rack.worldbody.add("site", name="pad_other")

@@ -195,7 +195,8 @@ class Edits(RuleBasedStateMachine):
     def change_a_file(self, data: st.DataObject, name: str, content: bytes) -> None:
         """Of one file name, whatever is in it; nothing shows it, so that it need not be a picture."""
         root = data.draw(st.sampled_from(self.models))
-        asset, found = mjcf.Asset(content, ".png", "picture"), root.asset.texture
+        asset = mjcf.Asset(content, ".png", "picture")
+        found = root.asset.texture
         if found:
             self._try(lambda: setattr(found[0], "file", asset))
             assert found[0].file.contents == content
@@ -253,7 +254,8 @@ class Edits(RuleBasedStateMachine):
 
     @rule(data=st.data(), tag=st.sampled_from(["body", "site", "worldbody", "joint", "geom"]))
     def attach(self, data: st.DataObject, tag: str) -> None:
-        host, child = self._any(data, tag), data.draw(st.sampled_from(self.models))
+        host = self._any(data, tag)
+        child = data.draw(st.sampled_from(self.models))
         if host is not None:
             wrong = tag in ("joint", "geom") or child is host.root or child.parent_model is not None
             self._try(lambda: host.attach(child), wrong=wrong)
@@ -269,7 +271,8 @@ class Edits(RuleBasedStateMachine):
     def detach(self, data: st.DataObject) -> None:
         """What the others refer to in it goes with it: here all is to stay whole."""
         child = data.draw(st.sampled_from(self.models))
-        prefix, referred = child._model.prefix, False
+        prefix = child._model.prefix
+        referred = False
         for model in child._model.ancestors():
             referred |= any(name.startswith(prefix) for names in model.names.uses.values() for name in names)
             prefix = model.prefix + prefix
@@ -335,7 +338,8 @@ TestEdits.settings = settings(max_examples=40, stateful_step_count=20, deadline=
 
 
 def test_references_to_copies_that_a_replicate_makes_follow_a_new_name() -> None:
-    scene, rack = mjcf.RootElement("scene"), mjcf.RootElement("rack")
+    scene = mjcf.RootElement("scene")
+    rack = mjcf.RootElement("rack")
     pads = rack.worldbody.add("replicate", count=3, offset=[1, 0, 0])
     pad = pads.add("site", name="pad")
     scene.attach(rack)

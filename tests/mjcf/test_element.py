@@ -88,9 +88,13 @@ def test_insert_puts_a_child_before_another(body: mjcf.Element) -> None:
 
 
 def test_renaming_renames_what_refers_to_it(arm: mjcf.RootElement) -> None:
-    fore, flange, visual = (arm.find("body", "upper"), arm.find("site", "flange"), arm.find("default", "visual"))
+    fore = arm.find("body", "upper")
+    flange = arm.find("site", "flange")
+    visual = arm.find("default", "visual")
     assert fore is not None and flange is not None and visual is not None
-    fore.name, flange.name, visual.name = "arm1", "tool", "looks"
+    fore.name = "arm1"
+    flange.name = "tool"
+    visual.name = "looks"
     text = arm.to_xml_string()
     assert 'body2="arm1"' in text and 'objname="tool"' in text and '<geom class="looks"' in text
     assert arm.find("body", "upper") is None and arm.find("body", "arm1") is fore
@@ -258,7 +262,8 @@ def test_it_stays_as_it_was_while_the_model_changes(world: mjcf.Element) -> None
 
 def test_what_is_in_a_list_is_told_by_name_and_by_element() -> None:
     world = mjcf.RootElement().worldbody
-    ball, other = world.add("geom", name="ball", size=[1]), mjcf.RootElement().worldbody.add("geom", size=[1])
+    ball = world.add("geom", name="ball", size=[1])
+    other = mjcf.RootElement().worldbody.add("geom", size=[1])
     assert ball in world.geom and "ball" in world.geom
     assert other not in world.geom and "bal" not in world.geom and None not in world.geom
 

@@ -63,7 +63,8 @@ def test_keys_come_along_under_the_prefix(arm: mjcf.RootElement, gripper: mjcf.R
 def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     arm: mjcf.RootElement, gripper: mjcf.RootElement, compiled: Compiled
 ) -> None:
-    arm.option.impratio, arm.option.cone = 1, "pyramidal"
+    arm.option.impratio = 1
+    arm.option.cone = "pyramidal"
     gripper.option.impratio = 10
     gripper.option.cone = "elliptic"
     arm.attach(gripper)
@@ -85,7 +86,8 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
         model = compiled(arm)
     assert model.opt.impratio == 10 and model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
     assert mujoco.MjModel.from_xml_string(arm.to_xml_string(), arm.assets).opt.impratio == 10
-    arm.option.impratio, arm.option.cone = 10, "elliptic"
+    arm.option.impratio = 10
+    arm.option.cone = "elliptic"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert compiled(arm).opt.impratio == 10
@@ -152,7 +154,8 @@ def test_files_of_models_without_a_name_have_a_folder(tmp_path: Path) -> None:
 
 
 def test_a_model_without_a_file_is_told_by_its_name() -> None:
-    model, child = mjcf.RootElement("table"), mjcf.RootElement("lamp")
+    model = mjcf.RootElement("table")
+    child = mjcf.RootElement("lamp")
     model.attach(child)
     child.keyframe.add("key", name="on", qpos=[1])
     with pytest.raises(mjcf.MjcfError, match="`qpos` of the key `on` has 1 numbers, and `lamp` takes 0"):
@@ -172,7 +175,8 @@ def test_the_text_is_linked_anew_after_any_edit() -> None:
         '<mujoco model="arm"><option timestep="0.001"/><worldbody><body name="a"><geom name="g" size="1"/>'
         '<site name="one"/><site name="two"/></body></worldbody></mujoco>'
     )
-    hand, other = mjcf.RootElement("hand"), mjcf.RootElement("other")
+    hand = mjcf.RootElement("hand")
+    other = mjcf.RootElement("other")
     frame = arm.find("site", "one").attach(hand)
     geom = hand.worldbody.add("geom", name="g", size=[1])
     places = arm.worldbody.add("body", name="b")
@@ -208,8 +212,10 @@ def test_the_text_is_linked_anew_after_any_edit() -> None:
 
 
 def test_the_second_text_is_not_linked_and_has_the_same_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
-    arm, hand = (mjcf.from_xml_string(f'<mujoco model="{name}"><option timestep="{step}"/></mujoco>')
-                 for name, step in (("arm", 0.001), ("hand", 0.002)))  # fmt: skip
+    arm, hand = (
+        mjcf.from_xml_string(f'<mujoco model="{name}"><option timestep="{step}"/></mujoco>')
+        for name, step in (("arm", 0.001), ("hand", 0.002))
+    )
     arm.attach(hand)
     with pytest.warns(mjcf.MjcfWarning) as first:
         text = arm.to_xml_string(conflict="base")
@@ -324,7 +330,8 @@ def test_what_is_more_than_a_folder_is_left_to_the_linker(xml: str) -> None:
 
 
 def test_models_with_parts_and_files_from_memory_are_left_to_the_linker() -> None:
-    arm, tool = mjcf.RootElement("arm"), mjcf.RootElement("tool")
+    arm = mjcf.RootElement("arm")
+    tool = mjcf.RootElement("tool")
     arm.attach(tool)
     assert quick(arm) is None and quick(tool) is not None
     tool.asset.add("mesh", name="m", file=mjcf.Asset(b"o m", ".obj", "m"))

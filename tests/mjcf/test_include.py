@@ -20,7 +20,8 @@ def test_an_empty_model_becomes_the_other(arm: RootElement, compiled: Compiled) 
     model = mjcf.RootElement("new")
     model.include_copy(arm)
     assert model.model == "new"
-    ours, theirs = compiled(model), compiled(arm)
+    ours = compiled(model)
+    theirs = compiled(arm)
     for name in ("body_pos", "body_inertia", "jnt_range", "dof_damping", "mesh_vert", "actuator_gainprm", "geom_rgba"):
         assert getattr(ours, name).tolist() == getattr(theirs, name).tolist(), name
     assert model.find("joint", "shoulder").origin == arm.find("joint", "shoulder").origin
@@ -78,7 +79,8 @@ def test_settings_that_differ() -> None:
 def test_a_setting_that_would_change_what_elements_mean(settings: str) -> None:
     geom = '<worldbody><geom size="1"/></worldbody>'
     for one, two in (("", settings), (settings, "")):
-        model, other = _model(geom + one), _model(geom + two)
+        model = _model(geom + one)
+        other = _model(geom + two)
         with pytest.raises(MjcfError, match="is not the same in"):
             model.include_copy(other)
         mjcf.RootElement().include_copy(other)
@@ -114,7 +116,8 @@ def test_attached_models_come_along(arm: RootElement, gripper: RootElement, comp
     model.include_copy(arm)
     assert [each.model for each in model.attached_models] == ["gripper", "hand"]
     assert gripper.parent_model is arm
-    ours, theirs = compiled(model), compiled(arm)
+    ours = compiled(model)
+    theirs = compiled(arm)
     assert ours.njnt == theirs.njnt and ours.nbody == theirs.nbody
     joint = model.find("joint", "gripper/turn")
     assert model.compile_model().bind(joint).element_id == ours.joint("gripper/turn").id

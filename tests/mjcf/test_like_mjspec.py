@@ -44,7 +44,8 @@ def test_on_a_body_with_an_offset(
 ) -> None:
     (folder / "gripper" / "shell.stl").write_bytes((folder / "arm" / "meshes" / "shell.stl").read_bytes())
     frame = arm.find("body", "upper").attach(gripper)  # type: ignore[union-attr]
-    frame.pos, frame.quat = [0.1, 0.2, 0.3], [0.8, 0, 0.6, 0]
+    frame.pos = [0.1, 0.2, 0.3]
+    frame.quat = [0.8, 0, 0.6, 0]
     base = spec(folder / "arm" / "arm.xml")
     place = base.body("upper").add_frame(pos=[0.1, 0.2, 0.3], quat=[0.8, 0, 0.6, 0])
     base.attach(spec(folder / "gripper" / "gripper.xml"), prefix="gripper/", frame=place)
@@ -55,7 +56,8 @@ def test_on_a_body_with_an_offset(
 def test_a_real_arm_with_a_real_gripper(menagerie_root: Path, tmp_path: Path) -> None:
     arm_path = menagerie_root / "universal_robots_ur5e" / "ur5e.xml"
     gripper_path = menagerie_root / "robotiq_2f85" / "2f85.xml"
-    arm, gripper = mjcf.from_path(arm_path), mjcf.from_path(gripper_path)
+    arm = mjcf.from_path(arm_path)
+    gripper = mjcf.from_path(gripper_path)
     gripper.model = "gripper"
     arm.find("site", "attachment_site").attach(gripper)  # type: ignore[union-attr]
     base = spec(arm_path)

@@ -101,7 +101,8 @@ def test_what_stands_very_deep_is_counted() -> None:
         body = body.add("body", name=f"b{number}")
     assert len(text(model.worldbody._repr_html_())) < 5000
     assert text(model.worldbody._repr_html_()).endswith("… 1400 elements")
-    outer, rest = mjcf.RootElement("outer"), mjcf.RootElement("rest")
+    outer = mjcf.RootElement("outer")
+    rest = mjcf.RootElement("rest")
     outer.worldbody.add("body")
     for number in range(html.SHOWN):
         outer.worldbody.add("geom", name=f"g{number}", size=[1])

@@ -13,7 +13,8 @@ from mjcompose.mjcf import RootElement
 @pytest.fixture
 def cell() -> RootElement:
     """Its mass is scaled, which is measured; what hangs on it is referred to from every section."""
-    cell, ball = RootElement("cell"), RootElement("ball")
+    cell = RootElement("cell")
+    ball = RootElement("ball")
     cell.compiler.settotalmass = 3
     table = cell.worldbody.add("body", name="table")
     table.add("joint", name="slide", type="slide")
@@ -67,7 +68,8 @@ def test_the_model_is_measured_without_what_hangs_on_it(
 
 
 def test_a_weld_to_the_frame_of_what_hangs_on_it() -> None:
-    cell, ball = RootElement("cell"), RootElement("ball")
+    cell = RootElement("cell")
+    ball = RootElement("ball")
     cell.compiler.boundmass = 2
     cell.worldbody.add("body", name="table").add("geom", size=[0.01])
     ball.worldbody.add("geom", size=[0.1])
@@ -80,7 +82,8 @@ def test_a_weld_to_the_frame_of_what_hangs_on_it() -> None:
 
 def test_mass_that_hangs_on_it_is_told_as_missing() -> None:
     """A geom with a mesh of the attached model cannot be weighed without that."""
-    cell, tool = RootElement("cell"), RootElement("tool")
+    cell = RootElement("cell")
+    tool = RootElement("tool")
     cell.compiler.boundmass = 2
     tool.asset.add("mesh", name="m", vertex=[0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
     cell.attach(tool)
@@ -145,7 +148,8 @@ def test_sections_written_twice_become_one() -> None:
     assert (model.compiler.angle, model.compiler.eulerseq) == ("degree", "zyx")
     assert (model.option.timestep, model.option.flag.contact, model.option.flag.energy) == (0.2, "disable", "enable")
     assert (model.visual.map.znear, model.visual.map.zfar) == (0.5, 9)
-    one, other = mujoco.MjModel.from_xml_string(text), mujoco.MjModel.from_xml_string(model.to_xml_string())
+    one = mujoco.MjModel.from_xml_string(text)
+    other = mujoco.MjModel.from_xml_string(model.to_xml_string())
     assert one.geom_group.tolist() == other.geom_group.tolist() == [2, 1]
     assert one.geom_quat.tolist() == other.geom_quat.tolist()
     assert one.opt.timestep == other.opt.timestep and one.vis.map.zfar == other.vis.map.zfar

@@ -106,7 +106,8 @@ def test_only_a_whole_model_is_exported(both: mjcf.RootElement, tmp_path: Path) 
 
 
 def test_conflicts_are_settled_as_asked(both: mjcf.RootElement, gripper: mjcf.RootElement, tmp_path: Path) -> None:
-    both.option.timestep, gripper.option.timestep = 0.002, 0.001
+    both.option.timestep = 0.002
+    gripper.option.timestep = 0.001
     with pytest.raises(mjcf.MjcfError, match=r"option\.timestep"):
         mjcf.export_with_assets(both, tmp_path / "out")
     with pytest.warns(mjcf.MjcfWarning):

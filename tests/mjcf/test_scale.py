@@ -10,7 +10,8 @@ import pytest
 from mjcompose import mjcf
 from mjcompose.mjcf import RootElement
 
-_FEW, _MANY = 50, 1000
+_FEW = 50
+_MANY = 1000
 
 
 def _calls(work: Callable[[], object]) -> int:

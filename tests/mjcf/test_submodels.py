@@ -62,8 +62,10 @@ def test_it_comes_with_its_files(make: Make, tmp_path: Path) -> None:
 
 @made
 def test_two_that_have_files_of_one_name(make: Make, tmp_path: Path) -> None:
-    left, right = make(tmp_path / "a", "left", 1), make(tmp_path / "b", "right", 9)
-    one, other = _widths(left), _widths(right)
+    left = make(tmp_path / "a", "left", 1)
+    right = make(tmp_path / "b", "right", 9)
+    one = _widths(left)
+    other = _widths(right)
     right.model = "other"
     left.attach(right)
     assert one != other and sorted(_widths(left)) == sorted(one + other)
@@ -71,7 +73,8 @@ def test_two_that_have_files_of_one_name(make: Make, tmp_path: Path) -> None:
 
 @made
 def test_it_is_included_with_its_files(make: Make, tmp_path: Path) -> None:
-    left, right = make(tmp_path / "a", "left", 1), make(tmp_path / "b", "right", 9)
+    left = make(tmp_path / "a", "left", 1)
+    right = make(tmp_path / "b", "right", 9)
     both = mjcf.RootElement("both")
     both.include_copy(left)
     assert _widths(both) == _widths(left)

@@ -38,7 +38,8 @@ def test_the_same_tag_in_another_section_is_another_thing(gripper: mjcf.RootElem
 
 
 def test_only_what_is_below_is_found(arm: mjcf.RootElement) -> None:
-    fore, upper = arm.find("body", "fore"), arm.find("body", "upper")
+    fore = arm.find("body", "fore")
+    upper = arm.find("body", "upper")
     assert fore is not None and upper is not None
     assert fore.find("joint", "shoulder") is None and upper.find("joint", "elbow_joint") is fore.joint[0]
     assert fore.find("body", "fore") is None
@@ -86,8 +87,19 @@ def chain() -> list[mjcf.RootElement]:
 def test_attached_bodies_stand_after_the_children_of_what_carries_them(chain: list[mjcf.RootElement]) -> None:
     found = [body.full_identifier for body in chain[0].find_all("body")]
     assert found == [
-        "1", "1.1", "b/1", "b/1.1", "b/c/1", "b/c/1.1", "b/c/d/1", "b/c/d/1.1", "b/c/d/2", "b/c/2", "b/2", "2",
-    ]  # fmt: skip
+        "1",
+        "1.1",
+        "b/1",
+        "b/1.1",
+        "b/c/1",
+        "b/c/1.1",
+        "b/c/d/1",
+        "b/c/d/1.1",
+        "b/c/d/2",
+        "b/c/2",
+        "b/2",
+        "2",
+    ]
     written = chain[0].to_xml_string()
     places = [written.index(f'name="{name}"') for name in found]
     assert places == sorted(places)

@@ -68,7 +68,8 @@ def test_a_material_made_of_a_texture_without_a_name() -> None:
 
 
 def test_references_read_as_elements_and_are_set_by_element_or_name(arm: mjcf.RootElement) -> None:
-    motor, shoulder = arm.find("actuator", "elbow"), arm.find("joint", "shoulder")
+    motor = arm.find("actuator", "elbow")
+    shoulder = arm.find("joint", "shoulder")
     assert motor is not None and motor.joint is arm.find("joint", "elbow_joint")
     motor.joint = shoulder
     assert motor.joint is shoulder and 'name="elbow" joint="shoulder"' in repr(motor)
@@ -111,8 +112,10 @@ def test_the_world_can_be_referred_to(arm: mjcf.RootElement) -> None:
 
 
 def test_what_is_in_a_list_of_names_gets_no_name_with_a_space() -> None:
-    model, child = mjcf.RootElement("model"), mjcf.RootElement("child")
-    body, other = model.worldbody.add("body", name="a"), child.worldbody.add("body", name="b")
+    model = mjcf.RootElement("model")
+    child = mjcf.RootElement("child")
+    body = model.worldbody.add("body", name="a")
+    other = child.worldbody.add("body", name="b")
     model.attach(child)
     flex = model.deformable.add("flex", name="cloth", body=[body, other])
     for rename in (
@@ -124,7 +127,9 @@ def test_what_is_in_a_list_of_names_gets_no_name_with_a_space() -> None:
             rename()
         assert flex.body == [body, other] and str(flex) == '<flex name="cloth" body="a child/b"/>'
     flex.remove()
-    body.name, other.name, child.model = "a a", "b b", "the child"
+    body.name = "a a"
+    other.name = "b b"
+    child.model = "the child"
     assert other.full_identifier == "the child/b b"
 
 
@@ -159,7 +164,8 @@ def test_bytes_are_no_list_of_numbers() -> None:
 
 
 def test_text_is_taken_as_it_stands_in_xml() -> None:
-    mocap, limited = (GRAMMAR.element("body").attributes["mocap"], GRAMMAR.element("joint").attributes["limited"])
+    mocap = GRAMMAR.element("body").attributes["mocap"]
+    limited = GRAMMAR.element("joint").attributes["limited"]
     assert [encode(mocap, value) for value in (True, "true", np.bool_(False))] == ["true", "true", "false"]
     assert [encode(limited, value) for value in (True, "auto")] == ["true", "auto"]
     for attribute, value in ((mocap, "yes"), (mocap, 1), (limited, "maybe"), (GEOM["type"], "sphere box")):
@@ -205,7 +211,8 @@ def test_what_does_not_fit_is_told(name: str, value: object, told: str) -> None:
 def test_numbers_come_back_as_numpy() -> None:
     size = decode(GEOM["size"], "0.1 0x1p3")
     assert isinstance(size, np.ndarray) and size.dtype == np.float64 and size.tolist() == [0.1, 8.0]
-    mass, group = decode(GEOM["mass"], "2"), decode(GEOM["group"], "2")
+    mass = decode(GEOM["mass"], "2")
+    group = decode(GEOM["group"], "2")
     assert isinstance(mass, np.float64) and mass == 2.0
     assert isinstance(group, np.int64) and group == 2
     assert decode(GEOM["type"], "mesh") == "mesh"

@@ -38,7 +38,8 @@ def test_meshes() -> None:
         '<mesh name="b" vertex="0 0 0 2 0 0 0 2 0 0 0 2 2 2 2"/></asset></mujoco>'
     )
     physics = model.compile_model()
-    mesh, theirs = physics.bind(model.find("mesh", "b")), physics.model.mesh("b")
+    mesh = physics.bind(model.find("mesh", "b"))
+    theirs = physics.model.mesh("b")
     first = int(theirs.vertadr[0])
     assert np.array_equal(mesh.vert, physics.model.mesh_vert[first : first + 5])
     assert mesh.face.shape == (int(theirs.facenum[0]), 3)

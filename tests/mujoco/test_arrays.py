@@ -28,8 +28,11 @@ def test_sensors_have_their_tags() -> None:
 
 # what is told of settings, keys and servos, and no array
 _OWN = {"kp", "kv", "gain", "timestep", "gravity", "wind", "density", "viscosity"} | {
-    "integrator", "cone", "jacobian", "solver"
-}  # fmt: skip
+    "integrator",
+    "cone",
+    "jacobian",
+    "solver",
+}
 _STATISTICS = {"meaninertia", "meanmass", "meansize", "extent", "center"}
 
 

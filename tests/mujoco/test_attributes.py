@@ -194,7 +194,11 @@ def test_words_are_of_arrays_with_enumerations() -> None:
 def test_the_arrays_are_mujocos() -> None:
     compiled = mujoco.MjModel.from_xml_string("<mujoco/>")
     assert {array_of(*pair) for pair in EVERY if not hasattr(compiled, array_of(*pair))} <= {
-        "mat_metallic", "light_intensity", "geom_margin", "pair_margin"} | NEWER  # fmt: skip
+        "mat_metallic",
+        "light_intensity",
+        "geom_margin",
+        "pair_margin",
+    } | NEWER
 
 
 NEWER = {array_of(tag, attribute) for tag, attribute in EVERY} if mujoco.__version__ < "4" else set()

@@ -28,12 +28,25 @@ def test_every_kind_of_name_is_the_one_mujoco_gives() -> None:
       <tuple name="u"><element objtype="body" objname="b"/></tuple></custom></mujoco>"""
     compiled = model(text.replace('<pair name="p" geom1="g" geom2="g"/>', ""))
     objects = {
-        "body": "BODY", "joint": "JOINT", "geom": "GEOM", "site": "SITE", "camera": "CAMERA",
-        "light": "LIGHT", "texture": "TEXTURE",
-        "material": "MATERIAL", "hfield": "HFIELD", "exclude": "EXCLUDE",
-        "tendon": "TENDON", "equality": "EQUALITY", "actuator": "ACTUATOR", "sensor": "SENSOR", "key": "KEY",
-        "numeric": "NUMERIC", "text": "TEXT", "tuple": "TUPLE",
-    }  # fmt: skip
+        "body": "BODY",
+        "joint": "JOINT",
+        "geom": "GEOM",
+        "site": "SITE",
+        "camera": "CAMERA",
+        "light": "LIGHT",
+        "texture": "TEXTURE",
+        "material": "MATERIAL",
+        "hfield": "HFIELD",
+        "exclude": "EXCLUDE",
+        "tendon": "TENDON",
+        "equality": "EQUALITY",
+        "actuator": "ACTUATOR",
+        "sensor": "SENSOR",
+        "key": "KEY",
+        "numeric": "NUMERIC",
+        "text": "TEXT",
+        "tuple": "TUPLE",
+    }
     found = attributes.NameTable(compiled).names
     for kind, word in objects.items():
         kind_id = getattr(mujoco.mjtObj, f"mjOBJ_{word}")

@@ -165,7 +165,8 @@ def test_no_pose_brings_two_bodies_closer_than_the_bound() -> None:
     assert sum(bound > 0 for bound in bounds.values()) > 10
     for _ in range(200):
         for joint in range(model.njnt):
-            at, (low, high) = model.jnt_qposadr[joint], model.jnt_range[joint]
+            at = model.jnt_qposadr[joint]
+            (low, high) = model.jnt_range[joint]
             is_ball = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_BALL
             data.qpos[at : at + 1 + 3 * is_ball] = random.normal(size=4) if is_ball else random.uniform(low, high)
         mujoco.mj_kinematics(model, data)

@@ -178,7 +178,8 @@ def compose(
     change_hand: Callable[[mujoco.MjSpec], None] = lambda spec: None,
     change_both: Callable[[mujoco.MjSpec], None] = lambda spec: None,
 ) -> Composition:
-    arm, hand = mujoco.MjSpec.from_string(ARM), mujoco.MjSpec.from_string(HAND)
+    arm = mujoco.MjSpec.from_string(ARM)
+    hand = mujoco.MjSpec.from_string(HAND)
     arm.nuser_geom = 2
     for key in hand.keys:
         key.name = key.name or "second"
@@ -379,7 +380,8 @@ def test_what_the_base_calls_by_the_prefix_is_not_extra() -> None:
     base = mujoco.MjSpec.from_string(arm)
     base_alone = base.compile()
     base.attach(mujoco.MjSpec.from_string(cup), prefix="hand/", site=base.site("hand/flange"))
-    both, alone = base.compile(), mujoco.MjModel.from_xml_string(cup)
+    both = base.compile()
+    alone = mujoco.MjModel.from_xml_string(cup)
     mount = Mount.of(both, site="hand/flange")
     assert compare(alone, both, prefix="hand/", hung_on=mount, others=[("", base_alone)]) == []
     assert compare(alone, both, prefix="hand/", hung_on=mount, others=[]) != []
@@ -449,7 +451,8 @@ def test_a_damping_ratio_is_kept_but_a_changed_one_is_not() -> None:
 
 def test_a_spring_given_by_its_time_constant_is_kept_but_a_changed_one_is_not() -> None:
     composition = compose()
-    alone, both = composition.hand.joint("right").id, composition.both.joint("hand/right").id
+    alone = composition.hand.joint("right").id
+    both = composition.both.joint("hand/right").id
     assert composition.hand.jnt_stiffness[alone] != composition.both.jnt_stiffness[both]
     composition.both.jnt_stiffness[both] *= 1.01
     assert told(composition.hand_differences()) == {("joint", "hand/right", "jnt_stiffness")}
@@ -511,7 +514,8 @@ def test_a_key_that_did_not_come_along_is_missing() -> None:
 def _props(moved: bool) -> tuple[mujoco.MjModel, mujoco.MjModel, Mount]:
     """A prop on a turned and shifted place in the world; its key as attach leaves it, or moved along."""
     place = Pose((1.0, 2.0, 0.0), (0.7071067811865476, 0.0, 0.0, 0.7071067811865476))
-    base, prop = mujoco.MjSpec.from_string(ARM), mujoco.MjSpec.from_string(PROP)
+    base = mujoco.MjSpec.from_string(ARM)
+    prop = mujoco.MjSpec.from_string(PROP)
     base.compile()
     prop.compile()
     base.attach(prop, prefix="prop/", frame=base.worldbody.add_frame(pos=place.pos, quat=place.quat))
@@ -522,7 +526,8 @@ def _props(moved: bool) -> tuple[mujoco.MjModel, mujoco.MjModel, Mount]:
         hoop = place @ Pose((0.3, 0.1, 0.0), (0.0, 1.0, 0.0, 0.0))
         both.key_qpos[key, 2:9] = [*cup.pos, *cup.quat]
         both.key_qvel[key, 2:5] = [0, 1, 0]
-        both.key_mpos[key], both.key_mquat[key] = hoop.pos, hoop.quat
+        both.key_mpos[key] = hoop.pos
+        both.key_mquat[key] = hoop.quat
     return mujoco.MjModel.from_xml_string(PROP), both, Mount(None, place)
 
 
@@ -541,7 +546,8 @@ def test_identical_unnamed_bodies_are_told_apart_by_where_they_stand() -> None:
     cubes = "".join(f'<body pos="{x} 0 0"><freejoint/><geom size=".1"/></body>' for x in (1, 2, 3))
     xml = f"<mujoco><worldbody>{cubes}<light pos='0 0 2'/><light pos='0 0 3'/></worldbody></mujoco>"
     alone = mujoco.MjModel.from_xml_string(xml)
-    base, part = mujoco.MjSpec.from_string(xml), mujoco.MjSpec.from_string(xml)
+    base = mujoco.MjSpec.from_string(xml)
+    part = mujoco.MjSpec.from_string(xml)
     base.attach(part, prefix="p/", frame=base.worldbody.add_frame(pos=[0, 1, 0]))
     both = base.compile()
     assert compare(alone, both) == []
@@ -594,7 +600,8 @@ def test_a_mesh_may_collide_where_others_use_it_too() -> None:
           <worldbody>{geoms}</worldbody></mujoco>"""
         return mujoco.MjModel.from_xml_string(xml, {"m.obj": obj.encode()})
 
-    visual, colliding = 'name="own" contype="0" conaffinity="0"', 'name="own"'
+    visual = 'name="own" contype="0" conaffinity="0"'
+    colliding = 'name="own"'
     assert compare(model(visual), model(visual, 'name="new"')) == []
     lost = {each.array for each in compare(model(colliding), model(visual))}
     assert {"mesh_graphadr", "mesh_polynum"} <= lost
@@ -623,7 +630,8 @@ def test_a_turn_of_a_weld_and_its_negative_are_the_same(sign: int) -> None:
             f"<mujoco><worldbody>{frame}{body}</worldbody><equality>{weld}</equality></mujoco>"
         )
 
-    moved, pose = Pose((1, 2, 3), (0.6, 0, 0, 0.8)), Pose((0, 0, 1), (0.8, 0.6, 0, 0))
+    moved = Pose((1, 2, 3), (0.6, 0, 0, 0.8))
+    pose = Pose((0, 0, 1), (0.8, 0.6, 0, 0))
     for there, expected in ((pose, set()), (Pose(pose.pos, (0.8, -0.6, 0, 0)), {("equality", "p/w", "eq_data")})):
         both = model(moved @ there, "p/", '<frame pos="1 2 3" quat=".6 0 0 .8">', sign)
         assert told(compare(model(pose), both, prefix="p/", hung_on=Mount(None, moved))) == expected

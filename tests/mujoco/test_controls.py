@@ -56,7 +56,8 @@ def test_a_time_that_does_not_pass_ends_too() -> None:
 
 
 def test_it_takes_no_more_of_this_machine_than_it_may() -> None:
-    model, begun = of(timestep=1e-12), time.monotonic()
+    model = of(timestep=1e-12)
+    begun = time.monotonic()
     assert advance(mujoco, model, mujoco.MjData(model), 1, most=0.1) is None
     assert time.monotonic() - begun < 1
     assert steps_in(model, 3600) < 1e10 and steps_in(of(timestep=0), 1) < 1e10

@@ -147,7 +147,8 @@ def _not_compared(name: str, moved: bool) -> bool:
 @pytest.mark.parametrize("seed", range(3))
 def test_one_number_of_every_array_of_numbers(moved: bool, seed: int) -> None:
     chosen = random.Random(seed)
-    model, expected = copy.copy(models()[0]), set()
+    model = copy.copy(models()[0])
+    expected = set()
     for name in _names():
         if not _is_number(name) or _not_compared(name, moved):
             continue

@@ -30,8 +30,10 @@ def test_a_version_in_which_an_actuator_has_one_control() -> None:
     old = SimpleNamespace(nq=0, nu=2, names=b"a\0b\0", name_actuatoradr=[0, 2], actuator_actadr=[-1, 0])
     old.actuator_actnum = [0, 1]
     old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
-    old.actuator_ctrllimited, old.actuator_ctrlrange = [1, 0], [[0, 2], [0, 0]]
-    old.actuator_trntype, old.actuator_trnid = [3, 3], np.array([[0, -1], [0, -1]])
+    old.actuator_ctrllimited = [1, 0]
+    old.actuator_ctrlrange = [[0, 2], [0, 0]]
+    old.actuator_trntype = [3, 3]
+    old.actuator_trnid = np.array([[0, -1], [0, -1]])
     old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
     assert list(_actuators(old, mujoco)) == [
         Actuator("a", 0, 1, -1, 0, "1", ((0.0, 2.0),)),
@@ -45,13 +47,23 @@ def test_types_of_sensors_are_the_tags_of_mjcf() -> None:
       <tendon><fixed name="t" range="0 1" limited="true"><joint joint="j" coef="1"/></fixed></tendon>
       <sensor>{}</sensor></mujoco>"""
     lines = {
-        "camprojection": 'site="s" camera="c"', "jointactuatorfrc": 'joint="j"',
-        "tendonactuatorfrc": 'tendon="t"', "jointlimitpos": 'joint="j"',
-        "tendonlimitfrc": 'tendon="t"', "distance": 'geom1="g" geom2="h"',
-        "normal": 'geom1="g" geom2="h"', "fromto": 'geom1="g" geom2="h"', "e_potential": "", "clock": "",
-        "insidesite": 'site="s" objtype="body" objname="b"', "user": 'dim="2"', "subtreecom": 'body="b"',
-        "framexaxis": 'objtype="geom" objname="g"', "velocimeter": 'site="s"', "contact": 'geom1="g"',
-    }  # fmt: skip
+        "camprojection": 'site="s" camera="c"',
+        "jointactuatorfrc": 'joint="j"',
+        "tendonactuatorfrc": 'tendon="t"',
+        "jointlimitpos": 'joint="j"',
+        "tendonlimitfrc": 'tendon="t"',
+        "distance": 'geom1="g" geom2="h"',
+        "normal": 'geom1="g" geom2="h"',
+        "fromto": 'geom1="g" geom2="h"',
+        "e_potential": "",
+        "clock": "",
+        "insidesite": 'site="s" objtype="body" objname="b"',
+        "user": 'dim="2"',
+        "subtreecom": 'body="b"',
+        "framexaxis": 'objtype="geom" objname="g"',
+        "velocimeter": 'site="s"',
+        "contact": 'geom1="g"',
+    }
     sensors = "".join(f"<{tag} {attributes}/>" for tag, attributes in lines.items())
     found = index(model(text.format(sensors)), mujoco)
     assert [sensor.type for sensor in found.sensors] == list(lines)

@@ -139,8 +139,10 @@ def test_unknown_words_of_mjcf() -> None:
     assert said == unknown_attribute(element("<geom/>"), "color")
     said = translate("Schema violation: unrecognized element", element("<gem/>"))
     assert (said.diagnostic.code, said.diagnostic.message, said.diagnostic.help) == (
-        "unknown-element", "`<gem>` cannot be in `<worldbody>`", "did you mean `<geom>`?",
-    )  # fmt: skip
+        "unknown-element",
+        "`<gem>` cannot be in `<worldbody>`",
+        "did you mean `<geom>`?",
+    )
 
 
 def test_kinds() -> None:

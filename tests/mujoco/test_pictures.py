@@ -86,7 +86,8 @@ def test_all_of_the_model_is_in_the_picture_and_fills_it(name: str, view: str) -
 
 
 def test_both_of_two_models_are_in_the_picture() -> None:
-    first, second = _made(MODELS["ball"]), _made(MODELS["far away"])
+    first = _made(MODELS["ball"])
+    second = _made(MODELS["far away"])
     free = camera(mujoco, [first, second], ASPECT)
     points = np.concatenate([corners(mujoco, *each) for each in (first, second)])
     assert np.abs(_seen(first[0], free, points)).max() <= 1
@@ -187,7 +188,8 @@ def test_a_model_without_light_or_sky_can_be_seen(
     assert answer.ok, answer.error
     if "no OpenGL" in answer.value or session.no_opengl:
         pytest.skip("there is no OpenGL")
-    middle, corner = answer.value["middle"], answer.value["corner"]
+    middle = answer.value["middle"]
+    corner = answer.value["corner"]
     expected = [235] * 3 if background is None else background[:3] if background[3] else [0, 0, 0, 0]
     assert corner == expected
     assert np.abs(np.array(middle[:3]) - corner[:3]).max() > 20 or len(corner) == 4

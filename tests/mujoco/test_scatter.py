@@ -23,7 +23,7 @@ SHAPES = {
 def test_the_lowest_point_of_a_geom_is_its_distance_to_the_floor(kind: str, euler: str) -> None:
     model = mujoco.MjModel.from_xml_string(f"""<mujoco><asset><mesh name="m" vertex="0 0 0 .2 0 0 0 .3 0 0 0 .4 .1 .1 .2"/></asset>
       <worldbody><geom type="plane" size="1 1 1"/><geom type="{kind}" {SHAPES[kind]} pos=".3 .2 1" euler="{euler}"/></worldbody>
-    </mujoco>""")  # fmt: skip
+    </mujoco>""")
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     points = _support(model, data, 1)
@@ -81,8 +81,17 @@ def test_noise_in_the_last_bits_changes_no_place(kind: str, upright: bool, settl
       <geom name="top" type="box" size=".3 .2 .02"/>{bodies}</worldbody></mujoco>"""
     places = 0
     for seed in range(4):
-        group = {"bodies": [f"c{n}" for n in range(6)], "over": ["geom", "top"], "place": ["world", ""], "part": "c",
-                 "clearance": 0.01, "upright": upright, "seed": seed, "key": None, "settle": settle}  # fmt: skip
+        group = {
+            "bodies": [f"c{n}" for n in range(6)],
+            "over": ["geom", "top"],
+            "place": ["world", ""],
+            "part": "c",
+            "clearance": 0.01,
+            "upright": upright,
+            "seed": seed,
+            "key": None,
+            "settle": settle,
+        }
         found = [
             scatter(each, mujoco.MjModel.from_xml_string(text), {"groups": [group]})
             for each in (mujoco, Noisy(1), Noisy(2))

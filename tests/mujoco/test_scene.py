@@ -52,7 +52,8 @@ def test_a_pose_is_looked_at_without_its_keyframe(model: Any) -> None:
 
 def test_a_pulled_body_comes_to_the_point(model: Any) -> None:
     model.opt.gravity[:] = 0
-    data, to = mujoco.MjData(model), [0.2, 0.1, 0.8]
+    data = mujoco.MjData(model)
+    to = [0.2, 0.1, 0.8]
     for _ in range(1500):
         data.xfrc_applied[:] = 0
         pull(mujoco, model, data, {"body": 1, "at": [0.1, 0.0, 0.0], "to": to})
@@ -96,7 +97,9 @@ def decoded(blob: bytes) -> tuple[int, Any, Any, Any, Any]:
     """Flags, corners, normals, texture coordinates and triangles, as the page reads them."""
     count, triangles, flags = np.frombuffer(blob, np.uint32, 3).tolist()
     low, step = np.frombuffer(blob, np.float32, 6, 12).reshape(2, 3)
-    at, flat, folded = 36, None, None
+    at = 36
+    flat = None
+    folded = None
     if flags & MAPPED:
         flat = np.frombuffer(blob, np.float32, 2 * count, at).reshape(-1, 2)
         at += 8 * count

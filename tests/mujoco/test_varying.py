@@ -20,10 +20,12 @@ def model(monkeypatch: pytest.MonkeyPatch) -> mujoco.MjModel:
 
 
 def test_all_numbers_that_differ_are_recorded_and_the_model_is_restored(model: mujoco.MjModel) -> None:
-    random, worlds = np.random.default_rng(4), 40
+    random = np.random.default_rng(4)
+    worlds = 40
     names = [name for name in arrays(model) if "." not in name and flat(model, name).size]
     nominal = {name: flat(model, name).copy() for name in names}
-    expected, found = Differences(model, worlds), Recorder(model)
+    expected = Differences(model, worlds)
+    found = Recorder(model)
     for world in range(worlds):
         for name in random.choice(names, size=world % 7, replace=False):
             numbers = flat(model, name)
@@ -35,7 +37,8 @@ def test_all_numbers_that_differ_are_recorded_and_the_model_is_restored(model: m
         expected.take(world, model)
         found.take()
         assert all(np.array_equal(flat(model, name), nominal[name]) for name in names)
-    ours, theirs = list(found.found()), list(expected.found())
+    ours = list(found.found())
+    theirs = list(expected.found())
     assert [name for name, _, _ in ours] == [name for name, _, _ in theirs]
     assert {name for name, _, _ in ours} >= {*MEANS}
     for (name, index, values), (_, same, numbers) in zip(ours, theirs, strict=True):
@@ -44,9 +47,11 @@ def test_all_numbers_that_differ_are_recorded_and_the_model_is_restored(model: m
 
 
 def test_nan_and_the_sign_of_zero_are_no_differences(model: mujoco.MjModel) -> None:
-    model.geom_rgba[1, 0], model.geom_rgba[1, 1] = np.nan, 0.0
+    model.geom_rgba[1, 0] = np.nan
+    model.geom_rgba[1, 1] = 0.0
     found = Recorder(model)
-    model.geom_rgba[1, 0], model.geom_rgba[1, 1] = -np.nan, -0.0
+    model.geom_rgba[1, 0] = -np.nan
+    model.geom_rgba[1, 1] = -0.0
     found.take()
     assert list(found.found()) == []
 

@@ -42,13 +42,22 @@ ODD_ONE = "warning unknown-attribute odd.xml"
         (f"base: ./arm.xml\nedit: [{CONVERT % ', allow: [convert-loss]'}]", []),
         (f"base: {{model: ./arm.xml, edit: [{CONVERT % ', allow: [convert-loss]'}]}}", []),
         (f"base: {{model: ./arm.xml, edit: [{CONVERT % ''}], allow: [convert-loss]}}", []),
-        (f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [unknown-attribute]}}}}\nedit: [{CONVERT % ''}]", [LOSS]),
-        (f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [convert-loss]}}}}\nedit:\n  - {CONVERT % ''}", [ODD_ONE, LOSS, UNUSED]),
-        (f"base: ./arm.xml\nedit:\n  - {{select: {{joint: elbow}}, set: {{damping: 1}}, allow: [convert-loss]}}\n  - {CONVERT % ''}", [LOSS, UNUSED]),
+        (
+            f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [unknown-attribute]}}}}\nedit: [{CONVERT % ''}]",
+            [LOSS],
+        ),
+        (
+            f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [convert-loss]}}}}\nedit:\n  - {CONVERT % ''}",
+            [ODD_ONE, LOSS, UNUSED],
+        ),
+        (
+            f"base: ./arm.xml\nedit:\n  - {{select: {{joint: elbow}}, set: {{damping: 1}}, allow: [convert-loss]}}\n  - {CONVERT % ''}",
+            [LOSS, UNUSED],
+        ),
         ("base: ./odd.xml\nallow: [unknown-attribute, license-missing]", []),
         ("base: ./odd.xml\nallow: [usd-loss, mujoco-warning]", [ODD_ONE, UNUSED]),
     ],
-)  # fmt: skip
+)
 def test_what_it_covers(tmp_path: Path, text: str, expected: list[str]) -> None:
     assert sorted(found(tmp_path, text)) == sorted(expected)
 

@@ -23,8 +23,14 @@ def test_paths(tmp_path: Path) -> None:
     assert plan is not None
     assert [part_name(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
     assert list(plan.part_names) == [
-        "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
-    ]  # fmt: skip
+        "left",
+        "left/base",
+        "left/gripper",
+        "bare",
+        "right",
+        "cube0",
+        "cube1",
+    ]
 
 
 def test_places_of_a_walk(tmp_path: Path) -> None:

@@ -44,8 +44,14 @@ def test_steps_in_the_order_of_work(tmp_path: Path) -> None:
         "visual: {headlight: {active: 0}}\n",
     )
     assert [type(step) for step in plan.steps] == [
-        AddElement, SetSingleton, SetSingleton, SetDefault, AppendElement, AppendElement, AppendElement,
-    ]  # fmt: skip
+        AddElement,
+        SetSingleton,
+        SetSingleton,
+        SetDefault,
+        AppendElement,
+        AppendElement,
+        AppendElement,
+    ]
     assert [step.section for step in plan.steps if isinstance(step, AppendElement)] == ["asset", "actuator", "sensor"]
     assert plan.settled == {"option/timestep", "visual/headlight/active"}
 
@@ -72,9 +78,11 @@ def test_recipes_in_recipes(tmp_path: Path) -> None:
 def test_the_same_recipe_twice_is_no_ring(tmp_path: Path) -> None:
     inner = "recipe: 1\nattach: {x: {model: ./core.yaml}, y: {model: ./core.yaml}}\n"
     plan = planned(
-        tmp_path, "recipe: 1\nattach: {a: {model: ./inner.yaml}, b: {model: ./core.yaml}}\n",
-        inner__yaml=inner, core__yaml="recipe: 1\n",
-    )  # fmt: skip
+        tmp_path,
+        "recipe: 1\nattach: {a: {model: ./inner.yaml}, b: {model: ./core.yaml}}\n",
+        inner__yaml=inner,
+        core__yaml="recipe: 1\n",
+    )
     assert len(plan.parts) == 2
 
 
@@ -108,9 +116,10 @@ def test_a_ring_is_told_once_and_what_hangs_on_it_not(tmp_path: Path) -> None:
 
 def test_faults_of_all_models_are_told_at_once(tmp_path: Path) -> None:
     plan, context = tried(
-        tmp_path, "recipe: 1\nbase: ./a.xml\nattach: {x: {model: ./b.xml}, y: {model: ./inner.yaml}}\n",
+        tmp_path,
+        "recipe: 1\nbase: ./a.xml\nattach: {x: {model: ./b.xml}, y: {model: ./inner.yaml}}\n",
         inner__yaml="recipe: 1\nbase: ./c.xml\n",
-    )  # fmt: skip
+    )
     assert plan is None
     assert [str(each.span) for each in context.sink.sorted()] == [
         "inner.yaml:2:7",
@@ -126,7 +135,8 @@ def test_packages_of_urdf(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     plan = planned(tmp_path, URDF, arm__urdf="<robot/>")
     assert plan.base is not None
-    base, part = plan.base.model, plan.parts[0].model
+    base = plan.base.model
+    part = plan.parts[0].model
     assert isinstance(base, Source) and isinstance(part, Source)
     assert base.packages == (("arm", tmp_path / "meshes"),) and part.packages == ()
 

@@ -27,7 +27,8 @@ def test_a_recipe_is_expanded_once_for_the_same_values(tmp_path: Path, monkeypat
     (tmp_path / "robot.xml").write_text("<mujoco/>")
     (tmp_path / "inner.yaml").write_text("recipe: 1\nparams: {size: 1}\nbase: ./robot.xml\n")
     (tmp_path / "cell.yaml").write_text(CELL)
-    expand, validate = read.expand, read.validate_what_remains
+    expand = read.expand
+    validate = read.validate_what_remains
     expanded: list[str] = []
     validated: list[str] = []
     monkeypatch.setattr(read, "expand", lambda node, *rest: expanded.append(node.span.file) or expand(node, *rest))

@@ -120,11 +120,13 @@ class Maker:
     def _length(self, attribute: Attribute) -> int:
         if attribute.lengths:
             return self.pick(attribute.lengths)
-        low, high = attribute.min_length or 1, attribute.max_length or 3
+        low = attribute.min_length or 1
+        high = attribute.max_length or 3
         return low if self.chance(20) else min(high, max(low, 8))
 
     def _real(self, attribute: Attribute) -> str:
-        count, name = self._length(attribute), attribute.name
+        count = self._length(attribute)
+        name = attribute.name
         if attribute.angle == "orientation-euler":
             return self.numbers(3, -170, 170) if self.degrees else self.numbers(3, -3, 3)
         if attribute.angle == "orientation-axisangle":

@@ -89,10 +89,8 @@ class _Builder:
             letters = make.some("xyz", 3, 3)
             node.set("eulerseq", "".join(x.upper() if make.chance(30) else x for x in letters))
         # What only MuJoCo can compute is measured element by element, which a replicate hides.
-        for name, values in (
-            ()
-            if self.replicates
-            else (
+        if not (self.replicates):
+            for name, values in (
                 ("autolimits", ("true", "false")),
                 ("inertiafromgeom", ("true", "false", "auto")),
                 ("inertiagrouprange", ("0 1", "0 5", "1 3")),
@@ -102,11 +100,10 @@ class _Builder:
                 ("settotalmass", ("3",)),
                 ("fusestatic", ("true",)),
                 ("alignfree", ("true",)),
-            )
-        ):
-            if make.chance(8):
-                node.set(name, make.pick(values))
-                make.optional.setdefault(node, []).append(name)
+            ):
+                if make.chance(8):
+                    node.set(name, make.pick(values))
+                    make.optional.setdefault(node, []).append(name)
 
     def _class(self, node: Node, name: str, depth: int) -> None:
         make = self.make
@@ -281,7 +278,9 @@ class _Builder:
     def _tendon(self, node: Node, kind: ElementType) -> bool:
         make = self.make
         make.fill(node, kind, _MOST)
-        joints, sites, geoms = make.known("joint"), make.known("site"), make.known("geom")
+        joints = make.known("joint")
+        sites = make.known("site")
+        geoms = make.known("geom")
         if kind.tag == "fixed":
             for joint in make.some(joints, 2, 1):
                 element(node, "joint", joint=joint, coef=make.numbers(1, -1, 1))
@@ -304,9 +303,10 @@ class _Builder:
     def _actuator(self, node: Node, kind: ElementType) -> bool:
         make = self.make
         targets = [
-            name for name in ("joint", "jointinparent", "tendon", "site", "body")
+            name
+            for name in ("joint", "jointinparent", "tendon", "site", "body")
             if name in kind.attributes and make.known(str(kind.attributes[name].refers))
-        ]  # fmt: skip
+        ]
         if not targets:
             return False
         target = make.pick(targets)
@@ -338,9 +338,13 @@ class _Builder:
         make = self.make
         section = element(self.root, "keyframe")
         sizes = {
-            "qpos": compiled.nq, "qvel": compiled.nv, "ctrl": compiled.nu, "act": compiled.na,
-            "mpos": 3 * compiled.nmocap, "mquat": 4 * compiled.nmocap,
-        }  # fmt: skip
+            "qpos": compiled.nq,
+            "qvel": compiled.nv,
+            "ctrl": compiled.nu,
+            "act": compiled.na,
+            "mpos": 3 * compiled.nmocap,
+            "mquat": 4 * compiled.nmocap,
+        }
         for name in make.some(("home", "rest", "own"), 2):
             key = element(section, "key", name=name)
             for vector, size in sizes.items():

@@ -42,17 +42,18 @@ class Expected:
 
     def come(self, policy: str, prefix: str, keys: Keys) -> None:
         """The keys of one more model come along."""
-        for name, row in keys if policy != "none" else []:
-            final = prefix + name if policy == "prefix" and name else name
-            inside = {prefix + joint: value for joint, value in row.items()}
-            earlier = next((each for each in self.keys if each[0] == final), None) if final else None
-            if earlier is None:
-                self.keys.append((final, inside))
-            else:
-                self.clashes |= (policy == "prefix" or final in self.apart) and final not in dict(self.written)
-                earlier[1].update(inside)
-            if policy == "prefix":
-                self.apart.add(final)
+        if policy != "none":
+            for name, row in keys:
+                final = prefix + name if policy == "prefix" and name else name
+                inside = {prefix + joint: value for joint, value in row.items()}
+                earlier = next((each for each in self.keys if each[0] == final), None) if final else None
+                if earlier is None:
+                    self.keys.append((final, inside))
+                else:
+                    self.clashes |= (policy == "prefix" or final in self.apart) and final not in dict(self.written)
+                    earlier[1].update(inside)
+                if policy == "prefix":
+                    self.apart.add(final)
 
     def final(self) -> Keys:
         """A key of the recipe stands in the place of the one of its name."""
@@ -116,7 +117,8 @@ def test_two_parts_on_a_base(tmp_path: Path, base: str, part: str, written: str 
 
 @pytest.mark.parametrize(("base", "part"), list(product(POLICIES, POLICIES)))
 def test_a_recipe_in_a_recipe(tmp_path: Path, base: str, part: str) -> None:
-    keys, inner_keys = next(kinds_of_keys("j")), next(kinds_of_keys("k"))
+    keys = next(kinds_of_keys("j"))
+    inner_keys = next(kinds_of_keys("k"))
     for inner_base, inner_part, prefix in product(POLICIES, POLICIES, ("part/", "")):
         inner = Expected()
         inner.come(inner_base, "", keys)

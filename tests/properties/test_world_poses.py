@@ -77,7 +77,8 @@ def test_all_that_has_a_name_stands_where_the_mount_puts_it(tmp_path: Path, seed
     assert text is not None, told
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "p.xml"))
     whole = mujoco.MjModel.from_xml_string(text)
-    before, after = _poses(alone), _poses(whole)
+    before = _poses(alone)
+    after = _poses(whole)
     turn = after["site", "p/w"][1] @ before["site", "w"][1].T
     moved = after["site", "p/w"][0] - turn @ before["site", "w"][0]
     for (kind, name), (position, matrix) in before.items():

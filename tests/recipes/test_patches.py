@@ -109,9 +109,11 @@ def menagerie_allegro_grasp(root: Node) -> None:
     write_on(root, "//default[@class='allegro_right']/position", kp="0.5")
     write_on(root, "//default[@class='thumbtip_collision']/geom", friction="1.0 0.05 0.01", condim="6")
     write_on(
-        root, "//body[@name='palm']",
-        pos="0.140696023 -0.005106107 -0.047790036", quat="0 0.81923193 0 0.57346233",
-    )  # fmt: skip
+        root,
+        "//body[@name='palm']",
+        pos="0.140696023 -0.005106107 -0.047790036",
+        quat="0 0.81923193 0 0.57346233",
+    )
     put(root, "//body[@name='palm']", '<site name="grasp_site" pos="0.03 0.01 -0.03" group="4"/>')
     put(root, "//body[@name='ff_tip']", '<site name="tip"/>')
     put(root, ".", "<sensor/>")
@@ -194,9 +196,15 @@ def menagerie_panda_mjx_scene(root: Node) -> None:
 
 NEW_NAMES = {
     "menagerie_aloha_cartesian": {
-        "actuation_center": "center", "/RX": "/roll", "/RY": "/pitch", "/RZ": "/yaw", "/X": "/x", "/Y": "/y", "/Z": "/z",
+        "actuation_center": "center",
+        "/RX": "/roll",
+        "/RY": "/pitch",
+        "/RZ": "/yaw",
+        "/X": "/x",
+        "/Y": "/y",
+        "/Z": "/z",
     }
-}  # fmt: skip
+}
 """What the recipe calls otherwise than the file that it stands for."""
 
 

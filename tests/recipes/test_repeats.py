@@ -48,7 +48,8 @@ def test_the_piano_moves_as_the_one_of_robopianist() -> None:
         for key in range(88)
     ]
     assert names[:88] == names[88:]
-    one, other = mujoco.MjData(own), mujoco.MjData(public)
+    one = mujoco.MjData(own)
+    other = mujoco.MjData(public)
     chance = np.random.default_rng(0)
     for _ in range(500):
         one.ctrl[:] = other.ctrl[:] = chance.uniform(0, 0.1, 88)
@@ -154,11 +155,15 @@ def test_a_calibration_of_seven_joints_is_three_edits(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
     rows = {
         f"fr3_joint{n}": {
-            "link": f"fr3_link{n}", "offset": f"{0.01 * n:.2f}rad", "frictionloss": 0.1 * n, "damping": 1 + n / 8,
-            "mass": 2 + n / 4, "kp": 1000 + n,
+            "link": f"fr3_link{n}",
+            "offset": f"{0.01 * n:.2f}rad",
+            "frictionloss": 0.1 * n,
+            "damping": 1 + n / 8,
+            "mass": 2 + n / 4,
+            "kp": 1000 + n,
         }
         for n in range(1, 8)
-    }  # fmt: skip
+    }
     head = "recipe: 1\nname: arm\nangle: radian\nbase: ./arm.xml\n"
     (tmp_path / "three.yaml").write_text(head + THREE_EDITS)
     edits = [

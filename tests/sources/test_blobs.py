@@ -163,8 +163,11 @@ HOLDS = f"""
 def holder(store: Path) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(HOLDS), str(store)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(),
-    )  # fmt: skip
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
     assert process.stdout is not None and process.stdout.readline() == "held\n"
     return process
 
@@ -230,10 +233,16 @@ def test_builds_and_prunes_at_once(tmp_path: Path, robots: Any, option: tuple[st
                 folder = tmp_path / f"{attempt}-{number}"
                 folder.mkdir()
                 (folder / "cell.yaml").write_text(f"recipe: 1\nbase: '{robots.reference(revision)}'\n")
-                builds.append(subprocess.Popen(
-                    [*command, "build", "cell.yaml", "-o", "out.zip", "--no-compile"], cwd=folder, env=env,
-                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                ))  # fmt: skip
+                builds.append(
+                    subprocess.Popen(
+                        [*command, "build", "cell.yaml", "-o", "out.zip", "--no-compile"],
+                        cwd=folder,
+                        env=env,
+                        stdout=subprocess.DEVNULL,
+                        stderr=subprocess.PIPE,
+                        text=True,
+                    )
+                )
             for build in builds:
                 _, said = build.communicate(timeout=200)
                 assert build.returncode == 0, said

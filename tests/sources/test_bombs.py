@@ -154,7 +154,8 @@ def varint(number: int) -> bytes:
     """A number as packs have it: seven bits a byte, the lowest first."""
     found = bytearray()
     while True:
-        number, low = number >> 7, number & 127
+        low = number & 127
+        number = number >> 7
         found.append(low | (128 if number else 0))
         if not number:
             return bytes(found)
@@ -182,7 +183,8 @@ def repeated(size: int, times: int) -> bytes:
 
 def with_deltas(robots: Any, sizes: tuple[int, ...]) -> str:
     """A repository whose pack has zeros as a chain of deltas, each so many times its base."""
-    entries, size = [packed(3, bytes(1 << 16))], 1 << 16
+    entries = [packed(3, bytes(1 << 16))]
+    size = 1 << 16
     names = []
     for times in sizes:
         back = len(entries[-1])
@@ -214,9 +216,7 @@ def test_git_has_the_memory_that_it_is_given(robots: Any, refused: Callable[...,
     reference = with_deltas(robots, (200, 4))
     with allow(git_memory=32 * MIB):
         error = refused(reference)
-    assert (error.code, error.help) == (
-        "archive-refused", "to allow it, raise the limit: `--limit git-memory=64M`"
-    )  # fmt: skip
+    assert (error.code, error.help) == ("archive-refused", "to allow it, raise the limit: `--limit git-memory=64M`")
     assert "needs more memory than 32M" in error.message
 
 

@@ -104,9 +104,18 @@ def test_a_fetched_recipe_uses_no_credentials(
 
 
 @pytest.mark.parametrize(
-    "text", ["s3://lab#a.xml", "s3:/lab/a.zip#a.xml", "s3://lab/a.zip", "s3://lab/a.zip::file:///etc/x#a.xml",
-             "gs://lab/../a.zip#a.xml", "s3://me:pw@lab/a.zip#a.xml", "s3://lab/a.zip@sha256:12#a.xml", "s3://lab/a.zip?x=1#a.xml"],
-)  # fmt: skip
+    "text",
+    [
+        "s3://lab#a.xml",
+        "s3:/lab/a.zip#a.xml",
+        "s3://lab/a.zip",
+        "s3://lab/a.zip::file:///etc/x#a.xml",
+        "gs://lab/../a.zip#a.xml",
+        "s3://me:pw@lab/a.zip#a.xml",
+        "s3://lab/a.zip@sha256:12#a.xml",
+        "s3://lab/a.zip?x=1#a.xml",
+    ],
+)
 def test_what_is_no_reference(text: str) -> None:
     with pytest.raises(SourceError) as caught:
         parse(text)

@@ -168,10 +168,15 @@ def test_a_proxy_gets_no_name_that_cannot_be_judged_here(
 @pytest.mark.parametrize(
     "place",
     [
-        r"https://10.0.0.7\@robots.example.org/b", "https://me@robots.example.org/b", "https://10.0.0.7/b", "https://0x7f.1/b",
-        "https://[64:ff9b::7f00:1]/b", "//169.254.169.254/b", "https://robots.example.org/\tb",
+        r"https://10.0.0.7\@robots.example.org/b",
+        "https://me@robots.example.org/b",
+        "https://10.0.0.7/b",
+        "https://0x7f.1/b",
+        "https://[64:ff9b::7f00:1]/b",
+        "//169.254.169.254/b",
+        "https://robots.example.org/\tb",
     ],
-)  # fmt: skip
+)
 def test_a_redirect_is_read_and_judged_as_the_first_address(
     web: Any, answer: Callable[..., None], tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

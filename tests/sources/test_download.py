@@ -112,11 +112,17 @@ def resuming(web: Any, answer: Callable[..., None], etag: Callable[[], str]) -> 
     """Breaks off in the middle of the first answer."""
 
     def page(handler: Any) -> None:
-        asked, version = handler.headers.get("Range"), etag()
+        asked = handler.headers.get("Range")
+        version = etag()
         if asked and handler.headers.get("If-Range") == version:
             start = int(asked.removeprefix("bytes=").removesuffix("-"))
-            answer(handler, CONTENT[start:], status=206, ETag=version,
-                   Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}")  # fmt: skip
+            answer(
+                handler,
+                CONTENT[start:],
+                status=206,
+                ETag=version,
+                Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}",
+            )
         elif len(web.asked) == 1:
             answer(handler, CONTENT[:5000], length=len(CONTENT), ETag=version)
             handler.close_connection = True
@@ -178,8 +184,13 @@ def test_a_server_that_drips_is_as_good_as_silent(
     def page(handler: Any) -> None:
         start = int(handler.headers.get("Range", "bytes=0-").removeprefix("bytes=").removesuffix("-"))
         if len(web.asked) == 3:
-            answer(handler, CONTENT[start:], status=206, ETag='"one"',
-                   Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}")  # fmt: skip
+            answer(
+                handler,
+                CONTENT[start:],
+                status=206,
+                ETag='"one"',
+                Content_Range=f"bytes {start}-{len(CONTENT) - 1}/{len(CONTENT)}",
+            )
             return
         handler.send_response(206 if start else 200)
         handler.send_header("ETag", '"one"')
@@ -276,12 +287,26 @@ def test_no_way_leads_over_an_address_that_is_not_encrypted(
 def test_a_server_that_is_not_trusted_is_asked_once(
     get: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    key = tmp_path / "key.pem"
+    certificate = tmp_path / "certificate.pem"
     subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=127.0.0.1",
-         "-keyout", key, "-out", certificate],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        [
+            "openssl",
+            "req",
+            "-x509",
+            "-newkey",
+            "rsa:2048",
+            "-nodes",
+            "-subj",
+            "/CN=127.0.0.1",
+            "-keyout",
+            key,
+            "-out",
+            certificate,
+        ],
+        check=True,
+        capture_output=True,
+    )
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(certificate, key)
     server = ThreadingHTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)

@@ -162,13 +162,17 @@ def test_what_is_left_out_is_told_to_a_recipe_beside_it(robots: Any, own_environ
     fetching = Fetching()
     cell = resolve(
         robots.reference("main", "arm/cell.yaml"),
-        relative_to=Path(), environment=own_environment, fetching=fetching,
-    )  # fmt: skip
+        relative_to=Path(),
+        environment=own_environment,
+        fetching=fetching,
+    )
     with pytest.raises(SourceError, match="`other` of `git.*@main` is a submodule, which is not fetched"):
         resolve(
             "../other/arm.xml",
-            relative_to=cell.path.parent, environment=own_environment, fetching=fetching,
-        )  # fmt: skip
+            relative_to=cell.path.parent,
+            environment=own_environment,
+            fetching=fetching,
+        )
 
 
 def test_the_repository_that_the_user_stands_in_is_not_asked(

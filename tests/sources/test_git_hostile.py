@@ -33,10 +33,12 @@ def armed(robots: Any, trace: Path) -> Any:
     script = robots.folder / "run.sh"
     script.write_text(f"#!/bin/sh\necho ran >> {trace}\ncat\n")
     script.chmod(0o755)
-    robots.commit(**{
-        ".gitattributes": "*.xml filter=evil diff=evil\n*.obj filter=evil\n",
-        ".gitmodules": f'[submodule "m"]\n\tpath = m\n\turl = ext::sh -c "touch {trace}"\n',
-    })  # fmt: skip
+    robots.commit(
+        **{
+            ".gitattributes": "*.xml filter=evil diff=evil\n*.obj filter=evil\n",
+            ".gitmodules": f'[submodule "m"]\n\tpath = m\n\turl = ext::sh -c "touch {trace}"\n',
+        }
+    )
     hash = robots.git("rev-parse", "HEAD")
     robots.git("update-index", "--add", "--cacheinfo", f"160000,{hash},m")
     robots.git("commit", "-q", "-m", "a submodule")
@@ -46,11 +48,19 @@ def armed(robots: Any, trace: Path) -> Any:
         hook.write_text(f"#!/bin/sh\necho {name} >> {trace}\n")
         hook.chmod(0o755)
     for name, value in {
-        "core.fsmonitor": script, "filter.evil.smudge": script, "filter.evil.clean": script,
-        "filter.evil.required": "true", "diff.evil.textconv": script, "core.hooksPath": robots.folder / ".git" / "hooks",
-        "uploadpack.packObjectsHook": script, "core.sshCommand": script, "core.alternateRefsCommand": script,
-        "protocol.ext.allow": "always", "submodule.recurse": "true", "core.attributesFile": robots.folder / ".gitattributes",
-    }.items():  # fmt: skip
+        "core.fsmonitor": script,
+        "filter.evil.smudge": script,
+        "filter.evil.clean": script,
+        "filter.evil.required": "true",
+        "diff.evil.textconv": script,
+        "core.hooksPath": robots.folder / ".git" / "hooks",
+        "uploadpack.packObjectsHook": script,
+        "core.sshCommand": script,
+        "core.alternateRefsCommand": script,
+        "protocol.ext.allow": "always",
+        "submodule.recurse": "true",
+        "core.attributesFile": robots.folder / ".gitattributes",
+    }.items():
         robots.git("config", name, str(value))
     trace.unlink(missing_ok=True)
     return robots
@@ -69,7 +79,8 @@ def test_a_repository_that_is_fetched_runs_nothing(robots: Any, take: Callable[.
 @pytest.mark.skipif(os.name == "nt", reason="the scripts are for a shell")
 def test_a_revision_of_a_repository_runs_nothing(robots: Any, tmp_path: Path) -> None:
     """The repository may have come as a folder, with settings of its own in it."""
-    trace, into = tmp_path / "trace", tmp_path / "into"
+    trace = tmp_path / "trace"
+    into = tmp_path / "into"
     into.mkdir()
     armed(robots, trace)
     _, path = check_out("HEAD", robots.folder / "arm" / "arm.xml", into, dict(os.environ))
@@ -135,14 +146,31 @@ def received(folder: Path, trace: Path, url: str = "ssh://x/y") -> Path:
     (folder / "more").write_text(f'[core]\n\tsshCommand = "{run}"\n')
     place = url.format(folder=folder, trace=trace)
     for name, value in {
-        "core.repositoryformatversion": "1", "extensions.partialClone": "origin", "remote.origin.promisor": "true",
-        "remote.origin.url": place, "remote.origin.uploadpack": run, "core.sshCommand": run, "core.gitProxy": run,
-        "credential.helper": f"!{run}", "core.fsmonitor": run, "core.alternateRefsCommand": run, "core.pager": run,
-        "pager.rev-parse": run, "pager.ls-remote": run, "diff.external": run, "core.askPass": str(folder / "run.sh"),
-        "protocol.allow": "always", "protocol.ext.allow": "always", "uploadpack.packObjectsHook": run,
-        "include.path": str(folder / "more"), "core.hooksPath": str(folder), "alias.rev-parse": f"!{run}",
-        "url.ssh://x/.insteadOf": "https://", "url.ssh://y/.insteadOf": "file://", "core.editor": run,
-    }.items():  # fmt: skip
+        "core.repositoryformatversion": "1",
+        "extensions.partialClone": "origin",
+        "remote.origin.promisor": "true",
+        "remote.origin.url": place,
+        "remote.origin.uploadpack": run,
+        "core.sshCommand": run,
+        "core.gitProxy": run,
+        "credential.helper": f"!{run}",
+        "core.fsmonitor": run,
+        "core.alternateRefsCommand": run,
+        "core.pager": run,
+        "pager.rev-parse": run,
+        "pager.ls-remote": run,
+        "diff.external": run,
+        "core.askPass": str(folder / "run.sh"),
+        "protocol.allow": "always",
+        "protocol.ext.allow": "always",
+        "uploadpack.packObjectsHook": run,
+        "include.path": str(folder / "more"),
+        "core.hooksPath": str(folder),
+        "alias.rev-parse": f"!{run}",
+        "url.ssh://x/.insteadOf": "https://",
+        "url.ssh://y/.insteadOf": "file://",
+        "core.editor": run,
+    }.items():
         subprocess.run(["git", "config", name, value], cwd=folder, check=True)
     return folder
 
@@ -218,9 +246,14 @@ def test_a_revision_of_a_partial_clone_fetches_nothing(
 @pytest.mark.parametrize("url", URLS)
 @pytest.mark.parametrize("revision", ["main", "v1"])
 def test_a_local_partial_clone_fetches_nothing(
-    robots: Any, refused: Callable[..., SourceError], tmp_path: Path, url: str, revision: str, knows: bool,
+    robots: Any,
+    refused: Callable[..., SourceError],
+    tmp_path: Path,
+    url: str,
+    revision: str,
+    knows: bool,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     """It is served by a git of its own, with its settings."""
     trace = tmp_path / "trace"
     robots.git("tag", "-f", "-a", "-m", "one", "v1")
@@ -257,7 +290,8 @@ def test_commands_in_a_received_folder_run_nothing(robots: Any, tmp_path: Path, 
 def test_a_partial_clone_is_complete_after_the_command_of_the_help(robots: Any, tmp_path: Path) -> None:
     robots.commit(**{"arm/arm.xml": MODEL.replace("0.1", "0.2")})
     robots.git("config", "uploadpack.allowFilter", "true")
-    clone, place = tmp_path / "clone", f"file://{robots.folder}"
+    clone = tmp_path / "clone"
+    place = f"file://{robots.folder}"
     subprocess.run(["git", "clone", "-q", "--filter=blob:none", "-o", "lab", place, clone], check=True)
     (tmp_path / "into").mkdir()
     with pytest.raises(RevisionError) as caught:
@@ -304,7 +338,8 @@ def test_a_repository_with_longer_hashes(tmp_path: Path) -> None:
 
 @posix
 def test_the_program_is_found_by_absolute_folders_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    trace, there = tmp_path / "trace", shutil.which("git")
+    trace = tmp_path / "trace"
+    there = shutil.which("git")
     assert there is not None
     (tmp_path / "git").write_text(f"#!/bin/sh\ntouch {trace}\n")
     (tmp_path / "git").chmod(0o755)
@@ -354,9 +389,13 @@ def test_settings_that_the_user_cannot_loosen(
 ) -> None:
     """What git itself says that is in force, for a reference of the user and of a fetched recipe."""
     always = {
-        "core.hooksPath": os.devnull, "core.fsmonitor": "false", "core.attributesFile": os.devnull,
-        "submodule.recurse": "false", "fetch.recurseSubmodules": "false", "gc.auto": "0",
-    }  # fmt: skip
+        "core.hooksPath": os.devnull,
+        "core.fsmonitor": "false",
+        "core.attributesFile": os.devnull,
+        "submodule.recurse": "false",
+        "fetch.recurseSubmodules": "false",
+        "gc.auto": "0",
+    }
     confined = {"http.followRedirects": "false", "transfer.bundleURI": "false", "fetch.uriProtocols": ""}
     settings = tmp_path / "settings"
     for name in (*always, *confined):
@@ -482,11 +521,21 @@ def test_git_gets_the_login_of_the_user_and_no_repository_from_the_environment(r
     """As in a hook of git, whose variables describe the repository of the hook."""
     users = {"GIT_SSH_COMMAND": "ssh -4", "GIT_CONFIG_COUNT": "1", "GIT_CONFIG_KEY_0": "a.b", "GIT_CONFIG_VALUE_0": "c"}
     of_a_hook = {
-        "GIT_DIR": ".git", "GIT_WORK_TREE": ".", "GIT_INDEX_FILE": "index", "GIT_OBJECT_DIRECTORY": "objects",
-        "GIT_ALTERNATE_OBJECT_DIRECTORIES": "others", "GIT_COMMON_DIR": ".git", "GIT_NAMESPACE": "theirs",
-        "GIT_CONFIG": "config", "GIT_CONFIG_PARAMETERS": "'core.sshCommand=theirs'", "GIT_TEMPLATE_DIR": "templates",
-        "GIT_EXTERNAL_DIFF": "diff", "GIT_ATTR_SOURCE": "HEAD", "GIT_ALLOW_PROTOCOL": "ext", "GIT_PAGER": "pager",
-    }  # fmt: skip
+        "GIT_DIR": ".git",
+        "GIT_WORK_TREE": ".",
+        "GIT_INDEX_FILE": "index",
+        "GIT_OBJECT_DIRECTORY": "objects",
+        "GIT_ALTERNATE_OBJECT_DIRECTORIES": "others",
+        "GIT_COMMON_DIR": ".git",
+        "GIT_NAMESPACE": "theirs",
+        "GIT_CONFIG": "config",
+        "GIT_CONFIG_PARAMETERS": "'core.sshCommand=theirs'",
+        "GIT_TEMPLATE_DIR": "templates",
+        "GIT_EXTERNAL_DIFF": "diff",
+        "GIT_ATTR_SOURCE": "HEAD",
+        "GIT_ALLOW_PROTOCOL": "ext",
+        "GIT_PAGER": "pager",
+    }
     variables = Git({**users, **of_a_hook}, quiet)._variables({})
     assert {name: variables.get(name) for name in users} == users
     assert not {name for name, value in of_a_hook.items() if variables.get(name) == value}

@@ -48,16 +48,27 @@ class _GitHandler(BaseHTTPRequestHandler):
         path, _, query = self.path.partition("?")
         length = int(self.headers.get("Content-Length", 0))
         own = {
-            "GIT_PROJECT_ROOT": str(self.root), "GIT_HTTP_EXPORT_ALL": "1", "REQUEST_METHOD": self.command,
-            "PATH_INFO": path, "QUERY_STRING": query, "CONTENT_TYPE": self.headers.get("Content-Type", ""),
-            "CONTENT_LENGTH": str(length), "HTTP_CONTENT_ENCODING": self.headers.get("Content-Encoding", ""),
-            "GIT_PROTOCOL": self.headers.get("Git-Protocol", ""), "GIT_CONFIG_COUNT": "1",
-            "GIT_CONFIG_KEY_0": "safe.directory", "GIT_CONFIG_VALUE_0": "*",
-        }  # fmt: skip
+            "GIT_PROJECT_ROOT": str(self.root),
+            "GIT_HTTP_EXPORT_ALL": "1",
+            "REQUEST_METHOD": self.command,
+            "PATH_INFO": path,
+            "QUERY_STRING": query,
+            "CONTENT_TYPE": self.headers.get("Content-Type", ""),
+            "CONTENT_LENGTH": str(length),
+            "HTTP_CONTENT_ENCODING": self.headers.get("Content-Encoding", ""),
+            "GIT_PROTOCOL": self.headers.get("Git-Protocol", ""),
+            "GIT_CONFIG_COUNT": "1",
+            "GIT_CONFIG_KEY_0": "safe.directory",
+            "GIT_CONFIG_VALUE_0": "*",
+        }
         done = subprocess.run(
-            ["git", "http-backend"], input=self.rfile.read(length), capture_output=True,
-            env={**os.environ, **own}, check=True, timeout=60,
-        )  # fmt: skip
+            ["git", "http-backend"],
+            input=self.rfile.read(length),
+            capture_output=True,
+            env={**os.environ, **own},
+            check=True,
+            timeout=60,
+        )
         head, _, body = done.stdout.partition(b"\r\n\r\n")
         headers = dict(line.split(": ", 1) for line in head.decode().split("\r\n"))
         self.send_response(int(headers.pop("Status", "200").split()[0]))
@@ -78,12 +89,30 @@ def https(tmp_path: Path, robots: Any) -> Iterator[tuple[str, dict[str, str]]]:
     """The address of a server that has the repository `robots`, and what makes git trust its certificate."""
     if shutil.which("openssl") is None:
         pytest.skip("needs openssl for a certificate")
-    certificate, key = tmp_path / "certificate.pem", tmp_path / "key.pem"
+    certificate = tmp_path / "certificate.pem"
+    key = tmp_path / "key.pem"
     subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
-         "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        [
+            "openssl",
+            "req",
+            "-x509",
+            "-newkey",
+            "rsa:2048",
+            "-nodes",
+            "-days",
+            "2",
+            "-subj",
+            "/CN=localhost",
+            "-addext",
+            "subjectAltName=DNS:localhost",
+            "-keyout",
+            key,
+            "-out",
+            certificate,
+        ],
+        check=True,
+        capture_output=True,
+    )
     handler = type("Handler", (_GitHandler,), {"root": robots.folder.parent})
     server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
@@ -105,9 +134,12 @@ def test_https(https: tuple[str, dict[str, str]], robots: Any, own_environment: 
 
 @pytest.mark.parametrize("known", [True, False])
 def test_a_login_that_git_is_given(
-    https: tuple[str, dict[str, str]], own_environment: dict[str, str], tmp_path: Path, known: bool,
+    https: tuple[str, dict[str, str]],
+    own_environment: dict[str, str],
+    tmp_path: Path,
+    known: bool,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.setattr(_GitHandler, "login", f"Basic {base64.b64encode(b'robot:secret').decode()}")
     ask = tmp_path / "ask"
     ask.write_text('#!/bin/sh\ncase "$1" in Username*) echo robot;; *) echo secret;; esac\n')
@@ -234,9 +266,13 @@ def test_git_does_not_start_for_a_server_that_is_not_public(
 
 @pytest.mark.parametrize("is_confined", [True, False])
 def test_a_repository_of_a_fetched_recipe_does_not_redirect(
-    web: Any, robots: Any, own_environment: dict[str, str], answer: Callable[..., None], is_confined: bool,
+    web: Any,
+    robots: Any,
+    own_environment: dict[str, str],
+    answer: Callable[..., None],
+    is_confined: bool,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     web.serve(robots, "robots.git")
     suffix = "/info/refs?service=git-upload-pack"
     place = f"{web.url}/robots.git{suffix}"

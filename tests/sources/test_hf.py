@@ -101,9 +101,17 @@ def test_a_fetched_recipe_reaches_no_hub_here(
 
 
 @pytest.mark.parametrize(
-    "text", ["hf:robots@v1#a.xml", "hf:../robots@v1#a.xml", "hf:lab/robots#a.xml", "hf:lab/robots@v1", "hf://lab/robots@v1#a.xml",
-             "hf:lab/robots@-x#a.xml", "hf:models/lab/robots@v1#a.xml"],
-)  # fmt: skip
+    "text",
+    [
+        "hf:robots@v1#a.xml",
+        "hf:../robots@v1#a.xml",
+        "hf:lab/robots#a.xml",
+        "hf:lab/robots@v1",
+        "hf://lab/robots@v1#a.xml",
+        "hf:lab/robots@-x#a.xml",
+        "hf:models/lab/robots@v1#a.xml",
+    ],
+)
 def test_what_is_no_reference(text: str) -> None:
     with pytest.raises(SourceError) as caught:
         parse(text)

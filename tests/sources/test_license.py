@@ -112,13 +112,19 @@ CLAUSE_3 = """
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("                              Apache License\n                        Version 2.0, January 2004", "Apache-2.0"),
+        (
+            "                              Apache License\n                        Version 2.0, January 2004",
+            "Apache-2.0",
+        ),
         (BSD, "BSD-2-Clause"),
         (BSD + CLAUSE_3, "BSD-3-Clause"),
         ("Creative Commons Attribution 4.0 International Public License", "CC-BY-4.0"),
         ("Attribution-NonCommercial-ShareAlike 4.0 International", "CC-BY-NC-SA-4.0"),
         ("Creative Commons Legal Code\n\nCC0 1.0 Universal", "CC0-1.0"),
-        ("GNU GENERAL PUBLIC LICENSE\n Version 3, 29 June 2007 … GNU Affero General Public License version 3", "GPL-3.0-only"),
+        (
+            "GNU GENERAL PUBLIC LICENSE\n Version 3, 29 June 2007 … GNU Affero General Public License version 3",
+            "GPL-3.0-only",
+        ),
         ("GNU LESSER GENERAL PUBLIC LICENSE\n Version 3, 29 June 2007", "LGPL-3.0-only"),
         ("Mozilla Public License Version 2.0", "MPL-2.0"),
         ("SPDX-License-Identifier: MIT OR Apache-2.0\nApache License Version 2.0", "MIT OR Apache-2.0"),
@@ -127,7 +133,7 @@ CLAUSE_3 = """
         ("SPDX-License-Identifier:\nto be settled", None),
         ("", None),
     ],
-)  # fmt: skip
+)
 def test_a_text_is_known_by_its_words(text: str, expected: str | None) -> None:
     assert identify(text) == expected
 

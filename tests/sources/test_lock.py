@@ -171,14 +171,16 @@ def test_a_path_in_what_was_fetched_belongs_to_it(robots: Any, own_environment: 
 @pytest.mark.parametrize(
     ("change", "place"),
     [
-        ({"mjcompose": "1; rm -rf ~"}, "`mjcompose`"), ({"mujoco": "4.0\n::error::"}, "`mujoco`"),
+        ({"mjcompose": "1; rm -rf ~"}, "`mjcompose`"),
+        ({"mujoco": "4.0\n::error::"}, "`mujoco`"),
         ({"extensions": {"a": "1 --index-url=http://example.org"}}, "`extensions` / `a`"),
-        ({"extensions": {"a b": "1"}}, "`extensions` / `a b`"), ({"extensions": {"-r x": "1"}}, "`extensions`"),
+        ({"extensions": {"a b": "1"}}, "`extensions` / `a b`"),
+        ({"extensions": {"-r x": "1"}}, "`extensions`"),
         ({"sources": {"x": {"kind": "path\n", "files": {}}}}, "`sources` / `x` / `kind`"),
         ({"sources": {"x": {"kind": "path", "version": "1\n", "files": {}}}}, "`sources` / `x` / `version`"),
         ({"sources": {"x": {"kind": "path", "files": {"a": "b"}}}}, "`sources` / `x` / `files` / `a`"),
     ],
-)  # fmt: skip
+)
 def test_each_field_that_messages_put_into_commands_has_a_form(change: dict[str, object], place: str) -> None:
     sink = Sink()
     text = json.dumps({"lock": 1, "mjcompose": "0.1.0", "mujoco": "4.0.0", "sources": {}, **change})

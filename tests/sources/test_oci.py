@@ -15,7 +15,8 @@ from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import Origin, SourceError
 
-TAR, FILE = "application/vnd.oci.image.layer.v1.tar+gzip", "text/xml"
+TAR = "application/vnd.oci.image.layer.v1.tar+gzip"
+FILE = "text/xml"
 
 
 def tar(**files: bytes) -> bytes:
@@ -127,9 +128,18 @@ DIGEST = f"sha256:{'0' * 64}"
 
 
 @pytest.mark.parametrize(
-    "text", [f"oci:lab/robots@{DIGEST}#a.xml", "oci:ghcr.io/lab/robots:latest#a.xml", f"oci:ghcr.io/lab@{DIGEST}", f"oci://ghcr.io/lab@{DIGEST}#a.xml",
-             f"oci:ghcr.io/../x@{DIGEST}#a.xml", f"oci:ghcr.io/a/../x@{DIGEST}#a.xml", f"oci:me:pw@ghcr.io/x@{DIGEST}#a.xml", "oci:ghcr.io/lab@sha256:12#a.xml"],
-)  # fmt: skip
+    "text",
+    [
+        f"oci:lab/robots@{DIGEST}#a.xml",
+        "oci:ghcr.io/lab/robots:latest#a.xml",
+        f"oci:ghcr.io/lab@{DIGEST}",
+        f"oci://ghcr.io/lab@{DIGEST}#a.xml",
+        f"oci:ghcr.io/../x@{DIGEST}#a.xml",
+        f"oci:ghcr.io/a/../x@{DIGEST}#a.xml",
+        f"oci:me:pw@ghcr.io/x@{DIGEST}#a.xml",
+        "oci:ghcr.io/lab@sha256:12#a.xml",
+    ],
+)
 def test_what_is_no_reference(text: str) -> None:
     with pytest.raises(SourceError) as caught:
         parse(text)

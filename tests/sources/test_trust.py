@@ -56,8 +56,10 @@ def test_of_nested_origins_the_innermost_counts(tmp_path: Path) -> None:
     """In any order: a package inside of another is not what is around it."""
     roots = [tmp_path, tmp_path / "a", tmp_path / "a" / "b"]
     roots[-1].mkdir(parents=True)
-    made = {str(each): Origin(f"git+https://host/{number}@v1", fetched.GIT, each, commit="1" * 40, tree="2" * 40)
-            for number, each in enumerate(roots)}  # fmt: skip
+    made = {
+        str(each): Origin(f"git+https://host/{number}@v1", fetched.GIT, each, commit="1" * 40, tree="2" * 40)
+        for number, each in enumerate(roots)
+    }
     for order in (list(made), list(reversed(made)), [*list(made)[1:], *list(made)[:1]]):
         fetching = Fetching(origins={each: made[each] for each in order})
         for root in roots:

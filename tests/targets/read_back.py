@@ -41,7 +41,8 @@ class Found:
 
 def read_in(consumer: str, model: Path, folder: Path) -> Found | str:
     """What a program reads of the file of a model; or why the model is not written for it."""
-    reader, out = READ_WITH[consumer], folder / "out"
+    reader = READ_WITH[consumer]
+    out = folder / "out"
     out.mkdir()
     made = export(mujoco, {"name": consumer.partition(" ")[0], "model": str(model), "out": str(out)})
     losses = [Loss(**each) for each in made["losses"]]
@@ -86,7 +87,9 @@ def row(consumer: str) -> dict[str, Any]:
             found = read_in(consumer, Path(folder) / f"{name}.xml", Path(folder))
         if not isinstance(found, str):
             assert not found.differences, (consumer, name, found.differences)
-            same, lost, version = same | found.same, lost | found.lost, found.version
+            same = same | found.same
+            lost = lost | found.lost
+            version = found.version
     outcomes = outcomes_of(TARGETS[consumer.partition(" ")[0]])
     # What is lost in part and was not compared is not known.
     lost = {each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")}

@@ -84,9 +84,13 @@ def test_it_loads(with_reader: Path, tmp_path: Path) -> None:
 def test_what_has_no_name_is_not_compared(with_reader: Path, tmp_path: Path) -> None:
     with_reader.write_text(reader())
     inner = '<body pos="0 0 .1"><joint/><geom size=".1"/></body><body pos="0 0 .2"><joint/><geom size=".2"/></body>'
-    bundle, context = checked(SELDOM.replace('<geom class="bar"/>\n', f'<geom class="bar"/>{inner}\n', 1)
-                              .replace('<key name="home" qpos="0.4 0.1 0 0.2 0.2"/>', '<key name="home"/>'),
-                              "targets: {in: mjx, losses: warning}", tmp_path)  # fmt: skip
+    bundle, context = checked(
+        SELDOM.replace('<geom class="bar"/>\n', f'<geom class="bar"/>{inner}\n', 1).replace(
+            '<key name="home" qpos="0.4 0.1 0 0.2 0.2"/>', '<key name="home"/>'
+        ),
+        "targets: {in: mjx, losses: warning}",
+        tmp_path,
+    )
     assert bundle is not None and told(context) == []
 
 

@@ -47,9 +47,17 @@ def test_the_probes_have_everything() -> None:
     """What no probe has would never be found missing."""
     models = [mujoco.MjModel.from_xml_string(text) for text in PROBES.values()]
     for array in (
-        "dof_damping", "dof_dampingpoly", "dof_frictionloss", "dof_armature", "jnt_stiffness", "jnt_actfrclimited",
-        "jnt_limited", "actuator_forcelimited", "actuator_ctrllimited", "actuator_biasprm",
-    ):  # fmt: skip
+        "dof_damping",
+        "dof_dampingpoly",
+        "dof_frictionloss",
+        "dof_armature",
+        "jnt_stiffness",
+        "jnt_actfrclimited",
+        "jnt_limited",
+        "actuator_forcelimited",
+        "actuator_ctrllimited",
+        "actuator_biasprm",
+    ):
         assert any(getattr(model, array).any() for model in models), array
     assert {int(kind) for model in models for kind in model.geom_type} >= set(range(8))
     assert {int(kind) for model in models for kind in model.jnt_type} == set(range(4))

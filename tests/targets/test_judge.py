@@ -115,8 +115,10 @@ def test_a_joint_that_is_missing() -> None:
     del facts["joints"]["j2"], facts["bodies"]["b2"], facts["actuators"]["a5"]
     found = [each.message for each in differences(mujoco, truth, facts, ASKED, single=False)]
     assert found == [
-        "the body `b2` is missing", "the joint `j2` is missing", "the actuator `a5` is missing",
-    ]  # fmt: skip
+        "the body `b2` is missing",
+        "the joint `j2` is missing",
+        "the actuator `a5` is missing",
+    ]
 
 
 DRIVEN = """<mujoco><worldbody>
@@ -133,8 +135,9 @@ def test_full_control_is_that_of_the_joint() -> None:
     model = mujoco.MjModel.from_xml_string(DRIVEN)
     drives = drives_of(mujoco, model, questions(model, 0))["drives"]
     assert {name: (each["input"], each["full"]["at_joint"]) for name, each in drives.items()} == {
-        "motor": ("force", -6), "servo": ("position", 0.5),
-    }  # fmt: skip
+        "motor": ("force", -6),
+        "servo": ("position", 0.5),
+    }
     forces = facts_of(mujoco, model, asked_of(mujoco, model, 0))["forces"]
     assert forces == {"a": pytest.approx(-6), "b": pytest.approx(4 * 5 * 2)}
 

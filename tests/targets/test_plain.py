@@ -47,7 +47,8 @@ def test_a_site_outside_of_the_class_of_its_body(tmp_path: Path) -> None:
     text = f"<mujoco>{classes}<worldbody>{body}</worldbody></mujoco>"
     bundle, context = written(text, "plain", tmp_path)
     assert bundle is not None, codes(context)
-    before, after = mujoco.MjModel.from_xml_string(text), compiled(bundle, tmp_path / "out")
+    before = mujoco.MjModel.from_xml_string(text)
+    after = compiled(bundle, tmp_path / "out")
     for array in ("site_group", "site_rgba"):
         assert getattr(after, array).tolist() == getattr(before, array).tolist()
 

@@ -29,7 +29,8 @@ def test_what_they_have(target: str, tmp_path: Path) -> None:
     bundle, context = written(text, target, tmp_path)
     assert bundle is not None and codes(context) == []
     text = text.replace('model="m"', 'model="recipe"')
-    before, after = mujoco.MjModel.from_xml_string(text), compiled(bundle, tmp_path / "out")
+    before = mujoco.MjModel.from_xml_string(text)
+    after = compiled(bundle, tmp_path / "out")
     assert [after.opt.integrator, after.opt.cone] == [before.opt.integrator, before.opt.cone]
     assert list(differences(before, after)) == []
 
@@ -59,21 +60,30 @@ def test_neither_has_a_pid(target: str, name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("target", "given", "told"),
     [
-        ("drake", {"option": 'timestep=".01" cone="elliptic"'},
-         "Drake ignores `timestep`, `cone`; it has settings of its own"),
-        ("pybullet", {"flags": '<flag contact="disable"/>'},
-         "PyBullet ignores `flag`; it has settings of its own"),
+        (
+            "drake",
+            {"option": 'timestep=".01" cone="elliptic"'},
+            "Drake ignores `timestep`, `cone`; it has settings of its own",
+        ),
+        ("pybullet", {"flags": '<flag contact="disable"/>'}, "PyBullet ignores `flag`; it has settings of its own"),
         ("pinocchio", {"option": 'gravity="0 0 -1.6"'}, "Pinocchio ignores gravity; set it to 0 0 -1.6 in the program"),
         ("newton", {"option": 'gravity="0 0 -1.6"'}, "Newton ignores gravity; set it to 0 0 -1.6 in the program"),
-        ("drake", {"geom": 'solref=".01 1" condim="4"'}, "Drake ignores `solref`, `condim` of the contacts of 1 geom: `g`"),
+        (
+            "drake",
+            {"geom": 'solref=".01 1" condim="4"'},
+            "Drake ignores `solref`, `condim` of the contacts of 1 geom: `g`",
+        ),
         ("drake", {"geom": 'friction=".5 .1"'}, "Drake ignores torsional friction of the contacts of 1 geom: `g`"),
         ("urdf", {"geom": 'friction=".5"'}, "URDF ignores sliding friction of the contacts of 1 geom: `g`"),
-        ("drake", {"geom": 'contype="2"'},
-         "Drake ignores `contype` and `conaffinity` of 1 geom: `g`; they collide with everything"),
+        (
+            "drake",
+            {"geom": 'contype="2"'},
+            "Drake ignores `contype` and `conaffinity` of 1 geom: `g`; they collide with everything",
+        ),
         ("drake", {"joint": 'range="-1 1" margin=".1"'}, "Drake ignores `margin` of the limits of 1 joint: `j`"),
         ("drake", {"body": 'gravcomp="1"'}, "Drake ignores `gravcomp` of 1 body: `b`; all of their weight pulls"),
     ],
-)  # fmt: skip
+)
 def test_it_is_lost(target: str, given: dict[str, str], told: str, tmp_path: Path) -> None:
     plain = losses(written(model(), target, tmp_path)[1])
     bundle, context = written(model(**given), target, tmp_path)
@@ -93,28 +103,60 @@ def test_what_drake_reads_is_not_lost(tmp_path: Path) -> None:
         ("pybullet", {"joint": 'frictionloss=".1"'}, "PyBullet ignores dry friction of 1 joint: `j`"),
         ("pybullet", {"joint": 'armature=".1"'}, "PyBullet ignores armature of 1 joint: `j`"),
         ("pybullet", {"joint": 'actuatorfrcrange="-1 1"'}, "PyBullet ignores the greatest force of 1 joint: `j`"),
-        ("pybullet", {"geom": 'type="ellipsoid" fromto="0 0 0 0 0 .1"'}, "PyBullet ignores the ellipsoid of 1 geom: `g`"),
-        ("drake", {"geom": 'contype="0" conaffinity="0" group="3"'},
-         "Drake ignores 1 geom: `g`; they neither collide nor are shown"),
-        ("drake", {"joint": 'armature=".1"'},
-         "Drake ignores armature of 1 joint: `j`; it reads that of joints with an actuator"),
-        ("drake", {"joint": 'damping="1 2"'}, "Drake ignores the higher terms of damping of 1 joint: `j`; what is linear is read"),
-        ("drake", {"more": '<actuator><position name="a" joint="j" kp="2" kv="1"/></actuator>'},
-         "Drake ignores `kv` of 1 actuator: `a`"),
-        ("drake", {"more": '<actuator><motor name="a" joint="j" ctrlrange="0 1"/></actuator>'},
-         "Drake ignores the narrower side of `ctrlrange` of 1 actuator: `a`; it has the same limit on both sides"),
-        ("drake", {"more": '<actuator><motor name="a" joint="j" gear="2"/></actuator>'},
-         "Drake gets 1 actuator: `a` in another form: their gear is in their gains, and controls are at the joint"),
+        (
+            "pybullet",
+            {"geom": 'type="ellipsoid" fromto="0 0 0 0 0 .1"'},
+            "PyBullet ignores the ellipsoid of 1 geom: `g`",
+        ),
+        (
+            "drake",
+            {"geom": 'contype="0" conaffinity="0" group="3"'},
+            "Drake ignores 1 geom: `g`; they neither collide nor are shown",
+        ),
+        (
+            "drake",
+            {"joint": 'armature=".1"'},
+            "Drake ignores armature of 1 joint: `j`; it reads that of joints with an actuator",
+        ),
+        (
+            "drake",
+            {"joint": 'damping="1 2"'},
+            "Drake ignores the higher terms of damping of 1 joint: `j`; what is linear is read",
+        ),
+        (
+            "drake",
+            {"more": '<actuator><position name="a" joint="j" kp="2" kv="1"/></actuator>'},
+            "Drake ignores `kv` of 1 actuator: `a`",
+        ),
+        (
+            "drake",
+            {"more": '<actuator><motor name="a" joint="j" ctrlrange="0 1"/></actuator>'},
+            "Drake ignores the narrower side of `ctrlrange` of 1 actuator: `a`; it has the same limit on both sides",
+        ),
+        (
+            "drake",
+            {"more": '<actuator><motor name="a" joint="j" gear="2"/></actuator>'},
+            "Drake gets 1 actuator: `a` in another form: their gear is in their gains, and controls are at the joint",
+        ),
         ("pinocchio", {"joint": 'type="ball" damping="1"'}, "Pinocchio ignores damping of 1 joint: `j`"),
         ("newton", {"joint": 'type="free" armature="1"'}, "Newton ignores armature of 1 joint: `j`"),
-        ("newton", {"more": '<actuator><motor name="a" joint="j" gear="2"/></actuator>'},
-         "Newton ignores `gear` of 1 actuator: `a`; its solvers other than MuJoCo take the gains as they are"),
-        ("genesis", {"joint": 'stiffness="1" springref="9"'},
-         "Genesis ignores stiffness of 1 joint: `j`; it has springs that rest at zero"),
-        ("genesis", {"joint": 'armature="0"'},
-         "Genesis gets 1 joint: `j` in another form: it adds an armature of 0.1 unless you load it with `default_armature=None`"),
+        (
+            "newton",
+            {"more": '<actuator><motor name="a" joint="j" gear="2"/></actuator>'},
+            "Newton ignores `gear` of 1 actuator: `a`; its solvers other than MuJoCo take the gains as they are",
+        ),
+        (
+            "genesis",
+            {"joint": 'stiffness="1" springref="9"'},
+            "Genesis ignores stiffness of 1 joint: `j`; it has springs that rest at zero",
+        ),
+        (
+            "genesis",
+            {"joint": 'armature="0"'},
+            "Genesis gets 1 joint: `j` in another form: it adds an armature of 0.1 unless you load it with `default_armature=None`",
+        ),
     ],
-)  # fmt: skip
+)
 def test_numbers_that_are_not_read(target: str, given: dict[str, str], told: str, tmp_path: Path) -> None:
     if "damping=" in str(given) and " 2" in str(given) and mujoco.mj_version() < _POLYNOMIALS:
         pytest.skip("this MuJoCo has no polynomials")

@@ -173,7 +173,8 @@ def test_what_we_read_again_pushes_and_moves_as_before(share: float, tmp_path: P
     assert bundle is not None and not context.sink.has_errors
     before = mujoco.MjModel.from_xml_string(GEARED)
     after = read_by_us(bundle, tmp_path)
-    own, at_joints = {}, {}
+    own = {}
+    at_joints = {}
     for number in range(before.nu):
         low, high = before.actuator_ctrlrange[number] if before.actuator_ctrllimited[number] else (-1.0, 1.0)
         joint = before.joint(int(before.actuator_trnid[number][0])).name
@@ -197,8 +198,13 @@ def test_the_ranges_of_controls_are_those_at_the_joints(tmp_path: Path) -> None:
         for joint in robot.iterfind("ros2_control/joint")
     }
     assert ranges == {
-        "one": [-12, 6], "two": [-0.5, 1], "three": [-0.2, 0.8], "four": [-10, 5], "five": [-0.5, 0.5], "six": [],
-    }  # fmt: skip
+        "one": [-12, 6],
+        "two": [-0.5, 1],
+        "three": [-0.2, 0.8],
+        "four": [-10, 5],
+        "five": [-0.5, 0.5],
+        "six": [],
+    }
 
 
 @pytest.mark.parametrize(

@@ -55,9 +55,7 @@ def has_nan(value: Any) -> bool:
     return isinstance(value, float) and math.isnan(value)
 
 
-RECIPES = sorted(
-    path for folder in ("recipes", "docs/examples", "tests") for path in (ROOT / folder).rglob("*.yaml")
-)  # fmt: skip
+RECIPES = sorted(path for folder in ("recipes", "docs/examples", "tests") for path in (ROOT / folder).rglob("*.yaml"))
 
 
 def test_every_recipe_of_the_repository_comes_back() -> None:
@@ -251,9 +249,10 @@ def doubled() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    "recipe", [doubled(), Endless(), {"a": range(10**12)}, {"a": np.broadcast_to(0, (10**6, 10**6))}],
+    "recipe",
+    [doubled(), Endless(), {"a": range(10**12)}, {"a": np.broadcast_to(0, (10**6, 10**6))}],
     ids=["doubled", "endless", "range", "array"],
-)  # fmt: skip
+)
 def test_the_number_of_values_has_the_limit_of_files(recipe: Mapping[str, Any]) -> None:
     with allow(yaml_values=1000), pytest.raises(mjcompose.MjcomposeError, match="more than 1000 values in `recipe`"):
         mjcompose.dumps(recipe)

@@ -9,9 +9,13 @@ from mjcompose.text.evaluate import Template, bound
 from mjcompose.text.expression import Angle, DataTable, ExpressionError, Value, shown, with_units
 
 SCOPE: dict[str, Value] = {
-    "reach": 0.45, "n": 3, "left": True, "side": "left", "v": (1, 2.5),
+    "reach": 0.45,
+    "n": 3,
+    "left": True,
+    "side": "left",
+    "v": (1, 2.5),
     "t": DataTable({"hip": DataTable({"kp": 20, "not": (1, 2)}), "knee-1": DataTable({"kp": 40})}),
-}  # fmt: skip
+}
 
 
 def value(text: str) -> Value:
@@ -190,23 +194,54 @@ def test_numbers_keep_their_bits_in_text(number: float) -> None:
 
 
 ANGLES: dict[str, Value] = {
-    "t": Angle(10, "deg"), "r": Angle(1.0, "rad"), "v": (Angle(1, "deg"), Angle(2, "deg")), "k": 2, "zero": 0,
-}  # fmt: skip
+    "t": Angle(10, "deg"),
+    "r": Angle(1.0, "rad"),
+    "v": (Angle(1, "deg"), Angle(2, "deg")),
+    "k": 2,
+    "zero": 0,
+}
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("-t", "-10deg"), ("+t", "10deg"), ("t + 5deg", "15deg"), ("t - t", "0deg"), ("t * 2", "20deg"), ("2 * t", "20deg"),
-        ("t / 4", "2.5deg"), ("t % 3deg", "1deg"), ("v[1]", "2deg"), ("min(t, 5deg)", "5deg"), ("max(t, 0)", "10deg"),
-        ("clamp(t, -5deg, 5deg)", "5deg"), ("abs(-t)", "10deg"), ("hypot(3deg, 4deg)", "5.0deg"), ("t if k > 1 else r", "10deg"),
-        ("t + zero", "10deg"), ("atan2(t, t)", f"{math.pi / 4!r}rad"), ("asin(1)", f"{math.pi / 2!r}rad"), ("[v, k]", "[[1deg, 2deg], 2]"),
-        ("t / 5deg", "2.0"), ("t // 3deg", "3"), ("deg(t)", "10"), ("rad(r)", "1.0"), ("deg(r)", repr(math.degrees(1))),
-        ("sin(t)", repr(math.sin(math.radians(10)))), ("tan(k)", repr(math.tan(2))), ("rad(180) == pi", "true"), ("cos(180deg)", "-1.0"),
-        ("t > 5deg", "true"), ("t < r", "true"), ("t == 10deg", "true"), ("180deg == 1rad * pi", "true"), ("t != r", "true"),
-        ("0 < t <= 10deg", "true"), ("params.t", "10deg"),
+        ("-t", "-10deg"),
+        ("+t", "10deg"),
+        ("t + 5deg", "15deg"),
+        ("t - t", "0deg"),
+        ("t * 2", "20deg"),
+        ("2 * t", "20deg"),
+        ("t / 4", "2.5deg"),
+        ("t % 3deg", "1deg"),
+        ("v[1]", "2deg"),
+        ("min(t, 5deg)", "5deg"),
+        ("max(t, 0)", "10deg"),
+        ("clamp(t, -5deg, 5deg)", "5deg"),
+        ("abs(-t)", "10deg"),
+        ("hypot(3deg, 4deg)", "5.0deg"),
+        ("t if k > 1 else r", "10deg"),
+        ("t + zero", "10deg"),
+        ("atan2(t, t)", f"{math.pi / 4!r}rad"),
+        ("asin(1)", f"{math.pi / 2!r}rad"),
+        ("[v, k]", "[[1deg, 2deg], 2]"),
+        ("t / 5deg", "2.0"),
+        ("t // 3deg", "3"),
+        ("deg(t)", "10"),
+        ("rad(r)", "1.0"),
+        ("deg(r)", repr(math.degrees(1))),
+        ("sin(t)", repr(math.sin(math.radians(10)))),
+        ("tan(k)", repr(math.tan(2))),
+        ("rad(180) == pi", "true"),
+        ("cos(180deg)", "-1.0"),
+        ("t > 5deg", "true"),
+        ("t < r", "true"),
+        ("t == 10deg", "true"),
+        ("180deg == 1rad * pi", "true"),
+        ("t != r", "true"),
+        ("0 < t <= 10deg", "true"),
+        ("params.t", "10deg"),
     ],
-)  # fmt: skip
+)
 def test_angles_stay_angles(text: str, expected: str) -> None:
     assert with_units(Template.parse(f"${{{text}}}").value(ANGLES)) == expected
 
@@ -254,34 +289,62 @@ def test_the_unit_of_a_parameter_does_not_matter(a: float, b: float, k: float) -
     degrees: dict[str, Value] = {"a": Angle(a, "deg"), "b": Angle(b, "deg"), "k": k}
     radians: dict[str, Value] = {"a": Angle(math.radians(a), "rad"), "b": Angle(math.radians(b), "rad"), "k": k}
     for text in ("${k * a - b / k}", "${max(a, -b) + clamp(b, -1rad, 90deg)}", "${a if a > 10deg + b else -b}"):
-        first, second = Template.parse(text).value(degrees), Template.parse(text).value(radians)
+        first = Template.parse(text).value(degrees)
+        second = Template.parse(text).value(radians)
         assert isinstance(first, Angle) and isinstance(second, Angle)
         assert first.radians == pytest.approx(second.radians, rel=1e-9, abs=1e-9)
 
 
 _TURN: dict[str, Value] = {
-    "i": -2, "s": "le'ft", "w": (1, Angle(-2.5, "deg"), 3), "z": 0, "b": True, "a": Angle(0.1, "rad"),
+    "i": -2,
+    "s": "le'ft",
+    "w": (1, Angle(-2.5, "deg"), 3),
+    "z": 0,
+    "b": True,
+    "a": Angle(0.1, "rad"),
     "m": DataTable({"kp": -20, "row": DataTable({"x": 0.1}), "name": "hip"}),
-}  # fmt: skip
+}
 _PARAMETERS: dict[str, Value] = {
-    "k": (4, -5, 6), "p": 0.3, "t": DataTable({"hip": DataTable({"x": 1}), "knee": DataTable({"x": 2})}),
-}  # fmt: skip
+    "k": (4, -5, 6),
+    "p": 0.3,
+    "t": DataTable({"hip": DataTable({"x": 1}), "knee": DataTable({"x": 2})}),
+}
 _ELEMENT: dict[str, Value] = {"value": 1.5, "name": "hip", "index": 1, "size": (0.1, 0.2)}
 
 
 def _expressions(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     return st.one_of(
         st.tuples(inner, st.sampled_from(["+", "-", "*", "//"]), inner).map(lambda each: f"({' '.join(each)})"),
-        inner.map("-{}".format), inner.map("({})".format), inner.map("{} ** 2".format),
+        inner.map("-{}".format),
+        inner.map("({})".format),
+        inner.map("{} ** 2".format),
         st.tuples(inner, inner, inner, inner).map(lambda each: "({} if {} < {} else {})".format(*each)),
         st.tuples(inner, inner).map(lambda each: "max({}, {})".format(*each)),
         st.tuples(inner, inner, st.sampled_from(["0", "z", "index"])).map(lambda each: "[{}, {}][{}]".format(*each)),
         st.sampled_from(["z", "index", "1", "-1"]).map("(w)[{}]".format),
-    )  # fmt: skip
+    )
 
 
-_READ = ["i", "z", "a", "w[0]", "w[-2]", "value", "index", "m.kp", "p", "k[z]", "k[index]", "t[m.name].x", "t[name].x",
-         "m.row.x", "size[z]", "(m)['kp']", "2", "30deg"]  # fmt: skip
+_READ = [
+    "i",
+    "z",
+    "a",
+    "w[0]",
+    "w[-2]",
+    "value",
+    "index",
+    "m.kp",
+    "p",
+    "k[z]",
+    "k[index]",
+    "t[m.name].x",
+    "t[name].x",
+    "m.row.x",
+    "size[z]",
+    "(m)['kp']",
+    "2",
+    "30deg",
+]
 
 
 @given(st.lists(st.recursive(st.sampled_from(_READ), _expressions, max_leaves=8), min_size=1, max_size=2))

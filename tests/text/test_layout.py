@@ -25,7 +25,7 @@ RECIPES = {
     for case in cases(ROOT / "tests" / folder)
     for name, text in case.texts.items()
     if name.endswith(".yaml")
-}  # fmt: skip
+}
 
 
 def formatted(text: str | bytes) -> str:
@@ -230,8 +230,30 @@ KEYS = [
     "é",
     "x y",
 ]
-SCALARS = ["1", "1.50", "true", "~", "abc", "a b", "12:30", "-0", "'it''s'", "'a b'", '"a\\tb"', '"\\u00e9 \\"q\\""', "'#'",
-           "**/x", "a#b", '"${x[0]}"', "ünï", "!!str 5", "", "a\n  b", '"one\n\n  two \\\n   three"', "'x\n y'"]  # fmt: skip
+SCALARS = [
+    "1",
+    "1.50",
+    "true",
+    "~",
+    "abc",
+    "a b",
+    "12:30",
+    "-0",
+    "'it''s'",
+    "'a b'",
+    '"a\\tb"',
+    '"\\u00e9 \\"q\\""',
+    "'#'",
+    "**/x",
+    "a#b",
+    '"${x[0]}"',
+    "ünï",
+    "!!str 5",
+    "",
+    "a\n  b",
+    '"one\n\n  two \\\n   three"',
+    "'x\n y'",
+]
 BLOCKS = ["|", ">", "|-", "|+", ">+", ">-"]
 SAFE_IN_FLOW = [each for each in SCALARS if "**" not in each]
 

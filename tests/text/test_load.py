@@ -184,7 +184,8 @@ def test_only_plain_scalars_have_types() -> None:
 
 def test_text_as_written_and_whether_it_is_plain() -> None:
     entries = tree_of("a: 010\nb: '010'\n").entries
-    plain, quoted = entries["a"][1], entries["b"][1]
+    plain = entries["a"][1]
+    quoted = entries["b"][1]
     assert isinstance(plain, Scalar) and isinstance(quoted, Scalar)
     assert (plain.value, plain.text, plain.plain) == (10, "010", True)
     assert (quoted.value, quoted.text, quoted.plain) == ("010", "010", False)

@@ -110,7 +110,8 @@ def test_nothing_is_changed_in_place() -> None:
 
 def test_an_id_that_two_items_have() -> None:
     sink = Sink()
-    lower, upper = "{add: [{id: a}]}", "{add: [{id: a, to: b}, {id: a, to: c}, {id: b}]}"
+    lower = "{add: [{id: a}]}"
+    upper = "{add: [{id: a, to: b}, {id: a, to: c}, {id: b}]}"
     merge(tree(lower, "lower.yaml"), tree(upper, "upper.yaml"), sink)
     (error,) = sink.errors
     assert (error.code, str(error.span)) == ("name-clash", "upper.yaml:1:29")
@@ -133,10 +134,17 @@ def test_lists_of_edits(path: Path) -> None:
 @pytest.mark.parametrize(
     "path",
     [
-        (), ("base",), ("attach", "edit"), ("sensor", "edit"), ("sensor", "edit", "edit"), ("option", "edit"),
-        ("base", "with", "edit"), ("attach", "arm", "with", "edit"), ("asset", "mesh", "edit"),
+        (),
+        ("base",),
+        ("attach", "edit"),
+        ("sensor", "edit"),
+        ("sensor", "edit", "edit"),
+        ("option", "edit"),
+        ("base", "with", "edit"),
+        ("attach", "arm", "with", "edit"),
+        ("asset", "mesh", "edit"),
     ],
-)  # fmt: skip
+)
 def test_what_is_only_called_so(path: Path) -> None:
     assert not is_edits(path) and not is_appended(path) and not is_of_elements(path)
 

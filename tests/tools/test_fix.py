@@ -104,14 +104,29 @@ def fixed(folder: Path, text: str | bytes, **others: str) -> tuple[str, Fixed]:
         ("edit: [{select: {joint: elbow}, set: {dampin: 1}}]", "edit: [{select: {joint: elbow}, set: {damping: 1}}]"),
         ("edit: [{select: {joint: elbow}, sett: {damping: 1}}]", "edit: [{select: {joint: elbow}, set: {damping: 1}}]"),
         ("edit: [{select: {joint: **}, set: {damping: 1}}]", 'edit: [{select: {joint: "**"}, set: {damping: 1}}]'),
-        ("edit: [{select: {joint: elbow}, set: {dampin: null}}]\n", "edit: [{select: {joint: elbow}, set: {damping: null}}]\n"),
+        (
+            "edit: [{select: {joint: elbow}, set: {dampin: null}}]\n",
+            "edit: [{select: {joint: elbow}, set: {damping: null}}]\n",
+        ),
         ("add: [{to: link, geom: {size: 0.1 0.1}}]", "add: [{to: link, geom: {size: [0.1, 0.1]}}]"),
         ("add: [{to: link, geom: {size: ['0.1']}}]", "add: [{to: link, geom: {size: [0.1]}}]"),
         ("add: [{to: link, geom: {size: [10cm]}}]", "add: [{to: link, geom: {size: [0.1]}}]"),
-        ("add: [{to: link, geom: {size: [0.1], euler: [0, 90, 0]}}]", "add: [{to: link, geom: {size: [0.1], euler: [0, 90deg, 0]}}]"),
-        ("add: [{to: link, geom: {size: [0.1], euler: [0, 1.57, 0.1]}}]", "add: [{to: link, geom: {size: [0.1], euler: [0, 1.57rad, 0.1rad]}}]"),
-        ("add: [{to: link, geom: {size: [0.1], tpye: sphere}}]", "add: [{to: link, geom: {size: [0.1], type: sphere}}]"),
-        ("add: [{to: link, geom: {size: [0.1], type: shpere}}]", "add: [{to: link, geom: {size: [0.1], type: sphere}}]"),
+        (
+            "add: [{to: link, geom: {size: [0.1], euler: [0, 90, 0]}}]",
+            "add: [{to: link, geom: {size: [0.1], euler: [0, 90deg, 0]}}]",
+        ),
+        (
+            "add: [{to: link, geom: {size: [0.1], euler: [0, 1.57, 0.1]}}]",
+            "add: [{to: link, geom: {size: [0.1], euler: [0, 1.57rad, 0.1rad]}}]",
+        ),
+        (
+            "add: [{to: link, geom: {size: [0.1], tpye: sphere}}]",
+            "add: [{to: link, geom: {size: [0.1], type: sphere}}]",
+        ),
+        (
+            "add: [{to: link, geom: {size: [0.1], type: shpere}}]",
+            "add: [{to: link, geom: {size: [0.1], type: sphere}}]",
+        ),
         ("option: {flag: {gravity: off}}", "option: {flag: {gravity: disable}}"),
         ("sensor: {s: {typ: jointpos, joint: elbow}}", "sensor: {s: {type: jointpos, joint: elbow}}"),
         ("sensor: {s: {type: jointpso, joint: elbow}}", "sensor: {s: {type: jointpos, joint: elbow}}"),
@@ -120,9 +135,12 @@ def fixed(folder: Path, text: str | bytes, **others: str) -> tuple[str, Fixed]:
         ("check: {c: {expct: {attr: nq, equals: 2}}}", "check: {c: {expect: {attr: nq, equals: 2}}}"),
         ("check: {c: {expect: {attr: mass, rnge: [0, 99]}}}", "check: {c: {expect: {attr: mass, range: [0, 99]}}}"),
         ("params: {r: {defualt: 1}}", "params: {r: {default: 1}}"),
-        ("params: {r: 1}\nadd: [{to: link, geom: {size: [${r}]}}]", 'params: {r: 1}\nadd: [{to: link, geom: {size: ["${r}"]}}]'),
+        (
+            "params: {r: 1}\nadd: [{to: link, geom: {size: [${r}]}}]",
+            'params: {r: 1}\nadd: [{to: link, geom: {size: ["${r}"]}}]',
+        ),
     ],
-)  # fmt: skip
+)
 def test_one_of_each(tmp_path: Path, wrong: str, right: str) -> None:
     head = "# what it is for\nrecipe: 1  # the version\nbase: ./arm.xml\n\n"
     text, found = fixed(tmp_path, head + wrong)

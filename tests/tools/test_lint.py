@@ -58,8 +58,10 @@ def test_no_message_shows_a_file_of_ours(tmp_path: Path, mesh: str) -> None:
 def test_all_faults_are_reported_at_once(tmp_path: Path) -> None:
     _, errors = linted(tmp_path, shape=MESH.format("lost.stl"), inertial=INERTIAL.format(9), parent="uper")
     assert sorted((each.code, each.span.line) for each in errors if each.span is not None) == [
-        ("asset-missing", 3), ("mujoco-rejects", 6), ("urdf-inertia", 3),
-    ]  # fmt: skip
+        ("asset-missing", 3),
+        ("mujoco-rejects", 6),
+        ("urdf-inertia", 3),
+    ]
     (inertia,) = (each for each in errors if each.code == "urdf-inertia")
     assert len(inertia.others) == 1
 

@@ -66,8 +66,12 @@ def test_the_module_of_python_runs_alone_and_has_the_same(read: Names, tmp_path:
         "import json, made; print(json.dumps([made.NQ, made.Qpos.ARM_EL_BOW, made.Qpos.ARM_EL_BOW_2, made.Ctrl.D, made.Key.HOME,"
         " made.JOINTS['arm/el bow'], made.SENSORS['g'], made.KEYFRAMES['home']['ctrl'], made.SHA256]))"
     )
-    run = subprocess.run([sys.executable, "-I", "-c", f"import sys; sys.path[:0] = [{str(tmp_path)!r}]; {program}"],
-                         capture_output=True, check=True, text=True)  # fmt: skip
+    run = subprocess.run(
+        [sys.executable, "-I", "-c", f"import sys; sys.path[:0] = [{str(tmp_path)!r}]; {program}"],
+        capture_output=True,
+        check=True,
+        text=True,
+    )
     nq, first, second, ctrl, key, joint, sensor, row, sha256 = json.loads(run.stdout)
     data: dict[str, Any] = json.loads(to_json(read))
     assert (nq, first, second, ctrl, key, row) == (data["sizes"]["nq"], 7, 8, 0, 0, [0.5, 1, 2])

@@ -43,8 +43,13 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def sh(script: str, folder: Path, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["bash", "-eo", "pipefail", "-c", script],
-        cwd=folder, env=environment, text=True, capture_output=True, timeout=300, check=False,
-    )  # fmt: skip
+        cwd=folder,
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=300,
+        check=False,
+    )
 
 
 @pytest.fixture
@@ -124,7 +129,10 @@ def test_the_action_builds_no_model_over_another(project: Path, shell: dict[str,
     script, env = step("Build")
     ran = sh(script, project, {**shell, **env})
     assert ran.returncode == 1
-    assert "::error::two recipes make a model of one name, and one took the place of the other: build/my_arms.zip" in ran.stdout  # fmt: skip
+    assert (
+        "::error::two recipes make a model of one name, and one took the place of the other: build/my_arms.zip"
+        in ran.stdout
+    )
 
 
 @pytest.mark.slow
@@ -139,7 +147,8 @@ def test_the_action_tells_what_is_wrong(project: Path, shell: dict[str, str]) ->
 @pytest.fixture
 def diff(project: Path, shell: dict[str, str], tmp_path: Path) -> Callable[..., tuple[str, str, str]]:
     """Runs the step that compares: what it writes as a comment, in the summary, and as its output."""
-    log, old = Path(shell["TOOLS"], "gh.log"), Path(shell["TOOLS"], "gh.old")
+    log = Path(shell["TOOLS"], "gh.log")
+    old = Path(shell["TOOLS"], "gh.old")
 
     def diff(written: str = "", breaking: str = "false", **more: str) -> tuple[str, str, str]:
         script, env = step("Diff", breaking=breaking)

@@ -25,7 +25,8 @@ Findings = dict[str, list[Diagnostic]]
 
 def findings(folder: Path) -> Findings:
     """What a build says of the model with default values, and of each cell."""
-    recipe, context = folder / "recipe.yaml", Context(environment={}, folder=folder)
+    recipe = folder / "recipe.yaml"
+    context = Context(environment={}, folder=folder)
     build(Request(recipe, verified=False), context)
     found = {"": context.sink.diagnostics}
     for cell in cells_of(recipe, Context(environment={}, folder=folder)):
@@ -135,7 +136,7 @@ COMPUTED = {
     "- select: {joint: left_elbow}\n  to: left\n  site: {name: r, axisangle: [0, 1, 0, '${t}']}",
     "a literal block": "params: {t: {default: 10}}\nedit:\n- select: {joint: left_elbow}\n  set:\n    ref: |-\n      ${t}\n",
     "a keyframe": "params: {t: {default: 10}}\nkeyframe: {k: {qpos: {left_elbow: '${t}'}}}",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("text", COMPUTED.values(), ids=COMPUTED)

@@ -122,8 +122,12 @@ def test_what_the_recipe_adds_and_what_the_linker_makes(tmp_path: Path) -> None:
 
 
 TURN = Pose((0.1, 0, 1 / 3), (0, 1, 0, 0))
-HAND = Body("hand/palm", "hand", (Joint("a", "slide", (-0.1, 0.1)), Joint(None, "hinge", (-1, 0.5))),
-            (Place("site", "12", Pose(), TURN), Place("frame", "hand/f", Pose(), Pose())))  # fmt: skip
+HAND = Body(
+    "hand/palm",
+    "hand",
+    (Joint("a", "slide", (-0.1, 0.1)), Joint(None, "hinge", (-1, 0.5))),
+    (Place("site", "12", Pose(), TURN), Place("frame", "hand/f", Pose(), Pose())),
+)
 ARM = Body(
     "arm", "base", (Joint("pan", "free"),), (Place("body", "arm", Pose(), Pose()),), (HAND, Body(None, None, copies=4))
 )

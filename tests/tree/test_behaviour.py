@@ -17,8 +17,11 @@ from tree.keywords import keywords_in
 VERSION = mujoco.__version__
 OLDER = VERSION.startswith("3.")
 MINIMAL: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("minimal.py")))
-PLACES, NAMES, LEFT_OUT = MINIMAL["PLACES"], MINIMAL["NAMES"], MINIMAL["LEFT_OUT"]
-model, needed = MINIMAL["model"], MINIMAL["needed"]
+PLACES = MINIMAL["PLACES"]
+NAMES = MINIMAL["NAMES"]
+LEFT_OUT = MINIMAL["LEFT_OUT"]
+model = MINIMAL["model"]
+needed = MINIMAL["needed"]
 
 # What MuJoCo 3 refuses or reads in another way, though it has the element.
 OTHERWISE = {"equality/flexstrain", "actuator/pid", "visual/headlight", "custom/text"}
@@ -31,9 +34,22 @@ OUTSIDE_DEFAULT = [path for path in PLACED if not path.startswith("default/")]
 
 NOT_ALONE = {
     # legal only together with other attributes, so that their default or an angle cannot be tried alone
-    "cranklength", "builtin", "fullinertia", "focal", "focalpixel", "principal", "principalpixel",
-    "controller", "thermal", "delay", "interval", "cutoff", "actrange", "lmax", "actuatorfrcrange",
-}  # fmt: skip
+    "cranklength",
+    "builtin",
+    "fullinertia",
+    "focal",
+    "focalpixel",
+    "principal",
+    "principalpixel",
+    "controller",
+    "thermal",
+    "delay",
+    "interval",
+    "cutoff",
+    "actrange",
+    "lmax",
+    "actuatorfrcrange",
+}
 
 Arrays = dict[str, np.ndarray[Any, Any]]
 
@@ -132,7 +148,8 @@ def test_lengths(path: str) -> None:
     for attribute in present:
         if not attribute.is_number or (path, attribute.name) == ("hfield", "elevation"):
             continue
-        low, high = attribute.min_length or 1, attribute.max_length
+        low = attribute.min_length or 1
+        high = attribute.max_length
         for count in {low, high or low}:
             fault = amount(attribute, count)
             assert fault is None or not any(word in fault for word in ("data", "must have")), attribute.name

@@ -30,7 +30,7 @@ def told(inside: str) -> list[tuple[str, str, int | None]]:
         ('<replicate count="3"><body><replicate count="5"><geom/></replicate></body></replicate>', 22),
         ('<replicate count="3"/>', 4),
         ('<replicate count="3"><!-- nothing --></replicate>', 4),
-        ('<replicate><geom/></replicate>', 2),
+        ("<replicate><geom/></replicate>", 2),
         ('<replicate count="many"><geom/></replicate>', 2),
         ('<replicate count="2e3"><geom/></replicate>', 2001),
         ('<composite count="7 2 1"><geom/></composite>', 29),
@@ -42,7 +42,7 @@ def told(inside: str) -> list[tuple[str, str, int | None]]:
         ('<flexcomp type="direct" point="0 0 0 1 1 1"/>', 3),
         ('<flexcomp type="mesh" file="a.obj" count="9 9 9"/>', 1),
     ],
-)  # fmt: skip
+)
 def test_sizes(inside: str, size: int) -> None:
     assert expanded(etree.fromstring(inside)).elements == size
 
@@ -60,22 +60,50 @@ BALL = '<default><joint type="ball"/></default>'
 @pytest.mark.parametrize(
     ("inside", "default"),
     [
-        (BODY.format("<freejoint/>") + BODY.format('<joint type="ball"/>') + BODY.format("<joint/><joint axis='1 0 0'/>"), ""),
+        (
+            BODY.format("<freejoint/>")
+            + BODY.format('<joint type="ball"/>')
+            + BODY.format("<joint/><joint axis='1 0 0'/>"),
+            "",
+        ),
         (BODY.format("<joint/>" + BODY.format("<joint/>" + BODY.format("<joint/>")) + BODY.format("<joint/>")), ""),
         (f'<replicate count="3" offset="9 0 0">{BODY.format("<joint/>" + BODY.format("<joint/>"))}</replicate>', ""),
         (BODY.format(f'<joint/><replicate count="4" offset="9 0 0">{BODY.format("<joint/>")}</replicate>'), ""),
         (BODY.format("<joint/>" + BODY.format("<joint/>")), BALL),
         ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1"/></body>', ""),
         ('<body name="b"><flexcomp name="f" count="3 3 1" spacing=".1 .1 .1" dim="2" mass="1" dof="2d"/></body>', ""),
-        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear"/></body>', ""),
-        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear" cellcount="2 1 1"/></body>', ""),
-        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" rigid="true"/></body>', ""),
-        ('<frame pos="0 0 1">' + BODY.format('<joint name="j"/>') + "</frame></worldbody><equality>"
-         '<joint joint1="j"/></equality><worldbody>', ""),
+        (
+            '<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear"/></body>',
+            "",
+        ),
+        (
+            '<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear" cellcount="2 1 1"/></body>',
+            "",
+        ),
+        (
+            '<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" rigid="true"/></body>',
+            "",
+        ),
+        (
+            '<frame pos="0 0 1">' + BODY.format('<joint name="j"/>') + "</frame></worldbody><equality>"
+            '<joint joint1="j"/></equality><worldbody>',
+            "",
+        ),
     ],
-    ids=["kinds", "chain", "replicated", "replicated in a body", "by class", "soft", "2d", "trilinear", "cells", "rigid",
-         "in a frame"],
-)  # fmt: skip
+    ids=[
+        "kinds",
+        "chain",
+        "replicated",
+        "replicated in a body",
+        "by class",
+        "soft",
+        "2d",
+        "trilinear",
+        "cells",
+        "rigid",
+        "in a frame",
+    ],
+)
 def test_what_mujoco_makes_of_it(inside: str, default: str) -> None:
     text = f"<mujoco>{default}<worldbody>{inside}</worldbody></mujoco>"
     try:
@@ -100,14 +128,27 @@ def test_what_a_flex_pins_counts_too() -> None:
         ({"bodies": 3}, "<body><body/></body><body/><body/>", "the model has 4 bodies; 3 are allowed", 1),
         ({"bodies": 3}, '<body/><replicate count="3"><body/></replicate>', "the model has 4 bodies; 3 are allowed", 3),
         ({"dofs": 5}, "<body>\n<freejoint/></body>", "the model has 6 degrees of freedom; 5 are allowed", 1),
-        ({"dofs": 5}, '<body>\n<replicate count="2"><body><joint type="ball"/></body></replicate></body>',
-         "`<replicate>` makes 6 degrees of freedom; 5 are allowed", 4),
-        ({"dofs": 80}, '<body>\n<flexcomp name="f" count="3 3 3"/></body>', "`<flexcomp>` makes 81 degrees of freedom; 80 are allowed", 4),
-        ({"mass_matrix": 5}, "<body><joint/><body><joint/><body><joint/></body></body></body>",
-         "the model has 6 numbers in the mass matrix; 5 are allowed", 1),
+        (
+            {"dofs": 5},
+            '<body>\n<replicate count="2"><body><joint type="ball"/></body></replicate></body>',
+            "`<replicate>` makes 6 degrees of freedom; 5 are allowed",
+            4,
+        ),
+        (
+            {"dofs": 80},
+            '<body>\n<flexcomp name="f" count="3 3 3"/></body>',
+            "`<flexcomp>` makes 81 degrees of freedom; 80 are allowed",
+            4,
+        ),
+        (
+            {"mass_matrix": 5},
+            "<body><joint/><body><joint/><body><joint/></body></body></body>",
+            "the model has 6 numbers in the mass matrix; 5 are allowed",
+            1,
+        ),
         ({"mass_matrix": 5}, "<body><joint/></body>" * 5, None, 0),
     ],
-)  # fmt: skip
+)
 def test_the_size_of_the_whole(limit: dict[str, int], inside: str, said: str | None, line: int) -> None:
     with allow(**limit):
         found = told(inside)

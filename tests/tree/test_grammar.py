@@ -379,9 +379,21 @@ def test_data_file_is_one_attribute_a_line() -> None:
                 line = f'"{name}": {json.dumps(row, ensure_ascii=False)}'
                 assert line in lines or f"{line}," in lines
                 assert set(row) <= {
-                    "type", "length", "lengths", "keywords", "default", "required", "declares", "refers",
-                    "refers_by", "folder", "angle", "in_default", "since", "until",
-                }  # fmt: skip
+                    "type",
+                    "length",
+                    "lengths",
+                    "keywords",
+                    "default",
+                    "required",
+                    "declares",
+                    "refers",
+                    "refers_by",
+                    "folder",
+                    "angle",
+                    "in_default",
+                    "since",
+                    "until",
+                }
 
 
 def test_every_group_and_list_of_keywords_is_used() -> None:

@@ -90,7 +90,9 @@ def test_a_file_is_read_only_where_its_size_leaves_it_open(folder: Path, monkeyp
 
 GEOM = '<geom type="mesh" mesh="m" {}/>'
 APART = 'contype="0" conaffinity="0"'
-LOOKS, HIT, NAMED = 'class="looks"', ' contype="1"', ' name="g"'
+LOOKS = 'class="looks"'
+HIT = ' contype="1"'
+NAMED = ' name="g"'
 CLASS = f'<default><default class="looks"><geom {APART}/></default></default>'
 
 
@@ -101,17 +103,27 @@ CLASS = f'<default><default class="looks"><geom {APART}/></default></default>'
         (f"<worldbody>{GEOM.format(APART)}</worldbody>", False),
         (f"<worldbody>{GEOM.format(APART)}{GEOM.format('')}</worldbody>", True),
         (f"{CLASS}<worldbody>{GEOM.format(LOOKS)}</worldbody>", False),
-        (f"{CLASS}<worldbody><body childclass=\"looks\">{GEOM.format('')}</body></worldbody>", False),
+        (f'{CLASS}<worldbody><body childclass="looks">{GEOM.format("")}</body></worldbody>', False),
         (f"{CLASS}<worldbody>{GEOM.format(LOOKS + HIT)}</worldbody>", True),
         ("<worldbody/>", False),
         (f'<default><geom mesh="m"/></default><worldbody><geom type="mesh" {APART}/></worldbody>', True),
-        ((f"<worldbody>{GEOM.format(APART + NAMED)}<geom name='h' size='1'/></worldbody>"
-         "<contact><pair geom1='g' geom2='h'/></contact>"), True),
-        ((f"<worldbody>{GEOM.format(APART + NAMED)}<geom name='h' size='1'/></worldbody>"
-         "<sensor><distance geom1='g' geom2='h'/></sensor>"), True),
+        (
+            (
+                f"<worldbody>{GEOM.format(APART + NAMED)}<geom name='h' size='1'/></worldbody>"
+                "<contact><pair geom1='g' geom2='h'/></contact>"
+            ),
+            True,
+        ),
+        (
+            (
+                f"<worldbody>{GEOM.format(APART + NAMED)}<geom name='h' size='1'/></worldbody>"
+                "<sensor><distance geom1='g' geom2='h'/></sensor>"
+            ),
+            True,
+        ),
         (f"<default><mesh inertia='convex'/></default><worldbody>{GEOM.format(APART)}</worldbody>", True),
     ],
-)  # fmt: skip
+)
 def test_where_mujoco_looks_for_a_hull_the_points_count_in_full(folder: Path, world: str, hull: bool) -> None:
     points = 150 if hull else 15
     assert told(folder, '<mesh file="m.stl"/>', points, world) == []

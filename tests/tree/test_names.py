@@ -21,7 +21,8 @@ ROOT = etree.fromstring(
 )
 def test_a_whole_tree_is_indexed_as_node_by_node(file: Path) -> None:
     root = etree.parse(file).getroot()
-    index, whole = NameIndex(), NameIndex.of(root)
+    index = NameIndex()
+    whole = NameIndex.of(root)
     for section in root.iterchildren("*"):
         for node in section.iterdescendants("*"):
             index.note(node, str(section.tag))

@@ -67,7 +67,8 @@ def test_lines_stay_what_they_are_where_the_text_is_mended() -> None:
 def test_what_a_program_has_set_is_on_its_line() -> None:
     unit = parse_text(TEXT, Sink(), file="a.xml", directory=Path(), label="a")
     assert unit is not None
-    geom, line = unit.root[0][0], Span("program.py", 7, 1)
+    geom = unit.root[0][0]
+    line = Span("program.py", 7, 1)
     unit.origins.settings[geom] = {"size": line}
     copied = unit.copied()
     for one in (unit, copied):

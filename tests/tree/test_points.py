@@ -35,11 +35,14 @@ def made(data: bytes, name: str) -> mujoco.MjModel:
 @pytest.mark.parametrize(
     ("data", "name", "most"),
     [
-        (CLOSED, "m.stl", 4), (OPEN, "m.stl", 150), (OBJ.encode(), "m.obj", 4), (ODD.encode(), "m.obj", 4),
+        (CLOSED, "m.stl", 4),
+        (OPEN, "m.stl", 150),
+        (OBJ.encode(), "m.obj", 4),
+        (ODD.encode(), "m.obj", 4),
         (OBJ.replace("\n", "\r").encode(), "m.obj", 4),
     ],
     ids=["closed STL", "open STL", "OBJ", "odd OBJ", "OBJ of an old Macintosh"],
-)  # fmt: skip
+)
 def test_the_points_of_a_mesh(data: bytes, name: str, most: int) -> None:
     counted = points_in(data, name[-3:])
     assert made(data, name).nmeshvert <= counted <= most
@@ -60,8 +63,16 @@ def test_a_file_that_is_looked_at_piece_by_piece(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.parametrize(
     ("data", "kind"),
-    [(b"", "stl"), (b"", "obj"), (b"", "msh"), (b"solid x\n", "stl"), (b"\xff" * 40, "msh"), (b"v", "obj"), (b"f \n", "obj")],
-)  # fmt: skip
+    [
+        (b"", "stl"),
+        (b"", "obj"),
+        (b"", "msh"),
+        (b"solid x\n", "stl"),
+        (b"\xff" * 40, "msh"),
+        (b"v", "obj"),
+        (b"f \n", "obj"),
+    ],
+)
 def test_what_is_no_mesh(data: bytes, kind: str) -> None:
     assert points_in(data, kind) == 0
 

@@ -19,8 +19,11 @@ from mjcompose.tree.grammar import GRAMMAR
 
 VERSION = mujoco.__version__
 MINIMAL: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("minimal.py")))
-PLACES, NAMES, LEFT_OUT = MINIMAL["PLACES"], MINIMAL["NAMES"], MINIMAL["LEFT_OUT"]
-model, needed = MINIMAL["model"], MINIMAL["needed"]
+PLACES = MINIMAL["PLACES"]
+NAMES = MINIMAL["NAMES"]
+LEFT_OUT = MINIMAL["LEFT_OUT"]
+model = MINIMAL["model"]
+needed = MINIMAL["needed"]
 
 FREE = {
     # attributes to drop, and to write, so that the reference may stand
@@ -113,8 +116,10 @@ def numbers(xml: str) -> dict[str, np.ndarray[Any, Any]]:
 
 def check_reference(path: str, written: dict[str, str], namespace: str) -> None:
     element = GRAMMAR.element(path)
-    old, new = NAMES, {**NAMES, namespace: NAMES[namespace].replace("the_", "new_")}
-    before, after = numbers(model(element, written, old)), numbers(model(element, written, new))
+    old = NAMES
+    new = {**NAMES, namespace: NAMES[namespace].replace("the_", "new_")}
+    before = numbers(model(element, written, old))
+    after = numbers(model(element, written, new))
     for name, value in before.items():
         assert np.array_equal(value, after[name], equal_nan=value.dtype.kind == "f"), name
     dangling = {name: text.replace("{" + namespace + "}", old[namespace]) for name, text in written.items()}

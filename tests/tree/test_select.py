@@ -97,9 +97,34 @@ def test_an_index_finds_what_a_search_finds() -> None:
 
 
 PATTERNS = (
-    "a*", "*a", "*a*", "a?b", "?", "*", "**", "**/b", "a/*", "{a,b}", "{a,b}/{a,b}*", "{a*,b}", "{a,}b", "a{1,2}", "none*", "a**b",
-    "/a.*/", "/.*a/", "/a|b/", "/ab?/", "/(?i)A.*/", "/a+/", "/[ab]*/", "/a/", "/a{1}.*/", "/a\\/b.*/", "/ab?1|b/",
-)  # fmt: skip
+    "a*",
+    "*a",
+    "*a*",
+    "a?b",
+    "?",
+    "*",
+    "**",
+    "**/b",
+    "a/*",
+    "{a,b}",
+    "{a,b}/{a,b}*",
+    "{a*,b}",
+    "{a,}b",
+    "a{1,2}",
+    "none*",
+    "a**b",
+    "/a.*/",
+    "/.*a/",
+    "/a|b/",
+    "/ab?/",
+    "/(?i)A.*/",
+    "/a+/",
+    "/[ab]*/",
+    "/a/",
+    "/a{1}.*/",
+    "/a\\/b.*/",
+    "/ab?1|b/",
+)
 
 
 def _named(count: int, chance: random.Random) -> Node:
@@ -147,13 +172,29 @@ def test_a_pattern_with_literal_text_looks_at_few_names() -> None:
     bodies = "".join(f'<body name="{name}"><geom/></body>' for name in names)
     root = etree.fromstring(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
     selection = Selection(root, Classes(root), index=NameIndex.of(root))
-    looks = {pattern: selection.looks(Selector("body", pattern)) for pattern in (
-        "left7*", "*7_pad", "{left,right}7_*", "/left7_.*/", "*", "/.*7_pad/", "**", "left7_pad",
-    )}  # fmt: skip
+    looks = {
+        pattern: selection.looks(Selector("body", pattern))
+        for pattern in (
+            "left7*",
+            "*7_pad",
+            "{left,right}7_*",
+            "/left7_.*/",
+            "*",
+            "/.*7_pad/",
+            "**",
+            "left7_pad",
+        )
+    }
     assert looks == {
-        "left7*": 1, "*7_pad": 10, "{left,right}7_*": 2, "/left7_.*/": 1, "*": 100, "/.*7_pad/": 100, "**": 202,
+        "left7*": 1,
+        "*7_pad": 10,
+        "{left,right}7_*": 2,
+        "/left7_.*/": 1,
+        "*": 100,
+        "/.*7_pad/": 100,
+        "**": 202,
         "left7_pad": 0,
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("around", ["parent", "inside"])

@@ -90,11 +90,13 @@ def test_settings_that_are_forgotten_are_nowhere_written() -> None:
 def test_a_copy_has_everything_and_shares_no_element() -> None:
     unit = parse_text(KEYED, Sink(), file="a.xml", directory=Path(), label="a")
     assert unit is not None
-    joint, element = unit.root.find(".//joint"), unit.root.find(".//key")
+    joint = unit.root.find(".//joint")
+    element = unit.root.find(".//key")
     assert joint is not None and element is not None
     several = Copy(joint, (2,))
     key = Key("home", None, element, "a.xml", unit.origins, {"qpos": {joint: [], several: []}})
-    unit.part_keys, unit.table = ({"arm": PartKeys(1, (key,))}, (ReadRow("link", 1, "body", "", Span("a.xml", 1, 1)),))
+    unit.part_keys = {"arm": PartKeys(1, (key,))}
+    unit.table = (ReadRow("link", 1, "body", "", Span("a.xml", 1, 1)),)
     copy = unit.copied()
     for field in fields(Unit):
         if field.name not in ("root", "header", "origins", "part_keys"):

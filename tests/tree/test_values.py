@@ -64,7 +64,7 @@ def attribute(path: str) -> Attribute:
         ("flex/body", "a b c", None),
         ("geom/material", "any text, really", None),
     ],
-)  # fmt: skip
+)
 def test_text(path: str, text: str, message: str | None) -> None:
     answer = check_value(attribute(path), text)
     assert (None if answer is None else str(answer)) == message
@@ -129,7 +129,7 @@ def test_text(path: str, text: str, message: str | None) -> None:
         ("frame/scale", [1, 2], "expects 1 or 3 numbers, got 2"),
         ("frame/scale", 2, None),
     ],
-)  # fmt: skip
+)
 def test_python(path: str, value: object, message: str | None) -> None:
     answer = check_python(attribute(path), value)
     assert (None if answer is None else str(answer)) == message
@@ -184,7 +184,8 @@ def read(attribute: str, text: str) -> float | None:
 
 @pytest.mark.parametrize("text", NUMBER_TEXTS)
 def test_real(text: str) -> None:
-    theirs, ours = read("mass", text), parse_real(text)
+    theirs = read("mass", text)
+    ours = parse_real(text)
     assert (theirs is None) == (ours is None)
     assert theirs == ours or (math.isnan(theirs or 0) and math.isnan(ours or 0))
 

@@ -194,7 +194,8 @@ def test_models_compile_to_the_same_bits(robot: str, tmp_path: Path) -> None:
             model = mujoco.MjModel.from_xml_path(str(file))
         except ValueError:  # a piece of other models
             return None
-        saved, buffer = tmp_path / "saved.xml", np.empty(mujoco.mj_sizeModel(model), np.uint8)
+        saved = tmp_path / "saved.xml"
+        buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveLastXML(str(saved), model)
         mujoco.mj_saveModel(model, None, buffer)
         return saved.read_text(), hashlib.sha256(buffer.tobytes()).hexdigest()

@@ -130,7 +130,8 @@ def test_every_element_of_a_real_file_is_found() -> None:
 def test_of_many_on_one_line_each_is_found_at_once() -> None:
     written = [f'<geom name="g{number}"/>' for number in range(5000)]
     text = SourceText("".join(written))
-    found, compared = [], text._likeness
+    found = []
+    compared = text._likeness
     text._likeness = lambda *given: found.append(given) or compared(*given)  # type: ignore[method-assign,func-returns-value]
     column = sum(map(len, written[:-1])) + 1
     assert text.element("geom", 1, {"name": "g4999"}) == (1, column, column + 5)

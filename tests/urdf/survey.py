@@ -38,7 +38,8 @@ TOLERANCE = 1e-6
 READS_TURNED = reads_turned(mujoco, None)
 """Not MuJoCo 3.12 and 3.13, whose own reader cannot judge inertias."""
 PAGE = ROOT / "docs" / "contributing" / "fidelity.md"
-BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
+BEGIN = "<!-- robots -->\n"
+END = "<!-- end -->"
 SHOWN = tuple(
     f"/{name}.urdf"
     for name in (
@@ -165,7 +166,8 @@ def beside_pinocchio(path: Path, model: mujoco.MjModel, is_repaired: bool) -> tu
     moved = {model.body(model.jnt_bodyid[j]).name for j in simple}
     worst = {"masses": 0.0, "centers": 0.0, "inertias": 0.0, "places": 0.0}
     for name in moved & facts["bodies"].keys():
-        body, read = model.body(name), facts["bodies"][name]
+        body = model.body(name)
+        read = facts["bodies"][name]
         axes = np.zeros(9)
         mujoco.mju_quat2Mat(axes, body.iquat)
         moments = axes.reshape(3, 3) @ np.diag(body.inertia) @ axes.reshape(3, 3).T

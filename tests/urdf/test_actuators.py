@@ -40,8 +40,13 @@ def test_an_interface_without_gains_is_a_motor_of_the_joints_effort(reader: Read
 
 def test_gains_make_servos(reader: Reader) -> None:
     pid = '<param name="kp">300</param><param name="kd">12.5</param>'
-    text = robot(*ARM, control(commanded("shoulder", "position", inside=pid),
-                               commanded("elbow", "velocity", inside='<param name="kv">4</param>')))  # fmt: skip
+    text = robot(
+        *ARM,
+        control(
+            commanded("shoulder", "position", inside=pid),
+            commanded("elbow", "velocity", inside='<param name="kv">4</param>'),
+        ),
+    )
     assert actuators(reader("r.urdf", text)) == [
         {"tag": "position", "name": "shoulder", "joint": "shoulder", "kp": "300", "kv": "12.5", "ctrlrange": "-1 1.5"},
         {"tag": "velocity", "name": "elbow", "joint": "elbow", "kv": "4", "ctrlrange": "-2 2"},
@@ -144,8 +149,10 @@ def test_contact_of_pybullet(reader: ExtrasReader) -> None:
     assert (geom.get("friction"), geom.get("condim")) == ("0.7 0.005 0.01", "6")
 
 
-@pytest.mark.parametrize(("setting", "expected"), [("<gravity>0</gravity>", "1"), ("<turnGravityOff>true</turnGravityOff>", "1"),
-                                                   ("<gravity>true</gravity>", None)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("setting", "expected"),
+    [("<gravity>0</gravity>", "1"), ("<turnGravityOff>true</turnGravityOff>", "1"), ("<gravity>true</gravity>", None)],
+)
 def test_gravity(reader: ExtrasReader, setting: str, expected: str | None) -> None:
     unit = read(reader("r.urdf", robot(*ARM, f'<gazebo reference="fore">{setting}</gazebo>')))
     (fore,) = (body for body in unit.root.iter("body") if body.get("name") == "fore")
@@ -223,18 +230,40 @@ def test_a_continuous_joint_gives_its_servo_no_range(reader: Reader) -> None:
 @pytest.mark.parametrize(
     ("part", "what"),
     [
-        (control(commanded("elbow", "position", inside='<param name="kp">9</param><param name="ki">2</param>')),
-         "ros2_control/param"),
-        (control(commanded("elbow", "effort"), commanded("shoulder", "effort", inside='<param name="mimic">elbow</param>')),
-         "ros2_control/param mimic"),
-        (control(commanded("elbow", "effort"), '<transmission name="t"><joint name="elbow"><mechanical_reduction>30'
-                 "</mechanical_reduction></joint></transmission>"), "ros2_control/transmission"),
-        (2 * '<transmission name="t" type="x/SimpleTransmission"><joint name="elbow"/><actuator name="a"/></transmission>',
-         "transmission"),
+        (
+            control(commanded("elbow", "position", inside='<param name="kp">9</param><param name="ki">2</param>')),
+            "ros2_control/param",
+        ),
+        (
+            control(
+                commanded("elbow", "effort"),
+                commanded("shoulder", "effort", inside='<param name="mimic">elbow</param>'),
+            ),
+            "ros2_control/param mimic",
+        ),
+        (
+            control(
+                commanded("elbow", "effort"),
+                '<transmission name="t"><joint name="elbow"><mechanical_reduction>30'
+                "</mechanical_reduction></joint></transmission>",
+            ),
+            "ros2_control/transmission",
+        ),
+        (
+            2
+            * '<transmission name="t" type="x/SimpleTransmission"><joint name="elbow"/><actuator name="a"/></transmission>',
+            "transmission",
+        ),
         ('<gazebo reference="wrist"><mu1>0.3</mu1></gazebo>', "gazebo"),
     ],
-    ids=["other gains", "mimicry of ros2_control", "reduction of ros2_control", "second transmission", "gazebo of nothing"],
-)  # fmt: skip
+    ids=[
+        "other gains",
+        "mimicry of ros2_control",
+        "reduction of ros2_control",
+        "second transmission",
+        "gazebo of nothing",
+    ],
+)
 def test_what_controls_say_and_the_model_lacks(reader: Reader, part: str, what: str) -> None:
     reading = reader("r.urdf", robot(*ARM, part))
     read(reading)

@@ -28,10 +28,19 @@ def expanded(folder: Path, text: str, *, elements: int = 10_000, **arguments: st
 
 @pytest.mark.parametrize(
     "text",
-    ["${python.type('')}", "${python.vars(math)}", "$(eval ().__class__)", "${''.__doc__}", "$(eval open('/etc/hostname').read())",
-     "$(eval __import__('os').getcwd())", "${xacro.parent}", "$(eval (lambda: 1)())", "${" + "-" * 2949 + "1}"],
+    [
+        "${python.type('')}",
+        "${python.vars(math)}",
+        "$(eval ().__class__)",
+        "${''.__doc__}",
+        "$(eval open('/etc/hostname').read())",
+        "$(eval __import__('os').getcwd())",
+        "${xacro.parent}",
+        "$(eval (lambda: 1)())",
+        "${" + "-" * 2949 + "1}",
+    ],
     ids=range(9),
-)  # fmt: skip
+)
 def test_no_way_to_python(tmp_path: Path, text: str) -> None:
     answer = expanded(tmp_path, f'<link name="{text}"/>')
     assert answer["error"]["code"] in ("unsafe", "xacro"), answer
@@ -130,9 +139,18 @@ def test_separators_are_no_regular_expression(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("1 + 2", "3"), ("arg('n') * 2", "5.0"), ("n * 2 if flag else 0", "5.0"), ("round(pi, 2)", "3.14"), ("find('arm')[:1]", "/"),
-     ("'a' + name", "axy"), ("true and not false", "True"), ("optenv('HOME', 'none')", "none"), ("len(name) + sqrt(4)", "4.0")],
-)  # fmt: skip
+    [
+        ("1 + 2", "3"),
+        ("arg('n') * 2", "5.0"),
+        ("n * 2 if flag else 0", "5.0"),
+        ("round(pi, 2)", "3.14"),
+        ("find('arm')[:1]", "/"),
+        ("'a' + name", "axy"),
+        ("true and not false", "True"),
+        ("optenv('HOME', 'none')", "none"),
+        ("len(name) + sqrt(4)", "4.0"),
+    ],
+)
 def test_substitutions_are_evaluated_too(tmp_path: Path, text: str, value: str) -> None:
     """The text of a property, for xacro ends `$(eval` at the first `)`."""
     parts = f'<xacro:property name="p" value="{text}"/><a b="$(eval ${{p}})"/>'
@@ -147,8 +165,15 @@ def test_names_are_those_of_python() -> None:
         assert expanding._is_name(name) == xacro.is_valid_name(name), name
 
 
-CHANGES = ["${math.update(python.dict(pi=7))}", "${xacro.update(python.dict(q=1))}", "${python.clear()}", "${load_yaml('v.yaml').update(a=2)}",
-           "${load_yaml('v.yaml').l.append(2)}", "${xacro.root.update(pi=7)}", "${[1].append(2)}"]  # fmt: skip
+CHANGES = [
+    "${math.update(python.dict(pi=7))}",
+    "${xacro.update(python.dict(q=1))}",
+    "${python.clear()}",
+    "${load_yaml('v.yaml').update(a=2)}",
+    "${load_yaml('v.yaml').l.append(2)}",
+    "${xacro.root.update(pi=7)}",
+    "${[1].append(2)}",
+]
 
 
 def test_no_template_changes_another(tmp_path: Path) -> None:

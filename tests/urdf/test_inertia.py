@@ -67,13 +67,19 @@ def test_it_is_mended_with_a_warning(reader: Reader, broken: str) -> None:
 @pytest.mark.parametrize(
     "small",
     [
-        inertial(1e-7, 3e-22, 3e-22, 5e-22), inertial(1, 9e-15, 9e-15, 9e-15),
-        pytest.param(inertial(1, 1e-14, 1e-14, 1e-14, xy=1e-15), marks=pytest.mark.skipif(
-            not reads_turned(mujoco, None), reason="MuJoCo 3.12 looks at what the file has, not at the principal moments",
-        )),
-        inertial(1e-20, 0.1, 0.1, 0.1), inertial(0, 0.1, 0.1, 0.1),
+        inertial(1e-7, 3e-22, 3e-22, 5e-22),
+        inertial(1, 9e-15, 9e-15, 9e-15),
+        pytest.param(
+            inertial(1, 1e-14, 1e-14, 1e-14, xy=1e-15),
+            marks=pytest.mark.skipif(
+                not reads_turned(mujoco, None),
+                reason="MuJoCo 3.12 looks at what the file has, not at the principal moments",
+            ),
+        ),
+        inertial(1e-20, 0.1, 0.1, 0.1),
+        inertial(0, 0.1, 0.1, 0.1),
     ],
-)  # fmt: skip
+)
 def test_what_is_below_the_bounds_of_mujoco_is_named_and_mended(reader: Reader, small: str) -> None:
     parts = (ARM[0], link("upper", small), *ARM[2:])
     read = reader("r.urdf", robot(*parts))

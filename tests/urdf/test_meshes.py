@@ -324,8 +324,10 @@ def test_files_of_one_name_are_two_meshes(reader: Reader, tmp_path: Path, folder
     shapes = "".join(shape(f"{folder}/link.obj") for folder in folders)
     setting = '<mujoco><compiler strippath="false"/></mujoco>'
     model = compiled(reader("r.urdf", robot(setting, ARM[0], link("upper", INERTIAL + shapes), *ARM[2:])))
-    sizes = [float(np.ptp(model.mesh_vert[start : start + count], axis=0).max())
-             for start, count in zip(model.mesh_vertadr, model.mesh_vertnum, strict=True)]  # fmt: skip
+    sizes = [
+        float(np.ptp(model.mesh_vert[start : start + count], axis=0).max())
+        for start, count in zip(model.mesh_vertadr, model.mesh_vertnum, strict=True)
+    ]
     assert len(sizes) == 2 and max(sizes) / min(sizes) == pytest.approx(3, rel=1e-6)
     assert len(set(model.geom_dataid.tolist())) == 2
 

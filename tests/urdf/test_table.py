@@ -42,8 +42,12 @@ def test_the_manifest_says_what_became_of_each_urdf(tmp_path: Path) -> None:
     assert left["urdf"] == right["urdf"]
     rows = {row["what"]: row for row in left["urdf"]}
     assert rows["joint/limit"] == {
-        "what": "joint/limit", "count": 3, "became": "range and actuatorfrcrange", "why": None, "origin": "arms/arm.urdf:5",
-    }  # fmt: skip
+        "what": "joint/limit",
+        "count": 3,
+        "became": "range and actuatorfrcrange",
+        "why": None,
+        "origin": "arms/arm.urdf:5",
+    }
     calibration = rows["joint/calibration"]
     assert (
         calibration["became"] is None and "encoder" in calibration["why"] and calibration["origin"] == "arms/arm.urdf:8"

@@ -91,7 +91,13 @@ def named(folder: Path, text: str, door: Door, **packages: Path) -> list[str]:
 
 def test_files_with_values_in_their_names_are_looked_for_in_the_package(tmp_path: Path) -> None:
     folder = tmp_path / "arm"
-    for name in ("config/a/limits.yaml", "config/b/limits.yaml", "config/b/other.yaml", "urdf/part_x.xml", "urdf/[1]x.xml"):  # fmt: skip
+    for name in (
+        "config/a/limits.yaml",
+        "config/b/limits.yaml",
+        "config/b/other.yaml",
+        "urdf/part_x.xml",
+        "urdf/[1]x.xml",
+    ):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text("1")
     (folder / "package.xml").write_text("<package><name>arm</name></package>")
@@ -113,7 +119,13 @@ def test_nothing_is_searched_elsewhere(tmp_path: Path, monkeypatch: pytest.Monke
     names = os.listdir
     monkeypatch.setattr(os, "listdir", lambda at: looked.append(str(at)) or names(at))
     begin = time.perf_counter()
-    for written in ("/usr/**/${x}/**/${y}", "../../../../../../usr/${x}/lib", "file:///usr/${x}/a", "$(find usr)/${x}/a", "~/${x}"):  # fmt: skip
+    for written in (
+        "/usr/**/${x}/**/${y}",
+        "../../../../../../usr/${x}/lib",
+        "file:///usr/${x}/a",
+        "$(find usr)/${x}/a",
+        "~/${x}",
+    ):
         for door in (ALL, Door.of([folder])):
             assert named(folder, f"${{load_yaml('{written}')}}", door, arm=folder) == []
     assert time.perf_counter() - begin < 1
@@ -160,7 +172,9 @@ def recipe(folder: Path, **parts: str) -> Path:
 
 def test_the_check_reads_a_template_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the first expansion got wrong, whatever did that, is found: the check has a process of its own."""
-    path, given, count = recipe(tmp_path, a=DECLARED + LINK.format("2 * 3")), xacro.call_confined, []
+    path = recipe(tmp_path, a=DECLARED + LINK.format("2 * 3"))
+    given = xacro.call_confined
+    count = []
 
     def once(*arguments: Any, **options: Any) -> dict[str, Any]:
         answer = given(*arguments, **options)

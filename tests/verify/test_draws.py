@@ -129,17 +129,27 @@ def test_the_file_says_what_its_columns_are(table: Path) -> None:
     by_name = {column["column"]: column for column in data["columns"]}
     model = loaded(table / "out")
     (target,) = by_name["friction[cube][0]"]["targets"]
-    assert target == {"type": "geom", "name": "cube", "id": model.geom("cube").id, "array": "geom_friction",
-                      "index": [model.geom("cube").id, 0]}  # fmt: skip
+    assert target == {
+        "type": "geom",
+        "name": "cube",
+        "id": model.geom("cube").id,
+        "array": "geom_friction",
+        "index": [model.geom("cube").id, 0],
+    }
     assert (by_name["friction[cube][0]"]["low"], by_name["friction[cube][0]"]["high"]) == (0.4, 1.2)
     assert [each["index"] for each in by_name["damping[ball]"]["targets"]] == [
         [model.joint("ball").dofadr[0] + n] for n in range(3)
     ]
     assert [each.get("sign", 1) for each in by_name["kp[servo]"]["targets"]] == [1, -1]
     assert data["fields"]["range"] == {
-        "select": "{joint: hinge}", "attribute": "range", "operation": "offset", "per": "element",
-        "distribution": "normal", "parameters": {"mean": 0.0, "std": 2.0}, "unit": "deg",
-    }  # fmt: skip
+        "select": "{joint: hinge}",
+        "attribute": "range",
+        "operation": "offset",
+        "per": "element",
+        "distribution": "normal",
+        "parameters": {"mean": 0.0, "std": 2.0},
+        "unit": "deg",
+    }
 
 
 @pytest.mark.parametrize(("angle", "unit"), [("degree", np.pi / 180), ("radian", 1.0)])
@@ -234,9 +244,14 @@ WORLDS_MODEL = """<mujoco><worldbody>
   <key name="plain"/><key name="own" mpos="9 9 9 8 8 8 7 7 7" qpos="1 1 1 1 0 0 0"/><key name="again"/>
 </keyframe></mujoco>"""
 POSES = {
-    "fixed": "5 5 5", "first": "1 2 3", "loose": "4 5 6", "second": "7 8 10", "third": "11 12 13",
-    "first_quat": "1 0 0 0", "second_quat": ".6 .8 0 0",
-}  # fmt: skip
+    "fixed": "5 5 5",
+    "first": "1 2 3",
+    "loose": "4 5 6",
+    "second": "7 8 10",
+    "third": "11 12 13",
+    "first_quat": "1 0 0 0",
+    "second_quat": ".6 .8 0 0",
+}
 
 
 def compiled(**poses: str) -> mujoco.MjModel:
@@ -248,7 +263,8 @@ def compiled(**poses: str) -> mujoco.MjModel:
 def test_what_follows_from_a_position_is_what_mujoco_copies(name: str, component: int) -> None:
     numbers = POSES[name].split()
     numbers[component] = "20"
-    before, after = compiled(), compiled(**{name: " ".join(numbers)})
+    before = compiled()
+    after = compiled(**{name: " ".join(numbers)})
     changed = {
         (array, int(index))
         for array in ("qpos0", "qpos_spring", "key_qpos", "key_mpos", "key_mquat", "body_ipos")

@@ -209,9 +209,11 @@ def test_a_damage_to_any_vector_is_found(
 @pytest.mark.parametrize("names", ["ab", "ba", "a", "abc"])
 def test_only_a_bare_model_with_the_same_names_is_a_measure(names: str) -> None:
     texts = [
-        "<mujoco><worldbody>" + "".join(f'<body><joint name="{each}"/><geom size="1"/></body>' for each in joints)
-        + "</worldbody></mujoco>" for joints in (names, "ab")
-    ]  # fmt: skip
+        "<mujoco><worldbody>"
+        + "".join(f'<body><joint name="{each}"/><geom size="1"/></body>' for each in joints)
+        + "</worldbody></mujoco>"
+        for joints in (names, "ab")
+    ]
     whole = mujoco.MjModel.from_xml_string(texts[1])
     found = key_rows(mujoco, whole, {"texts": texts[:1], "mark": MARK, "held": []})
     assert ("unlike" in found) == (names != "ab")

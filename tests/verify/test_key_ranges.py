@@ -29,7 +29,8 @@ def warned(folder: Path, key: str) -> list[Diagnostic]:
 
 
 def turned(degrees: float, *axis: float) -> str:
-    half, length = math.radians(degrees) / 2, math.hypot(*axis)
+    half = math.radians(degrees) / 2
+    length = math.hypot(*axis)
     return str([math.cos(half), *(math.sin(half) * each / length for each in axis)])
 
 
@@ -39,7 +40,10 @@ def turned(degrees: float, *axis: float) -> str:
         (f"qpos: {{hip: {turned(59, 0, 0, 1)}}}", None),
         (f"qpos: {{hip: {turned(-59, 1, 1, 0)}}}", None),
         (f"qpos: {{hip: {turned(301, 0, 1, 0)}}}", None),  # 59 degrees the other way
-        (f"qpos: {{hip: {turned(61, 1, 2, 3)}}}", "`qpos` of `hip` is 1.06465 rad, outside its range from 0 rad to 1.0472 rad"),
+        (
+            f"qpos: {{hip: {turned(61, 1, 2, 3)}}}",
+            "`qpos` of `hip` is 1.06465 rad, outside its range from 0 rad to 1.0472 rad",
+        ),
         (f"qpos: {{hip: {turned(180, 0, 0, 1)}}}", "`qpos` of `hip` is 3.14159 rad,"),
         ("qpos: {knee: 90deg}", None),
         ("qpos: {knee: 91deg}", "`qpos` of `knee` is 91 deg, outside its range from -30 deg to 90 deg"),
@@ -50,7 +54,7 @@ def turned(degrees: float, *axis: float) -> str:
         ("act: {filter: 1.1}", "`act` of `filter` is 1.1"),
         ("act: {filter: 1}", None),
     ],
-)  # fmt: skip
+)
 def test_a_number_outside_of_its_range_is_named(tmp_path: Path, key: str, message: str | None) -> None:
     found = warned(tmp_path, key)
     assert len(found) == (message is not None)

@@ -50,7 +50,8 @@ def edit(draw: st.DrawFn, model: str) -> str:
     joints = [str(each.get("name")) for each in root.iter("joint")]
     kind = draw(st.sampled_from(("move", "remove", "type", "rename", "count", "grid", "convert")))
     if kind == "move" and bodies:
-        body, to = draw(st.sampled_from(bodies)), draw(st.sampled_from([*bodies, "world"]))
+        body = draw(st.sampled_from(bodies))
+        to = draw(st.sampled_from([*bodies, "world"]))
         return f"{{select: {{body: {body}}}, move: {{to: {to}}}}}"
     if kind in ("remove", "type", "rename") and joints:
         verb = {"remove": "remove: cascade", "type": "set: {type: ball}", "rename": "rename: other"}[kind]

@@ -127,13 +127,27 @@ def test_however_a_part_hangs_it_is_unchanged(run: Run) -> None:
     assert built is not None
     members = {member.part: member for member in built.composed.members}
     assert list(members) == [
-        "base", "weld", "weld2", "free", "nokeys", "nest/base", "nest/w", "nest2/base", "nest2/w", "mated",
-        "bare", "hinged",
-    ]  # fmt: skip
+        "base",
+        "weld",
+        "weld2",
+        "free",
+        "nokeys",
+        "nest/base",
+        "nest/w",
+        "nest2/base",
+        "nest2/w",
+        "mated",
+        "bare",
+        "hinged",
+    ]
     assert [members[part].body for part in ("base", "weld", "nest/w", "hinged")] == [None, "b", "nest/b", "hinged/"]
     assert [members[part].keys for part in ("weld", "nokeys", "nest/w", "nest2/w", "nest2/base")] == [
-        "", None, "w/", "nest2/w/", "nest2/",
-    ]  # fmt: skip
+        "",
+        None,
+        "w/",
+        "nest2/w/",
+        "nest2/",
+    ]
     assert members["nest2/w"].prefix == "nest2/w/"
     manifest = from_json(built.bundle.files["manifest.json"])
     assert [part.part for part in manifest.parts] == list(members)

@@ -56,9 +56,17 @@ def _facts(bundle: Bundle, session: engine.Session) -> list[float]:
 
 def test_what_differs_is_never_what_was_remembered(session: engine.Session, plain: engine.Session) -> None:
     every = [
-        bundle(), bundle(step=0.002), bundle(density=2000), bundle(2), bundle(3), bundle(mesh='scale="4 1 1"'),
-        bundle(mesh='scale="5 1 1"'), bundle(compiler='boundmass="9000"'), bundle(mesh='inertia="shell"'), bundle(),
-    ]  # fmt: skip
+        bundle(),
+        bundle(step=0.002),
+        bundle(density=2000),
+        bundle(2),
+        bundle(3),
+        bundle(mesh='scale="4 1 1"'),
+        bundle(mesh='scale="5 1 1"'),
+        bundle(compiler='boundmass="9000"'),
+        bundle(mesh='inertia="shell"'),
+        bundle(),
+    ]
     found = [_facts(each, session) for each in every]
     assert found == [_facts(each, plain) for each in every]
     assert len({tuple(each) for each in found}) == len(every) - 1

@@ -185,7 +185,8 @@ def test_an_older_manifest_says_nothing_of_parts(folder: Path, check: Check) -> 
 
 def test_a_union_has_no_parts_of_its_own(folder: Path, check: Check) -> None:
     def change(data: dict[str, Any]) -> None:
-        data["parts"], data["union"] = [], 4
+        data["parts"] = []
+        data["union"] = 4
 
     _manifest(folder, change)
     (told,) = check()[1]
@@ -277,8 +278,9 @@ def test_what_a_part_edits_is_no_change_in_others(folder: Path, check: Check) ->
 
 
 @pytest.mark.parametrize(
-    "cut", ["drop: [sensor]", "edit: [{select: {sensor: s}, remove: true}]", "edit: [{select: {body: b}, move: {to: world}}]"]
-)  # fmt: skip
+    "cut",
+    ["drop: [sensor]", "edit: [{select: {sensor: s}, remove: true}]", "edit: [{select: {body: b}, move: {to: world}}]"],
+)
 def test_a_part_without_some_of_its_elements_is_not_compared(folder: Path, check: Check, cut: str) -> None:
     _again(
         folder, f"recipe: 1\nattach:\n  one: {{model: ./parts/part.xml}}\n  two: {{model: ./parts/part.xml, {cut}}}\n"

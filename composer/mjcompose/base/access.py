@@ -42,9 +42,12 @@ class Door(Struct):
 
     @classmethod
     def of(
-        cls, folders: list[str | os.PathLike[str]] | tuple[str | os.PathLike[str], ...],
-        whose: str = "what it came with", help: str | None = None, start: str | None = None,
-    ) -> Door:  # fmt: skip
+        cls,
+        folders: list[str | os.PathLike[str]] | tuple[str | os.PathLike[str], ...],
+        whose: str = "what it came with",
+        help: str | None = None,
+        start: str | None = None,
+    ) -> Door:
         return cls(tuple(dict.fromkeys(real_folder(os.fspath(each)) for each in folders)), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
@@ -96,7 +99,8 @@ class Door(Struct):
         first = next((i for i, part in enumerate(parts) if _MAGIC.search(part)), len(parts))
         found = [os.sep.join(parts[:first]) or os.sep]
         for part in parts[first:]:
-            folders, found = found, []
+            folders = found
+            found = []
             for folder in folders:
                 if not self.sees(folder):
                     raise self.outside(folder)
@@ -205,7 +209,8 @@ _HELP = "to allow it, write in the recipe `trust: {files: [{folder}]}`"
 
 def project_of(folder: str | os.PathLike[str]) -> str | None:
     """Return the nearest folder at or above this one with a project marker, below home folders, or None."""
-    at, too_wide = os.path.abspath(folder), _too_wide(_home())
+    at = os.path.abspath(folder)
+    too_wide = _too_wide(_home())
     while at not in too_wide:
         if _is_top(at):
             return at
@@ -241,7 +246,8 @@ def own_door(
         if (served := door_of_user()).sees(model):
             return served
     folders = folders_of_model(model)
-    whose, help = f"`{folders[0]}`, the only folder that this model may read", None if recipe is None else _HELP
+    whose = f"`{folders[0]}`, the only folder that this model may read"
+    help = None if recipe is None else _HELP
     return Door.of((*folders, *also), whose, help, start=recipe)
 
 

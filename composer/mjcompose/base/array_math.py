@@ -51,7 +51,8 @@ def quantile(p: Floats) -> Floats:
     tails = np.abs(q) > draw_stream.MIDDLE
     inside = tails & (p > 0.0) & (p < 1.0)
     found[tails & ~inside] = np.copysign(np.inf, q[tails & ~inside])
-    p, q = p[inside], q[inside]
+    p = p[inside]
+    q = q[inside]
     r = np.sqrt(-log(np.where(q < 0, p, 1.0 - p)))
     tail = np.where(r <= 5.0, draw_stream.near(r), draw_stream.far(r))  # type: ignore[arg-type]
     found[inside] = np.where(q < 0, -tail, tail)
@@ -116,7 +117,8 @@ def _log(x: Floats) -> Pair:
     (high, low), powers = _scaled_exp(-near)
     mantissa, exponent = np.frexp(x)
     high, low = _times((high, low), (mantissa, np.zeros_like(x)))
-    high, low = np.ldexp(high, powers + exponent), np.ldexp(low, powers + exponent)
+    high = np.ldexp(high, powers + exponent)
+    low = np.ldexp(low, powers + exponent)
     more = _sum(high - 1.0, low)  # so close to 1 that the difference is exact
     return _plus(_plus(more, (more[0] * more[0] * -0.5, np.zeros_like(x))), (near, np.zeros_like(x)))
 
@@ -151,7 +153,8 @@ def _plus(a: Pair, b: Pair) -> Pair:
 
 def _times(a: Pair, b: Pair) -> Pair:
     high = a[0] * b[0]
-    (a_first, a_last), (b_first, b_last) = _halves(a[0]), _halves(b[0])
+    (a_first, a_last) = _halves(a[0])
+    (b_first, b_last) = _halves(b[0])
     low = ((a_first * b_first - high) + a_first * b_last + a_last * b_first) + a_last * b_last
     return _sum(high, low + (a[0] * b[1] + a[1] * b[0]))
 

@@ -209,7 +209,8 @@ def code_of(text: str) -> str | None:
 
 def page(code: str) -> str:
     """Return the page as Markdown: the copy next to this file in an installed package, `docs` in a clone."""
-    here, folder = Path(__file__).resolve(), "rules" if code in RULES else "errors"
+    here = Path(__file__).resolve()
+    folder = "rules" if code in RULES else "errors"
     installed = here.with_name("pages") / folder / f"{code}.md"
     path = installed if os.path.exists(installed) else here.parents[3] / "docs" / folder / installed.name
     return path.read_text(encoding="utf-8")
@@ -257,12 +258,14 @@ def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
 
 
 def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
-    text, indent = "", ""
+    text = ""
+    indent = ""
     for line in block:
         if (item := _ITEM.match(line)) is not None:
             if text:
                 yield text, indent
-            text, indent = line, " " * len(item[0])
+            text = line
+            indent = " " * len(item[0])
         else:
             text = f"{text} {line.strip()}" if text else line.strip()
     yield text, indent

@@ -62,7 +62,8 @@ def _own_fields(annotations: Mapping[str, object], members: Mapping[str, Any], k
             continue
         default = members.get(name, MISSING)
         field: Any = default if isinstance(default, Field) else dataclasses.field(default=default)
-        field.name, field.type = name, annotation
+        field.name = name
+        field.type = annotation
         if field.kw_only is MISSING:
             field.kw_only = kw_only
         field._field_type = dataclasses._FIELD  # type: ignore[attr-defined]  # else `fields` leaves it out
@@ -103,7 +104,8 @@ def _add_methods(cls: Any, own: dict[str, Field[Any]], frozen: bool, slots: bool
     positional = (name for name, field in fields.items() if field.init and not field.kw_only)
     cls.__match_args__ = tuple(positional)  # type: ignore[misc]  # mypy knows the name from class bodies alone
     if "__init__" not in defined:
-        cls.__init__, cls.__signature__ = _init_when_called(cls, frozen), _Signature()
+        cls.__init__ = _init_when_called(cls, frozen)
+        cls.__signature__ = _Signature()
     if "__repr__" not in defined:
         cls.__repr__ = _repr
     if eq:
@@ -113,9 +115,11 @@ def _add_methods(cls: Any, own: dict[str, Field[Any]], frozen: bool, slots: bool
         if cls.__dict__.get("__hash__") is None:
             cls.__hash__ = hashed if frozen else None
     if frozen:
-        cls.__setattr__, cls.__delattr__ = _refuse_to_set, _refuse_to_delete
+        cls.__setattr__ = _refuse_to_set
+        cls.__delattr__ = _refuse_to_delete
         if slots and "__getstate__" not in defined:
-            cls.__getstate__, cls.__setstate__ = _state, _set_state
+            cls.__getstate__ = _state
+            cls.__setstate__ = _set_state
 
 
 def _init_when_called(cls: Any, frozen: bool) -> Callable[..., None]:
@@ -151,7 +155,8 @@ def _init(cls: Any, frozen: bool) -> Callable[..., None]:
     named: list[str] = []
     lines: list[str] = []
     for name, field in cls.__dataclass_fields__.items():
-        value, parameter = name, name
+        value = name
+        parameter = name
         if field.default_factory is not MISSING:
             known[f"__make_{name}"] = field.default_factory
             parameter = f"{name}=__missing"

@@ -234,7 +234,9 @@ class DiagnosticError(Exception):
         super().__init__(message)
         all_notes = tuple(Note(each) if isinstance(each, str) else each for each in notes)
         self.diagnostic = Diagnostic(code, message, notes=all_notes, help=help)
-        self.code, self.message, self.help = code, message, help
+        self.code = code
+        self.message = message
+        self.help = help
         self.notes = tuple(note.message for note in all_notes)
 
     def at(self, span: Span, notes: Iterable[Note] = ()) -> Diagnostic:

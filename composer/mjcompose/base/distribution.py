@@ -118,7 +118,9 @@ class TruncNormal(_Between):
     @cached_property
     def _span(self) -> tuple[float, float, float]:
         """The probabilities of the two ends, and the sign. The upper side is the mirror image of the lower."""
-        low, high, sign = (self.low - self.mean) / self.std, (self.high - self.mean) / self.std, 1.0
+        low = (self.low - self.mean) / self.std
+        high = (self.high - self.mean) / self.std
+        sign = 1.0
         if low > 0:
             low, high, sign = -high, -low, -1.0
         return probability(low), probability(high), sign
@@ -155,6 +157,10 @@ class Integers(_Between):
 
 
 MAKERS: Mapping[str, Callable[..., Distribution]] = {
-    "uniform": Uniform, "loguniform": LogUniform, "integers": Integers, "normal": Normal, "truncnormal": TruncNormal,
+    "uniform": Uniform,
+    "loguniform": LogUniform,
+    "integers": Integers,
+    "normal": Normal,
+    "truncnormal": TruncNormal,
     "lognormal": LogNormal,
-}  # fmt: skip
+}

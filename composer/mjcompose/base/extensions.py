@@ -25,12 +25,18 @@ if TYPE_CHECKING:
 
 Row = TypeVar("Row")
 GROUPS = {
-    "sources": "source kind", "checks": "check", "verbs": "verb", "targets": "target",
-    "commands": "command", "datasheets": "data sheet",
-}  # fmt: skip
+    "sources": "source kind",
+    "checks": "check",
+    "verbs": "verb",
+    "targets": "target",
+    "commands": "command",
+    "datasheets": "data sheet",
+}
 """The kind of a group's entry points, by the end of its name: `mjcompose.checks` are checks."""
 
-CLASH, BROKEN, REFUSED = "extension-clash", "extension-broken", "extension-refused"
+CLASH = "extension-clash"
+BROKEN = "extension-broken"
+REFUSED = "extension-refused"
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +101,20 @@ class Table(dict[str, Row]):
     """
 
     def __init__(
-        self, group: str, rows: Mapping[str, Row], attribute: str, *, kind: type | None = None,
+        self,
+        group: str,
+        rows: Mapping[str, Row],
+        attribute: str,
+        *,
+        kind: type | None = None,
         modules: Mapping[str, str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(rows)
         self.modules = modules or {}
         self.own = (*rows, *self.modules)
-        self._group, self._attribute, self._kind = group, attribute, kind
+        self._group = group
+        self._attribute = attribute
+        self._kind = kind
 
     def __contains__(self, word: object) -> bool:
         return super().__contains__(word) or word in self.modules
@@ -145,7 +158,8 @@ def versions(words: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 
 def refuse(group: str, word: str, origin: str) -> DiagnosticError:
-    owner, help = names(group)[word], "a fetched recipe loads no code: copy the part that you need into your own recipe"
+    owner = names(group)[word]
+    help = "a fetched recipe loads no code: copy the part that you need into your own recipe"
     message = f"the {GROUPS[group]} `{word}` is code of `{owner}`, and `{origin}`, whose recipe names it, was fetched"
     return DiagnosticError(REFUSED, message, help=help)
 
@@ -213,7 +227,8 @@ def check_rows(table: str, rows: Iterable[object], members: Iterable[object]) ->
     Traceback (most recent call last):
     TypeError: words: no row for scale
     """
-    rows, members = list(rows), list(members)
+    rows = list(rows)
+    members = list(members)
     missing = [_name(each) for each in members if each not in rows]
     unknown = [_name(each) for each in rows if each not in members]
     faults = [f"no row for {', '.join(missing)}"] if missing else []

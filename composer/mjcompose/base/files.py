@@ -44,7 +44,8 @@ class Memory(Generic[T]):
     """Caches `look_up` for paths until `stat` shows a change; `missing` is for paths without a `stat`."""
 
     def __init__(self, look_up: Callable[[str], T], missing: Callable[[str], T]) -> None:
-        self._look_up, self._missing = look_up, missing
+        self._look_up = look_up
+        self._missing = missing
         self._known: dict[str, tuple[tuple[int, ...], T]] = {}
 
     def ask(self, path: str) -> T:
@@ -77,7 +78,8 @@ def mark_of(path: str | os.PathLike[str]) -> Mark:
     return found.st_mtime_ns, found.st_size, found.st_ino
 
 
-_FEW, _LISTED = 4, 16
+_FEW = 4
+_LISTED = 16
 """The smallest number of files for which a folder is listed, and the number of entries read for each."""
 _real = Memory(os.path.realpath, os.path.realpath)
 
@@ -141,20 +143,27 @@ class Refused(OSError):
 
     def __init__(self, path: str, why: str, help: str | None = None, real: str | None = None) -> None:
         super().__init__(errno.EACCES, why, path)
-        self.path, self.why, self.help, self.real = path, why, help, real
+        self.path = path
+        self.why = why
+        self.help = help
+        self.real = real
 
     def message(self, shown: Callable[[Path], str] | None = None) -> str:
         """Return one sentence; `shown` returns the file's name in messages."""
         from pathlib import Path
 
-        call, path = shown or str, Path(self.path)
+        call = shown or str
+        path = Path(self.path)
         leads = f", a link to `{call(Path(self.real))}`," if self.real is not None and path.is_symlink() else ""
         return f"the file `{call(path)}`{leads} {self.why}"
 
     def report(
-        self, sink: Sink, span: Span | None, notes: Iterable[Note] = (),
+        self,
+        sink: Sink,
+        span: Span | None,
+        notes: Iterable[Note] = (),
         shown: Callable[[Path], str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Report it to a `sink`, at the place that names the file."""
         from pathlib import Path
 
@@ -169,9 +178,7 @@ class Refused(OSError):
 
 # Opening does not wait for the other end of a pipe, and does not acquire a controlling terminal.
 _FLAGS = os.O_RDONLY | sum(getattr(os, f"O_{name}", 0) for name in ("BINARY", "NONBLOCK", "NOCTTY", "CLOEXEC"))
-_KINDS = {
-    stat.S_IFIFO: "a named pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket"
-}  # fmt: skip
+_KINDS = {stat.S_IFIFO: "a named pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket"}
 
 
 class TooLarge(OSError):
@@ -179,7 +186,8 @@ class TooLarge(OSError):
 
     def __init__(self, size: int, most: int, what: str = "it is", path: str | None = None) -> None:
         super().__init__(f"{what} larger than {written('xml-size', most)}")
-        self.size, self.path = size, path
+        self.size = size
+        self.path = path
 
 
 def is_irregular(path: str) -> str | None:
@@ -312,7 +320,8 @@ class Run:
         """
         self._resolve()
         real = os.path.realpath(target)
-        at, identity = os.path.normcase(real), _identity(real)
+        at = os.path.normcase(real)
+        identity = _identity(real)
         for path in more:
             source = os.path.normcase(real_path(path))
             is_same = identity is not None and identity == _identity(source)
@@ -355,7 +364,8 @@ class Run:
             path = self._unscanned[-1]  # until it is scanned
             own = _identity(path)
             is_recipe = path.lower().endswith(RECIPES)
-            text, folder = b"" if own is None or own in self._scanned else _text(path), os.path.dirname(path)
+            text = b"" if own is None or own in self._scanned else _text(path)
+            folder = os.path.dirname(path)
             folders = [folder, *(os.path.join(folder, os.fsdecode(each)) for each in _FOLDERS.findall(text))]
             names = dict.fromkeys(
                 os.fsdecode(word.strip(b" \t\r\"'"))

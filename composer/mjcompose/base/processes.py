@@ -33,7 +33,9 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.runtime import absolute_folders, hear_signals, patience, without_current_folder
 from mjcompose.base.scratch import scratch
 
-PIPE, DEVNULL, STDOUT = subprocess.PIPE, subprocess.DEVNULL, subprocess.STDOUT
+PIPE = subprocess.PIPE
+DEVNULL = subprocess.DEVNULL
+STDOUT = subprocess.STDOUT
 
 _GUARD = str(Path(__file__).with_name("guard.py"))
 _OWN = str(Path(__file__).with_name("own_command.py"))
@@ -69,9 +71,16 @@ class Process(subprocess.Popen[Any]):
     """
 
     def __init__(
-        self, command: Sequence[str], *, folder: WorkFolder | None = None, env: Mapping[str, str] | None = None,
-        memory: int | None = None, size: int = 0, watches: bool = False, **options: Any,
-    ) -> None:  # fmt: skip
+        self,
+        command: Sequence[str],
+        *,
+        folder: WorkFolder | None = None,
+        env: Mapping[str, str] | None = None,
+        memory: int | None = None,
+        size: int = 0,
+        watches: bool = False,
+        **options: Any,
+    ) -> None:
         self._life: int | None = None
         environment = without_current_folder(os.environ if env is None else env)
         command = [_located(command[0], environment), *command[1:]]
@@ -144,7 +153,8 @@ class Process(subprocess.Popen[Any]):
 
     def release(self) -> None:
         """Stop the guard, because the program has ended or is being killed."""
-        life, self._life = self._life, None
+        life = self._life
+        self._life = None
         if life is not None:
             os.close(life)
 
@@ -291,9 +301,11 @@ def module_path() -> list[str]:
     return path if root in path else [*path, root]
 
 
-_EXTENDED_LIMITS, _KILL_ON_JOB_CLOSE = 9, 0x2000
+_EXTENDED_LIMITS = 9
+_KILL_ON_JOB_CLOSE = 0x2000
 # sizeof(JOBOBJECT_EXTENDED_LIMIT_INFORMATION) in pointers is 18 on 64 bits; the flags follow two 64-bit times
-_SIZE, _FLAGS_AT = 144, 16
+_SIZE = 144
+_FLAGS_AT = 16
 
 
 def tie(handle: int) -> None:
@@ -340,7 +352,8 @@ class Helper:
     """Starts a process that imports `modules` in `folder` if none runs, and retries a task if the process dies."""
 
     def __init__(self, modules: Sequence[str] = (), folder: str | None = None) -> None:
-        self._modules, self._folder = tuple(modules), folder
+        self._modules = tuple(modules)
+        self._folder = folder
         self._process: Process | None = None
         self._is_open = False
         self._lock = threading.Lock()
@@ -351,9 +364,12 @@ class Helper:
             if self._process is not None or self.ends:
                 return
             self._process = Process(
-                isolated(sys.executable, ["-X", f"utf8={sys.flags.utf8_mode}", _GUARD, "worker"]), watches=True,
-                stdin=PIPE, stdout=PIPE, folder=WorkFolder(self._folder or os.getcwd(), "tasks name files from it"),
-            )  # fmt: skip
+                isolated(sys.executable, ["-X", f"utf8={sys.flags.utf8_mode}", _GUARD, "worker"]),
+                watches=True,
+                stdin=PIPE,
+                stdout=PIPE,
+                folder=WorkFolder(self._folder or os.getcwd(), "tasks name files from it"),
+            )
             self._is_open = False
         assert self._process.stdin is not None
         self._process.stdin.write(pickle.dumps((module_path(), self._modules)))
@@ -388,10 +404,11 @@ class Helper:
             self._process.end()
 
     def close(self) -> None:
-        for pipe in () if self._process is None else (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # unsent data has no receiver any more
-                    pipe.close()
+        if self._process is not None:
+            for pipe in (self._process.stdin, self._process.stdout):
+                if pipe is not None:
+                    with contextlib.suppress(OSError):  # unsent data has no receiver any more
+                        pipe.close()
 
     def _asked(self, opening: bytes, task: bytes) -> tuple[bool, Any]:
         """Return whether the task was done, and the result. Raises OSError, EOFError and UnpicklingError."""
@@ -437,7 +454,8 @@ class Pool(Generic[Task, Result]):
     def __init__(self, workers: int, modules: Sequence[str] = ()) -> None:
         self._ahead = (workers + 1) * _AHEAD if workers else 1
         self._opening = b""
-        self._todo, self._done = queue.SimpleQueue[_Item | None](), queue.SimpleQueue[_Item | None]()
+        self._todo = queue.SimpleQueue[_Item | None]()
+        self._done = queue.SimpleQueue[_Item | None]()
         self._ready: dict[int, Any] = {}
         helpers = [Helper(tuple(modules)) for _ in range(workers)]
         self._workers = [(each, threading.Thread(target=self._serve, args=(each,), daemon=True)) for each in helpers]
@@ -458,7 +476,8 @@ class Pool(Generic[Task, Result]):
         """Yield the results in the order of the tasks; `do` runs a task here if all workers are busy or one failed."""
         if self._workers:
             self._opening = pickle.dumps(opening)
-        each, given = iter(tasks), 0
+        each = iter(tasks)
+        given = 0
         for taken in range(sys.maxsize):
             for task in itertools.islice(each, taken + self._ahead - given):
                 self._todo.put((given, task))

@@ -17,10 +17,18 @@ from mjcompose.base.limits import Advice
 from mjcompose.base.naming import BIDIRECTIONAL, UNSEEN
 
 _COLOR = {
-    "error": "\x1b[1;31m", "warning": "\x1b[1;33m", "note": "\x1b[1;36m", "help": "\x1b[1;32m", "bold": "\x1b[1m",
-    **dict.fromkeys(("cell", "cells", "recipe", "recipes"), "\x1b[1;36m"), "gutter": "\x1b[34m",
-    "code": "\x1b[36m", "dim": "\x1b[2m", "added": "\x1b[32m", "removed": "\x1b[31m",
-}  # fmt: skip
+    "error": "\x1b[1;31m",
+    "warning": "\x1b[1;33m",
+    "note": "\x1b[1;36m",
+    "help": "\x1b[1;32m",
+    "bold": "\x1b[1m",
+    **dict.fromkeys(("cell", "cells", "recipe", "recipes"), "\x1b[1;36m"),
+    "gutter": "\x1b[34m",
+    "code": "\x1b[36m",
+    "dim": "\x1b[2m",
+    "added": "\x1b[32m",
+    "removed": "\x1b[31m",
+}
 
 
 class Paint:
@@ -182,7 +190,8 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
     offset = sum(widths[left:start])
     width = max(sum(widths[start : min(end, right)]), 1)
     if left + skipped > 0:
-        text, offset = "…" + text, offset + 1
+        text = "…" + text
+        offset = offset + 1
     if right < len(cells) or skipped + len(line) < len(whole):
         text += "…"
     return _Excerpt(span.line, text, offset, width=width)
@@ -191,7 +200,8 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
 def _window(widths: list[int], start: int) -> tuple[int, int]:
     if sum(widths) <= _WINDOW:
         return 0, len(widths)
-    left, used = start, 0
+    left = start
+    used = 0
     while left > 0 and used + widths[left - 1] <= _BEFORE:
         left -= 1
         used += widths[left]

@@ -37,16 +37,19 @@ def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
 
 def _result(diagnostic: Diagnostic, index: int) -> dict[str, Any]:
     result: dict[str, Any] = {
-        "ruleId": diagnostic.code, "ruleIndex": index, "level": diagnostic.severity.value,
+        "ruleId": diagnostic.code,
+        "ruleIndex": index,
+        "level": diagnostic.severity.value,
         "message": {"text": printable("\n".join([diagnostic.message, *remarks(diagnostic)]))},
         "locations": [] if diagnostic.span is None else [_location(diagnostic.span)],
-    }  # fmt: skip
+    }
     notes = [note for note in (*diagnostic.notes, *diagnostic.others) if note.span is not None]
     if notes:
         result["relatedLocations"] = [
             {**_location(note.span), "message": {"text": printable(note.message)}} for note in notes if note.span
         ]
-    fix, span = diagnostic.fix, diagnostic.span
+    fix = diagnostic.fix
+    span = diagnostic.span
     if fix is not None and fix.replaces is None and (place := fix.span or span) is not None:
         change = {"deletedRegion": _region(place), "insertedContent": {"text": fix.replacement}}
         file = {"artifactLocation": {"uri": _uri(place.file)}, "replacements": [change]}
@@ -61,9 +64,10 @@ def _location(span: Span) -> dict[str, Any]:
 def _region(span: Span) -> dict[str, int]:
     ends = {"endLine": span.end_line, "endColumn": span.end_column}
     return {
-        "startLine": span.line, "startColumn": span.column,
+        "startLine": span.line,
+        "startColumn": span.column,
         **{name: value for name, value in ends.items() if value is not None},
-    }  # fmt: skip
+    }
 
 
 def _uri(file: str) -> str:
@@ -126,11 +130,15 @@ _RESULTS = {
 def schema_text() -> str:
     assert set(_KEYS) == {each.name for each in fields(Diagnostic)} - {"subjects"}, "a key is not described"
     found = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:mjcompose:diagnostics:{VERSION}",
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": f"urn:mjcompose:diagnostics:{VERSION}",
         "title": f"A line of `mjcompose COMMAND --output-format json`, version {VERSION}",
         "description": "A line with `severity` is a diagnostic. Any other line is a result of the command, such as the"
         " path of a model. Ignore keys that you do not know: later versions may add some.",
-        "type": "object", "if": {"required": ["severity"]}, "then": _ref("diagnostic"), "else": _ref("result"),
+        "type": "object",
+        "if": {"required": ["severity"]},
+        "then": _ref("diagnostic"),
+        "else": _ref("result"),
         "$defs": {
             "diagnostic": _object(**{name: {"description": about, **each} for name, (about, each) in _KEYS.items()}),
             "span": _of(Span),
@@ -139,5 +147,5 @@ def schema_text() -> str:
             "cell": _of(CellName),
             "result": {"anyOf": [{"title": title, **each} for title, each in _RESULTS.items()]},
         },
-    }  # fmt: skip
+    }
     return json.dumps(found, indent=2) + "\n"

@@ -97,8 +97,16 @@ def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
     a, b, c = vec
     if quat == IDENTITY_QUAT:
         return (a, b, c)
-    ww, xx, yy, zz = w * w, x * x, y * y, z * z
-    wx, wy, wz, xy, xz, yz = w * x, w * y, w * z, x * y, x * z, y * z
+    ww = w * w
+    xx = x * x
+    yy = y * y
+    zz = z * z
+    wx = w * x
+    wy = w * y
+    wz = w * z
+    xy = x * y
+    xz = x * z
+    yz = y * z
     return (
         (ww + xx - yy - zz) * a + 2 * (xy - wz) * b + 2 * (xz + wy) * c,
         2 * (xy + wz) * a + (ww - xx + yy - zz) * b + 2 * (yz - wx) * c,
@@ -142,7 +150,8 @@ def quat_from_zaxis(axis: Sequence[float]) -> Quat:
     turn = (-y, x, 0.0)
     sine = math.sqrt(y * y + x * x)
     if sine < _PARALLEL:
-        turn, sine = (1.0, 0.0, 0.0), 0.0
+        turn = (1.0, 0.0, 0.0)
+        sine = 0.0
     return quat_from_axisangle(turn, math.atan2(sine, z))
 
 
@@ -164,18 +173,25 @@ def euler_of(quat: Quat, sequence: str, near: Sequence[float] = (0.0, 0.0, 0.0))
     k = 6 - i - j if is_proper else k
     sign = (i - j) * (j - k) * (k - i) / 2
     q = normalize(quat)
-    a, b, c, d = q[0], q[i], q[j], q[k] * sign
+    a = q[0]
+    b = q[i]
+    c = q[j]
+    d = q[k] * sign
     if not is_proper:
         a, b, c, d = a - c, b + d, c + a, d - b
     half = math.atan2(math.hypot(c, d), math.hypot(a, b))
-    plus, minus = math.atan2(b, a), math.atan2(d, c)
+    plus = math.atan2(b, a)
+    minus = math.atan2(d, c)
     scale, shift = (1.0, 0.0) if is_proper else (sign, math.pi / 2)
     wanted = [near[at] for at in reversed(order)]
     if math.sin(2 * half) < _PARALLEL:
-        first, is_low = wanted[0], half < math.pi / 4
+        first = wanted[0]
+        is_low = half < math.pi / 4
         found = [(first, 2 * half - shift, scale * (2 * plus - first if is_low else 2 * minus + first))]
     else:
-        first, second, third = plus - minus, 2 * half - shift, scale * (plus + minus)
+        first = plus - minus
+        second = 2 * half - shift
+        third = scale * (plus + minus)
         other = -second if is_proper else math.pi - second
         found = [(first, second, third), (first + math.pi, other, third + math.pi)]
     turn = 2 * math.pi

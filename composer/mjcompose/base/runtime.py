@@ -51,7 +51,10 @@ def forget_current_folder() -> None:
     os.environ.update(environment)
 
 
-_FIRST, _NEW, _YOUNG, _OLD = 700_000, 50_000, 20, 50
+_FIRST = 700_000
+_NEW = 50_000
+_YOUNG = 20
+_OLD = 50
 
 
 def rarely_collecting() -> None:

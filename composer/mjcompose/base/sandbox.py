@@ -39,12 +39,22 @@ def call_confined(
     """
     from mjcompose.base.processes import PIPE, Overrun, Process, isolated, module_path
 
-    task = {"path": module_path(), "function": function, "argument": argument, "readable": sorted(readable),
-            "memory": min(memory, _MEMORY), "seconds": seconds}  # fmt: skip
+    task = {
+        "path": module_path(),
+        "function": function,
+        "argument": argument,
+        "readable": sorted(readable),
+        "memory": min(memory, _MEMORY),
+        "seconds": seconds,
+    }
     try:
         process = Process(
-            isolated(sys.executable, ["-X", "utf8", __file__]), watches=True, stdin=PIPE, stdout=PIPE, stderr=PIPE,
-        )  # fmt: skip
+            isolated(sys.executable, ["-X", "utf8", __file__]),
+            watches=True,
+            stdin=PIPE,
+            stdout=PIPE,
+            stderr=PIPE,
+        )
     except (OSError, ValueError) as error:
         return _failure(f"no process can be started: {error}", "start")
     content = json.dumps(task).encode() + b"\n"
@@ -194,7 +204,8 @@ class _Kernel:
         return self._said(self._library.prctl, self._ctypes.c_int, option, *(*arguments, 0, 0, 0, 0)[:4])
 
     def _said(self, function: Any, kind: Any, *arguments: Any) -> int:
-        long, function.restype = self._ctypes.c_long, kind
+        long = self._ctypes.c_long
+        function.restype = kind
         result = int(function(*[long(each) if isinstance(each, int) else each for each in arguments]))
         return -self._ctypes.get_errno() if result < 0 else result
 
@@ -205,8 +216,11 @@ class _Kernel:
         return int(self._ctypes.addressof(buffer))
 
 
-_CREATE, _ADD, _RESTRICT = 444, 445, 446
-_READ_FILE, _READ_FOLDER = 1 << 2, 1 << 3
+_CREATE = 444
+_ADD = 445
+_RESTRICT = 446
+_READ_FILE = 1 << 2
+_READ_FOLDER = 1 << 3
 _NOT_THERE = (-errno.ENOSYS, -errno.EOPNOTSUPP, -errno.EPERM)
 """The kernel has no Landlock, it is switched off, or a container around this process forbids the query."""
 _FILES = {1: 13, 2: 14, 3: 15, 4: 15}
@@ -273,11 +287,16 @@ _CALLS: dict[str, tuple[int | None, int | None]] = {
     "faccessat2": (439, 439),
 }  # fmt: skip
 """The system calls of a process that reads and calculates, on both kinds of machines."""
-_OPEN, _OPENAT, _IOCTL = (2, None), (257, 56), (16, 29)
+_OPEN = (2, None)
+_OPENAT = (257, 56)
+_IOCTL = (16, 29)
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | 0o20000000  # O_TMPFILE without O_DIRECTORY
-_TERMINAL, _CLOSES = 0x5401, 0x5451
+_TERMINAL = 0x5401
+_CLOSES = 0x5451
 """The requests of Python with `ioctl`: to test for a terminal, and to close a file for other programs."""
-_ALLOW, _KILL, _REFUSE = 0x7FFF0000, 0x80000000, 0x00050000
+_ALLOW = 0x7FFF0000
+_KILL = 0x80000000
+_REFUSE = 0x00050000
 
 
 def filter_program(machine: str) -> bytes | None:
@@ -285,7 +304,10 @@ def filter_program(machine: str) -> bytes | None:
     if machine not in _MACHINES:
         return None
     kind, column = _MACHINES[machine]
-    load, equal, has, end = 0x20, 0x15, 0x45, 0x06
+    load = 0x20
+    equal = 0x15
+    has = 0x45
+    end = 0x06
     steps = [(load, 0, 0, 4), (equal, 1, 0, kind), (end, 0, 0, _KILL), (load, 0, 0, 0)]
     for numbers in _CALLS.values():
         if (number := numbers[column]) is not None:

@@ -18,7 +18,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 PREFIX = "mjcompose-"
-_LOCK, _NEW, _FILES = "lock", "new", "files"
+_LOCK = "lock"
+_NEW = "new"
+_FILES = "files"
 _GRACE = 3600.0
 _SCRATCH = re.compile(rf"[/\\]{PREFIX}[a-z]+-[0-9a-f]{{12}}[/\\]{_FILES}(?:[/\\]|$)")
 _swept: set[tuple[str, str]] = set()

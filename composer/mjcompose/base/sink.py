@@ -152,7 +152,8 @@ class Sink:
             self._causes = {key: first for key, first in self._causes.items() if first is not found}
 
     def promote(self) -> None:
-        found, self._found = self._found, {}
+        found = self._found
+        self._found = {}
         for diagnostic, others in found.items():
             if diagnostic.severity is not Severity.WARNING:
                 self._found[diagnostic] = others
@@ -198,24 +199,44 @@ class Sink:
             self._recipes.setdefault(diagnostic, {})[recipe] = None
 
     def error(
-        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
-        help: str | None = None, cause: Cause | None = None, subjects: Iterable[str | None] = (),
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+        subjects: Iterable[str | None] = (),
         fix: Fix | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         names = frozenset(name for name in subjects if name)
         self.add(Diagnostic(code, message, span, notes=tuple(notes), help=help, subjects=names, fix=fix), cause)
 
     def warning(
-        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
-        help: str | None = None, cause: Cause | None = None, fix: Fix | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+        fix: Fix | None = None,
+    ) -> None:
         severity = Severity.WARNING
         self.add(Diagnostic(code, message, span, severity=severity, notes=tuple(notes), help=help, fix=fix), cause)
 
     def note(
-        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
-        help: str | None = None, cause: Cause | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+    ) -> None:
         self.add(Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause)
 
     @property
@@ -235,7 +256,8 @@ class Sink:
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
-        others, cells = self._found[diagnostic], self._cells.get(diagnostic)
+        others = self._found[diagnostic]
+        cells = self._cells.get(diagnostic)
         if recipes := self._recipes.get(diagnostic):
             diagnostic = replace(diagnostic, recipes=tuple(recipes))
         if others:
@@ -273,7 +295,8 @@ def _at_source(diagnostic: Diagnostic) -> Diagnostic:
 
 
 def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:
-    severity, span = _SEVERITIES.index(diagnostic.severity), diagnostic.span
+    severity = _SEVERITIES.index(diagnostic.severity)
+    span = diagnostic.span
     if span is None:
         return severity, True, True, "", 0, 0
     return severity, False, span.file.lower().endswith((*MJCF_FILES, *URDF_FILES)), span.file, span.line, span.column

@@ -255,16 +255,20 @@ def _distance(a: str, b: str, limit: int) -> int | None:
         return None
     # Common prefixes and suffixes cost nothing, and names of one model have long ones.
     head = len(commonprefix((a, b)))
-    a, b = a[head:], b[head:]
+    a = a[head:]
+    b = b[head:]
     tail = len(commonprefix((a[::-1], b[::-1])))
-    a, b = a[: len(a) - tail], b[: len(b) - tail]
+    a = a[: len(a) - tail]
+    b = b[: len(b) - tail]
     # Each edit accounts for at most one letter that the other word lacks: a cheap bound for most candidates.
     if len(set(a) - set(b)) > limit or len(set(b) - set(a)) > limit:
         return None
     before: list[int] = []
     row = list(range(len(b) + 1))
     for i, left in enumerate(a, 1):
-        above, before, row = before, row, [i]
+        above = before
+        before = row
+        row = [i]
         for j, right in enumerate(b, 1):
             cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (left != right))
             if i > 1 and j > 1 and left == b[j - 2] and a[i - 2] == right:
@@ -348,10 +352,20 @@ for _name, _words in _BY_NAME.items():
 
 
 def unknown_name(
-    kind: str, name: str, known: Iterable[str], span: Span | None = None, *, purpose: str = "",
-    message: str | None = None, written: str = "{}", help: str | None = None, otherwise: str | None = None,
-    notes: Iterable[Note] = (), about: Iterable[str] = (), fix: Fix | None = None,
-) -> Diagnostic:  # fmt: skip
+    kind: str,
+    name: str,
+    known: Iterable[str],
+    span: Span | None = None,
+    *,
+    purpose: str = "",
+    message: str | None = None,
+    written: str = "{}",
+    help: str | None = None,
+    otherwise: str | None = None,
+    notes: Iterable[Note] = (),
+    about: Iterable[str] = (),
+    fix: Fix | None = None,
+) -> Diagnostic:
     """Return the diagnostic for a name that no `body` or other kind has; `known` are the names that exist.
 
     `purpose` continues the sentence, `message` replaces it. `written` is the format of the name in the file. `help`
@@ -365,20 +379,30 @@ def unknown_name(
     """
     known = list(known)
     return Diagnostic(
-        "unknown-name", message or f"the {kind} `{name}`{purpose} does not exist", span,
+        "unknown-name",
+        message or f"the {kind} `{name}`{purpose} does not exist",
+        span,
         notes=(exists_note(kind, known, name), *notes),
-        help=help or did_you_mean(name, known, written) or otherwise, subjects=frozenset((name, *about)),
+        help=help or did_you_mean(name, known, written) or otherwise,
+        subjects=frozenset((name, *about)),
         fix=fix if help else renaming(name, known),
-    )  # fmt: skip
+    )
 
 
 def unknown_attribute(
-    name: str, owner: str, known: Iterable[str], span: Span | None = None, *, help: str | None = None,
-    otherwise: str | None = None, near: Iterable[str] = (),
-) -> Diagnostic:  # fmt: skip
+    name: str,
+    owner: str,
+    known: Iterable[str],
+    span: Span | None = None,
+    *,
+    help: str | None = None,
+    otherwise: str | None = None,
+    near: Iterable[str] = (),
+) -> Diagnostic:
     """Return the diagnostic for an attribute that the kind `owner` lacks. `near` are further suggestions."""
     known = list(known)
-    likely, notes = [*known, *near], (exists_note("attribute", known, name),) if known else ()
+    likely = [*known, *near]
+    notes = (exists_note("attribute", known, name),) if known else ()
     help, fix = help or did_you_mean(name, likely) or otherwise, None if help else renaming(name, likely)
     message = f"`{name}` is not an attribute of {owner}"
     return Diagnostic("unknown-attribute", message, span, notes=notes, help=help, fix=fix)

@@ -48,9 +48,12 @@ _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 def written_in(model: Unit, index: Index, place: Callable[[Span], str]) -> dict[tuple[str, int], tuple[str, str]]:
     """Return the tag and the place by kind and number, without copies that MuJoCo made."""
     kinds = {
-        "joint": index.joints, "actuator": index.actuators, "sensor": index.sensors, "camera": index.cameras,
+        "joint": index.joints,
+        "actuator": index.actuators,
+        "sensor": index.sensors,
+        "camera": index.cameras,
         "key": index.keyframes,
-    }  # fmt: skip
+    }
     found: dict[tuple[str, int], tuple[str, str]] = {}
     for kind, compiled in kinds.items():
         names = [each.name for each in compiled]  # type: ignore[attr-defined]  # each kind has names
@@ -202,7 +205,9 @@ class ManifestInput(Struct):
 
 
 def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
-    plan, compiled, composed = making.plan, making.compiled, making.composed
+    plan = making.plan
+    compiled = making.compiled
+    composed = making.composed
     model = composed.model
     named = list(sources(plan))
     names = portable(plan, model, context)
@@ -312,7 +317,8 @@ def _as(of: type[_Model], record: object, **changed: Any) -> _Model:
 
 def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]) -> entries.Input:
     if source.origin is None:
-        origin, path = None, portable.name(source.path)
+        origin = None
+        path = portable.name(source.path)
     else:
         origin = _as(entries.Origin, source.origin)
         path = Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
@@ -321,16 +327,28 @@ def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table:
         for row in table
     )
     return _as(
-        entries.Input, source, path=as_text(path), kind=source.kind.name, sha256=remembered_sha256(source.path),
-        origin=origin, license=license_of(source), licenses=licenses, urdf=tuple(urdf),
+        entries.Input,
+        source,
+        path=as_text(path),
+        kind=source.kind.name,
+        sha256=remembered_sha256(source.path),
+        origin=origin,
+        license=license_of(source),
+        licenses=licenses,
+        urdf=tuple(urdf),
         compiler=dict(source.compiler),
-    )  # fmt: skip
+    )
 
 
 def _part(member: PartRecord, number: int, renamed: Renamed) -> entries.Part:
     pose = member.pose
     return _as(
-        entries.Part, member, input=number, pos=pose and pose.pos, quat=pose and pose.quat,
-        stands=member.is_fixed_in_world, obscure=member.obscure or member.reduced,
+        entries.Part,
+        member,
+        input=number,
+        pos=pose and pose.pos,
+        quat=pose and pose.quat,
+        stands=member.is_fixed_in_world,
+        obscure=member.obscure or member.reduced,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
-    )  # fmt: skip
+    )

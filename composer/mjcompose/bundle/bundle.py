@@ -75,7 +75,8 @@ def moment_of(environment: Mapping[str, str]) -> Moment:
     >>> moment_of({"SOURCE_DATE_EPOCH": "1700000000"})
     (2023, 11, 14, 22, 13, 20)
     """
-    epoch, seconds = environment.get("SOURCE_DATE_EPOCH"), _FIRST_SECOND
+    epoch = environment.get("SOURCE_DATE_EPOCH")
+    seconds = _FIRST_SECOND
     if epoch:
         if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
             message = f"the variable `SOURCE_DATE_EPOCH` is `{epoch}`, which is not a whole number of seconds"
@@ -327,9 +328,11 @@ def license_files(licenses: Mapping[str, Iterable[Path]], read: Callable[[Path],
         for file in sorted(sources):
             if file not in known:
                 known[file] = read(file)
-            name, content = _segment(file.name), known[file]
+            name = _segment(file.name)
+            content = known[file]
             if (name, content) not in placed:
-                path, number = f"{license_folder(label)}/{name}", 1
+                path = f"{license_folder(label)}/{name}"
+                number = 1
                 stem = path.removesuffix(file.suffix)
                 while path.casefold() in map(str.casefold, files):
                     number += 1

@@ -71,9 +71,15 @@ _BATCH = 1000
 Item = TypeVar("Item")
 SIZES = ("nq", "nv", "nu", "nbody", "njnt", "ngeom", "nsensor", "nkey")
 COLUMNS: Mapping[str, type] = {
-    "model": str, "cell": str, "sample": int, "path": str, "sha256": str, "mujoco": str, "checks": int,
+    "model": str,
+    "cell": str,
+    "sample": int,
+    "path": str,
+    "sha256": str,
+    "mujoco": str,
+    "checks": int,
     **dict.fromkeys(SIZES, int),
-}  # fmt: skip
+}
 """The columns of every model, followed by the columns of the matrix and of draws."""
 
 
@@ -252,8 +258,11 @@ class Condition:
         except ExpressionError as error:
             raise self._fault(error) from error
         if not isinstance(value, bool):
-            raise ListingError("expression", f"`{self.text}` is {value_kind(value)}, and not true or false",
-                               "write for instance `payload > 2`")  # fmt: skip
+            raise ListingError(
+                "expression",
+                f"`{self.text}` is {value_kind(value)}, and not true or false",
+                "write for instance `payload > 2`",
+            )
         return value
 
     def check(self) -> None:

@@ -467,15 +467,22 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
             yield of(**{**values, "origin": origin})
 
     joints = entries(
-        Joint, "joint", index.joints, unit=lambda joint: BY_WORD[joint.type].unit,
+        Joint,
+        "joint",
+        index.joints,
+        unit=lambda joint: BY_WORD[joint.type].unit,
         velocity_unit=lambda joint: BY_WORD[joint.type].velocity_unit,
         range=lambda joint: _range(joint.range if joint.limited else None),
-    )  # fmt: skip
+    )
     actuators = entries(
-        Actuator, "actuator", index.actuators, act=lambda each: each.act_address if each.act_size else None,
-        ranges=lambda each: tuple(map(_range, each.ctrl_ranges)), act_range=lambda each: _range(each.act_range),
+        Actuator,
+        "actuator",
+        index.actuators,
+        act=lambda each: each.act_address if each.act_size else None,
+        ranges=lambda each: tuple(map(_range, each.ctrl_ranges)),
+        act_range=lambda each: _range(each.act_range),
         force_range=lambda each: _range(each.force_range),
-    )  # fmt: skip
+    )
     cutoff = {"cutoff": lambda sensor: None if sensor.cutoff == math.inf else sensor.cutoff}
     return Index(
         joints=tuple(joints),

@@ -46,7 +46,9 @@ def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...
     """Return the faults in the files that a model in `folder` names, in their sizes, or in its XML; usually none."""
     if not model.lower().endswith(".xml"):
         return ()
-    path, sink, found = folder / model, Sink(), Sink()
+    path = folder / model
+    sink = Sink()
+    found = Sink()
 
     def name(file: Path) -> str:
         return f"{shown}/{Path(os.path.relpath(os.path.abspath(file), os.path.abspath(folder))).as_posix()}"

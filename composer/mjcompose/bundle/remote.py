@@ -99,7 +99,8 @@ def deliver_assets(folder: Path, address: str) -> None:
     """Upload shared assets, which are named after their contents, unless they exist. Raises OutputError."""
     with _writing(address) as (fs, path):
         for file in sorted(folder.iterdir()):
-            at, content = f"{path}/{file.name}", read_regular(file, is_source=False)
+            at = f"{path}/{file.name}"
+            content = read_regular(file, is_source=False)
             if not (fs.exists(at) and fs.info(at)["size"] == len(content)):
                 _put(fs, at, content)
 
@@ -146,7 +147,8 @@ def download(address: str, folder: Path, files: int, size: int) -> Path:
         beside = [each for each in _listed(fs, f"{path}/{MANIFEST}") if each.startswith("../")]
         for each in beside:
             up = each.count("../")
-            above, inside = path.rsplit("/", up)[0], each.removeprefix("../" * up)
+            above = path.rsplit("/", up)[0]
+            inside = each.removeprefix("../" * up)
             if inside.startswith(f"{ASSETS}/") and ".." not in PurePosixPath(inside).parts and up <= 2:
                 _check(fs.info(f"{above}/{inside}")["size"], len(beside), files, most=size)
                 _fetch(fs, f"{above}/{inside}", (folder / "models", folder)[up - 1], inside=inside)
@@ -193,7 +195,8 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
     own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():
-        path, is_there = folder / name, False
+        path = folder / name
+        is_there = False
         with suppress(OSError):
             is_there = os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
         if not is_there:
@@ -230,7 +233,8 @@ def with_shared_assets(files: Mapping[str, bytes], folder: Path) -> dict[str, by
         manifest = from_json(files.get(MANIFEST, b""))
     except ValueError:  # the reader of the bundle reports it
         return dict(files)
-    model, found = manifest.model, dict(files)
+    model = manifest.model
+    found = dict(files)
     shared = filter(None, (_SHARED.fullmatch(each.path) for each in manifest.files))
     names = {parts[0]: f"{ASSETS}/{parts[2]}" for parts in shared}
     if not names or model not in files:
@@ -261,7 +265,8 @@ def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: by
     for each in data["files"]:
         each["path"] = names.get(each["path"], each["path"])
         if each["path"] == model and text is not None:
-            each["sha256"], each["size"] = hashlib.sha256(text).hexdigest(), len(text)
+            each["sha256"] = hashlib.sha256(text).hexdigest()
+            each["size"] = len(text)
     once = {each["path"]: each for each in data["files"]}
     data["files"] = [once[path] for path in sorted(once)]
     return to_text(data)

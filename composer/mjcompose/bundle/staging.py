@@ -49,9 +49,13 @@ def sibling(target: Path, purpose: str) -> Path:
 
 @contextlib.contextmanager
 def staged_file(
-    out: Path, option: str | None = None, *, inputs: Iterable[str | Path] = (), rewrites: bool = False,
+    out: Path,
+    option: str | None = None,
+    *,
+    inputs: Iterable[str | Path] = (),
+    rewrites: bool = False,
     within: Door = ALL,
-) -> Iterator[Path]:  # fmt: skip
+) -> Iterator[Path]:
     """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
 
     Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the file
@@ -81,9 +85,14 @@ class ChangedError(Exception):
 
 
 def replace_text(
-    file: Path, text: bytes, option: str | None = None, *, before: bytes | None = None,
-    allowed: Callable[[], object] | None = None, within: Door = ALL,
-) -> None:  # fmt: skip
+    file: Path,
+    text: bytes,
+    option: str | None = None,
+    *,
+    before: bytes | None = None,
+    allowed: Callable[[], object] | None = None,
+    within: Door = ALL,
+) -> None:
     """Replace a source in one step, or write the text to the path of `option`; keep the file's permissions.
 
     Raises OutputError, even for a file that is not `within` a door, and ChangedError if the file no longer has the text
@@ -119,7 +128,8 @@ def staged_folder(
 
 def move(stage: Path, target: Path, paths: Iterable[str], inputs: Iterable[str | Path] = ()) -> None:
     """Move files of a stage into the folder `target`, in this order; all of it at once if there is none."""
-    paths, inputs = tuple(paths), tuple(inputs)
+    paths = tuple(paths)
+    inputs = tuple(inputs)
     for path in paths:
         check_is_no_source(target / path, inputs=inputs)
     if not os.path.exists(target):
@@ -156,7 +166,8 @@ def check_kind(target: Path, out: Path, option: str | None = None) -> None:
         mode = os.stat(target).st_mode
     except (OSError, ValueError):
         return  # reported where it is written
-    why, help = "a folder of that name is there", "choose another name, or remove the folder"
+    why = "a folder of that name is there"
+    help = "choose another name, or remove the folder"
     if not stat.S_ISDIR(mode):
         why = "it is not an ordinary file"
         help = "choose the name of a file; a command that can write to standard output calls it `-`"
@@ -317,7 +328,8 @@ def write_mjb(bundle: Bundle, out: Path, *, session: engine.Session | None = Non
         if MANIFEST in bundle.files:
             check_own_place(manifest_beside(out))
             with staged_file(manifest_beside(out)) as beside:
-                content, manifest = stage.read_bytes(), json.loads(bundle.files[MANIFEST])
+                content = stage.read_bytes()
+                manifest = json.loads(bundle.files[MANIFEST])
                 listed = {"path": out.name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}
                 beside.write_bytes(to_text({**manifest, "model": out.name, "files": [listed]}))
 

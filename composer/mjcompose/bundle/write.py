@@ -150,7 +150,9 @@ def write_packed(
 def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> None:
     """Add an already compressed file to the archive, which `ZipFile` itself cannot do."""
     assert archive.fp is not None
-    info.CRC, info.file_size, info.compress_size = packed.crc, packed.size, len(packed.data)
+    info.CRC = packed.crc
+    info.file_size = packed.size
+    info.compress_size = len(packed.data)
     info.header_offset = archive.fp.tell()
     archive.fp.write(info.FileHeader() + packed.data)
     archive.filelist.append(info)
@@ -172,9 +174,13 @@ def write_text(bundle: Bundle, out: Path) -> None:
 
 
 def write_usd(
-    bundle: Bundle, out: Path, environment: Mapping[str, str], warn: Callable[[str], None], *,
+    bundle: Bundle,
+    out: Path,
+    environment: Mapping[str, str],
+    warn: Callable[[str], None],
+    *,
     session: engine.Session | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
     `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the same
@@ -201,7 +207,8 @@ def write_usd(
         if exported.error is not None:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}")
         if exported.textures:
-            count, first = len(exported.textures), exported.textures[0]
+            count = len(exported.textures)
+            first = exported.textures[0]
             message = f"one USD layer cannot hold the {count} textures of the model, such as `{first}`"
             help = f"write a package, which holds them: `{out.with_suffix('.usdz')}`"
             raise OutputError("output-kind", message, help)
@@ -253,9 +260,14 @@ def _manifest(out: Path | str) -> bytes:
 
 
 def write(
-    bundle: Bundle, out: str | PathLike[str], *, environment: Mapping[str, str],
-    session: engine.Session | None = None, packing: Packing = pack_file, warn: Callable[[str], None] = lambda _: None,
-) -> OutputForm:  # fmt: skip
+    bundle: Bundle,
+    out: str | PathLike[str],
+    *,
+    environment: Mapping[str, str],
+    session: engine.Session | None = None,
+    packing: Packing = pack_file,
+    warn: Callable[[str], None] = lambda _: None,
+) -> OutputForm:
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold

@@ -48,8 +48,16 @@ def doctor(options: Options, run: Run) -> Answer:
     The exit code is 1 if something that every build needs is missing.
     """
     findings = [
-        *_installed(), *_mujoco(), *_programs(), _plugin(), _git(), _store(), _templates(), *_extras(), *_extensions(),
-    ]  # fmt: skip
+        *_installed(),
+        *_mujoco(),
+        *_programs(),
+        _plugin(),
+        _git(),
+        _store(),
+        _templates(),
+        *_extras(),
+        *_extensions(),
+    ]
     width = max(len(each.what) for each in findings)
     mark = {True: "ok", None: "--", False: "!!"}
     return Answer(
@@ -153,7 +161,8 @@ def _templates() -> Finding:
         answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
     if not answer["ok"]:
         return Finding("templates", f"cannot be expanded: {answer['error']}", False)
-    ways, can = answer["confined"], [each for each, is_possible in answer["value"].items() if is_possible]
+    ways = answer["confined"]
+    can = [each for each, is_possible in answer["value"].items() if is_possible]
     by = f"confined by {', '.join(ways)}" if ways else "this system has no way to confine their process"
     return Finding("templates", f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
 

@@ -42,19 +42,24 @@ class Options(BuildingOptions):
         " the version of MuJoCo; no other version can read the file. Default: build/{name}.zip."
     )
     samples: str | None = option(
-        "--sample-table", metavar="FILE",
+        "--sample-table",
+        metavar="FILE",
         help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the"
         " models.",
-    )  # fmt: skip
+    )
     gives: str = option(
-        "--as", type=click.Choice(["models", "worlds", "union"]), default="models",
+        "--as",
+        type=click.Choice(["models", "worlds", "union"]),
+        default="models",
         help="models, the default: each sample is a model. worlds: one model, and a table in it of the numbers that"
         " differ between the samples. union: with --worlds, one model with the parts of all cells and samples.",
-    )  # fmt: skip
+    )
     table: Path | None = option(
-        "--worlds", type=PATH, metavar="FILE",
+        "--worlds",
+        type=PATH,
+        metavar="FILE",
         help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or *.parquet.",
-    )  # fmt: skip
+    )
     parquet: bool = flag(
         "--parquet", help="With --all: also write models.parquet and samples.parquet, next to the CSV files."
     )
@@ -62,19 +67,32 @@ class Options(BuildingOptions):
         "--shared-assets", help="Write the assets of all cells to one folder: DIR/assets/ for -o 'DIR/{name}/'."
     )
     no_compile: bool = flag("--no-compile", help="Do not compile the result in MuJoCo.")
-    dedup: bool = flag("--dedup", help="Merge identical meshes, textures, materials and height fields of several"
-                       " parts; the manifest lists the merged names.")  # fmt: skip
+    dedup: bool = flag(
+        "--dedup",
+        help="Merge identical meshes, textures, materials and height fields of several"
+        " parts; the manifest lists the merged names.",
+    )
     picture: bool = flag(
         "--picture", help="Also write a picture, NAME.png, next to the model and list it in the manifest."
     )
     target: str | None = option(
-        "--target", type=_Target(TARGETS_NAMES), callback=lambda _context, _, name: None if name == MUJOCO else name,
+        "--target",
+        type=_Target(TARGETS_NAMES),
+        callback=lambda _context, _, name: None if name == MUJOCO else name,
         help="The program to write the model for. Features that it lacks are reported. Default: mujoco.",
-    )  # fmt: skip
-    depfile: Path | None = option("--depfile", type=PATH, metavar="FILE", help="Also write the paths of all inputs to"
-                                  " this file, in the syntax of Make and Ninja.")  # fmt: skip
-    sbom: Path | None = option("--sbom", type=PATH, metavar="FILE", help="Also write the parts of the model, with their"
-                               " hashes and licenses, to this file, as CycloneDX 1.6.")  # fmt: skip
+    )
+    depfile: Path | None = option(
+        "--depfile",
+        type=PATH,
+        metavar="FILE",
+        help="Also write the paths of all inputs to this file, in the syntax of Make and Ninja.",
+    )
+    sbom: Path | None = option(
+        "--sbom",
+        type=PATH,
+        metavar="FILE",
+        help="Also write the parts of the model, with their hashes and licenses, to this file, as CycloneDX 1.6.",
+    )
     licenses: bool = flag("--licenses", help="Print the license of every part.")
     why: bool = flag("--why", help="Print why a model was built, or why it was taken from the cache.")
 
@@ -106,14 +124,22 @@ def _build(options: Options, run: Run) -> int:
     from mjcompose.pipeline.cache.cache_key import BuildOptions
 
     _check_usage(options)
-    spec, context, one = _output_spec(options, run), run.context, options.one
+    spec = _output_spec(options, run)
+    context = run.context
+    one = options.one
     how = context.fetching
     assert how is not None
     order = BuildOptions(
-        spec.verified, options.dedup, spec.text_beside(context.folder), choices=options.choices.named(context),
-        locked=how.locked, offline=how.offline, pictured=options.picture, target=options.target,
+        spec.verified,
+        options.dedup,
+        spec.text_beside(context.folder),
+        choices=options.choices.named(context),
+        locked=how.locked,
+        offline=how.offline,
+        pictured=options.picture,
+        target=options.target,
         worlds=options.gives == "worlds",
-    )  # fmt: skip
+    )
     with caching(context, options.no_cache) as cache, ExitStack() as opened:
         if options.picture:
             spec = replace(spec, picturing=Picturing(opened))
@@ -142,12 +168,27 @@ def _build(options: Options, run: Run) -> int:
 
 def _check_usage(options: Options) -> None:
     check_readers(options.recipe, options.workers.cluster)
-    workers, table, samples = options.workers, options.table, options.samples
+    workers = options.workers
+    table = options.table
+    samples = options.samples
     check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
-    if table is not None and (left := next((name for name, given in {
-        "--shard": workers.shard, "--cluster": workers.cluster, "--sample-table": samples, "--parquet": options.parquet,
-        "--shared-assets": options.shared_assets, "--picture": options.picture,
-    }.items() if given), None)):  # fmt: skip
+    if table is not None and (
+        left := next(
+            (
+                name
+                for name, given in {
+                    "--shard": workers.shard,
+                    "--cluster": workers.cluster,
+                    "--sample-table": samples,
+                    "--parquet": options.parquet,
+                    "--shared-assets": options.shared_assets,
+                    "--picture": options.picture,
+                }.items()
+                if given
+            ),
+            None,
+        )
+    ):
         raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
     if options.gives == "union" and table is None:
         raise click.UsageError("--as union also needs --worlds FILE, the table of the numbers that differ.")

@@ -47,12 +47,16 @@ if TYPE_CHECKING:
     from mjcompose.language.expand import Cell
 
 
-SAMPLES, MODELS = "samples", "models"
+SAMPLES = "samples"
+MODELS = "models"
 
 
 def build_cells(task: Task, options: Options) -> int:
     """Build the cells, and report a fault in several cells once. Return the exit code."""
-    maker, spec, run, context = task.maker, task.spec, task.run, task.run.context
+    maker = task.maker
+    spec = task.spec
+    run = task.run
+    context = task.run.context
     chosen, code = _chosen(task, options)
     if code:
         return code
@@ -95,7 +99,8 @@ def build_cells(task: Task, options: Options) -> int:
 
 
 def _chosen(task: Task, options: Options) -> tuple[list[Cell], int]:
-    recipe, worlds = task.maker.recipe, task.maker.options.worlds
+    recipe = task.maker.recipe
+    worlds = task.maker.options.worlds
     return options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
 
 
@@ -118,7 +123,8 @@ def _check_names(chosen: Sequence[Cell], task: Task) -> None:
 
 
 def _checked_folder(task: Task, count: int) -> Path | str:
-    spec, run = task.spec, task.run
+    spec = task.spec
+    run = task.run
     with run.stopping(USAGE):
         kind_of_output(spec.out, count)  # of all shards, which write to one place
     with run.stopping(FINDINGS):
@@ -142,7 +148,8 @@ class _Results(Struct, frozen=False):
     index: RunTable = field(default_factory=lambda: RunTable(COLUMNS))
 
     def take(self, each: CellResult) -> None:
-        spec, sink = self.spec, self.context.sink
+        spec = self.spec
+        sink = self.context.sink
         note_files(each.files)
         pictured = replace(self.context, sink=Sink())
         if each.result is not None and not each.failed:
@@ -232,7 +239,8 @@ class _Failed(Exception):
 
 def build_worlds(task: Task, options: Options, table: Path) -> int:
     """Build all models into `table`, and with `--as union` their common model. Return the exit code."""
-    spec, context = task.spec, task.run.context
+    spec = task.spec
+    context = task.run.context
     chosen, code = _chosen(task, options)
     if not code and spec.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
@@ -260,7 +268,9 @@ def build_worlds(task: Task, options: Options, table: Path) -> int:
 
 class _Worlds:
     def __init__(self, task: Task, table: Path) -> None:
-        self.task, self.table, self.context = task, table, task.run.context
+        self.task = task
+        self.table = table
+        self.context = task.run.context
         self.tally = Tally(task.maker.recipe, 0)
         self.last: Span | None = None
 
@@ -268,9 +278,11 @@ class _Worlds:
         """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
         self.tally.total = len(chosen)
         joining = Joining(len(chosen), options.gives == "union")
-        maker, session = self.task.maker, self.task.session
+        maker = self.task.maker
+        session = self.task.session
         assert session is not None
-        context, form = self.context, OutputForm.FOLDER
+        context = self.context
+        form = OutputForm.FOLDER
         unwritten = Maker(maker.recipe, maker.options, maker.cache, context=context, form=form, place=shelf.place)
         making = CellMaker(unwritten, self.task.given, session, finish=shelf.put)
         with CellRun(making, options.workers.jobs) as running:

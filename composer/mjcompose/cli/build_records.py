@@ -30,7 +30,8 @@ def render_depfile(outputs: Iterable[str], inputs: Iterable[str]) -> str:
     /a\ b/c\#1.xml:
     /$$x.yaml:
     """
-    targets, needed = [_escaped(each) for each in outputs], [_escaped(each) for each in inputs]
+    targets = [_escaped(each) for each in outputs]
+    needed = [_escaped(each) for each in inputs]
     rule = " \\\n  ".join([f"{' '.join(targets)}:", *needed])
     return "".join(f"{line}\n" for line in (rule, *(f"{each}:" for each in needed if "%" not in each)))
 
@@ -62,15 +63,17 @@ def render_sbom(manifest: Manifest, sha256: str) -> bytes:
     components = [_component(each, f"part-{number}") for number, each in enumerate(manifest.inputs)]
     model = {"type": "data", "bom-ref": "model", "name": manifest.name, "version": sha256}
     tool = {"type": "application", "name": "mjcompose", "version": __version__}
-    return to_text({
-        "$schema": "http://cyclonedx.org/schema/bom-1.6.schema.json",
-        "bomFormat": "CycloneDX",
-        "specVersion": "1.6",
-        "version": 1,
-        "metadata": {"tools": {"components": [tool]}, "component": model},
-        "components": components,
-        "dependencies": [{"ref": "model", "dependsOn": [each["bom-ref"] for each in components]}],
-    })  # fmt: skip
+    return to_text(
+        {
+            "$schema": "http://cyclonedx.org/schema/bom-1.6.schema.json",
+            "bomFormat": "CycloneDX",
+            "specVersion": "1.6",
+            "version": 1,
+            "metadata": {"tools": {"components": [tool]}, "component": model},
+            "components": components,
+            "dependencies": [{"ref": "model", "dependsOn": [each["bom-ref"] for each in components]}],
+        }
+    )
 
 
 def _component(part: Input, ref: str) -> dict[str, Any]:

@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 class VerifyOptions(Group):
     bundles: tuple[Path, ...] = argument(metavar="BUNDLE...", type=PATH, nargs=-1, required=True)
     recipe: Path | None = option(
-        "--recipe", type=PATH,
+        "--recipe",
+        type=PATH,
         help="The recipe that the bundle was built from, to find the sources of its parts.",
-    )  # fmt: skip
+    )
     limits: TimeOptions = group(TimeOptions)
     strict: bool = STRICT
     reporting: ReportOptions = group(ReportOptions)
@@ -43,7 +44,8 @@ def verify(options: VerifyOptions, run: Run) -> int:
     from mjcompose.mujoco.engine import Session
     from mjcompose.verify.stored import verify_stored
 
-    code, recipe = 0, options.recipe
+    code = 0
+    recipe = options.recipe
     for bundle in options.bundles:
         context = run.new_context()
         progress(f"verifying {bundle}")
@@ -75,10 +77,11 @@ def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:
 class ListOptions(Group):
     folder: str = argument(type=click.Path())
     where: str | None = option(
-        "--where", metavar="EXPRESSION",
+        "--where",
+        metavar="EXPRESSION",
         help="List only the models for which this is true: an expression of the columns of models.csv, such as"
         " `payload > 2 and nv == 15`.",
-    )  # fmt: skip
+    )
     reporting: ReportOptions = group(ReportOptions)
 
 
@@ -91,7 +94,9 @@ def list(options: ListOptions, run: Run) -> int:
     """
     from mjcompose.bundle.listing import Condition, ListingError, rows
 
-    context, folder, condition = run.context, options.folder, None
+    context = run.context
+    folder = options.folder
+    condition = None
     try:
         condition = Condition(options.where or "true")
         for row in rows(folder if is_address(folder) else Path(folder), folder):

@@ -35,12 +35,19 @@ Item = TypeVar("Item")
 
 class CellOptions(Group):
     heading: ClassVar[str] = "Model"
-    pick: str | None = option("--pick", metavar="CELL", shell_complete=completion.cells,
-                              help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].")  # fmt: skip
+    pick: str | None = option(
+        "--pick",
+        metavar="CELL",
+        shell_complete=completion.cells,
+        help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].",
+    )
     sample: int | None = option(
-        "--sample", type=click.IntRange(min=0), metavar="NUMBER", shell_complete=completion.samples,
+        "--sample",
+        type=click.IntRange(min=0),
+        metavar="NUMBER",
+        shell_complete=completion.samples,
         help="Select this sample of the recipe's draws. Sample 0, the default, has no draws.",
-    )  # fmt: skip
+    )
 
     def check(self, model: str | Path, *, is_recipe: bool) -> None:
         """Raise UsageError if a cell is chosen of something that is not a recipe."""
@@ -73,14 +80,21 @@ class CellsOptions(Group):
     heading: ClassVar[str] = "Model"
     every: bool = flag("--all", help="Select every cell of the recipe's matrix, and every sample.")
     picks: tuple[str, ...] = option(
-        "--pick", multiple=True, metavar="CELL", shell_complete=completion.cells,
+        "--pick",
+        multiple=True,
+        metavar="CELL",
+        shell_complete=completion.cells,
         help="Select this cell of the matrix or this sample. AXIS=VALUE[,AXIS=VALUE...] selects all cells with these"
         " values.",
-    )  # fmt: skip
+    )
     only_samples: tuple[int, ...] = option(
-        "--sample", multiple=True, type=click.IntRange(min=0), metavar="NUMBER", shell_complete=completion.samples,
+        "--sample",
+        multiple=True,
+        type=click.IntRange(min=0),
+        metavar="NUMBER",
+        shell_complete=completion.samples,
         help="Select only this sample, in all cells or in the cells of --pick. Sample 0 is the model without draws.",
-    )  # fmt: skip
+    )
 
     @property
     def one(self) -> bool:
@@ -97,8 +111,11 @@ class CellsOptions(Group):
         if sink.has_errors:
             return [], exit_code(context.folder, [recipe])
         if not every and (self.picks or self.only_samples):
-            sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
-                       help=f"{verb} it without `--pick` and `--sample`")  # fmt: skip
+            sink.error(
+                "missing-key",
+                f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
+                help=f"{verb} it without `--pick` and `--sample`",
+            )
         chosen = every
         if self.picks and every:
             chosen = select_cells(every, self.picks, sink, recipe=str(recipe))
@@ -135,24 +152,31 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Sha
 
 
 JOBS = option(
-    "--jobs", "-j", type=click.IntRange(min=1), metavar="NUMBER", envvar="MJCOMPOSE_JOBS",
+    "--jobs",
+    "-j",
+    type=click.IntRange(min=1),
+    metavar="NUMBER",
+    envvar="MJCOMPOSE_JOBS",
     help="The number of processes. Default: MJCOMPOSE_JOBS, or one for each core if there are enough cells.",
-)  # fmt: skip
+)
 
 
 class WorkerOptions(Group):
     heading: ClassVar[str] = "Workers"
     jobs: int | None = JOBS
     cluster: str | None = option(
-        "--cluster", metavar="ADDRESS|FILE|local",
+        "--cluster",
+        metavar="ADDRESS|FILE|local",
         help="Use the workers of a Dask cluster: tls://HOST:PORT, its scheduler file, or `local` to start one on this"
         " machine. Needs the extra `cluster`.",
-    )  # fmt: skip
+    )
     shard: Shard | None = option(
-        "--shard", callback=_shard, metavar="I/N",
+        "--shard",
+        callback=_shard,
+        metavar="I/N",
         help="Process only the I-th of N parts of the cells, from 1/N to N/N, to divide them among the jobs of a"
         " cluster or CI system. All parts can be written to one folder.",
-    )  # fmt: skip
+    )
 
     @contextmanager
     def started(self, out: Location | None = None, away: Finish | None = None) -> Iterator[Crew | None]:

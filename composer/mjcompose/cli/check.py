@@ -35,8 +35,9 @@ if TYPE_CHECKING:
 class Options(BuildingOptions):
     recipes: tuple[Path, ...] = argument(type=RECIPE_PATH, nargs=-1, required=True)
     no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
-    junit: str | None = option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
-                               " standard output).")  # fmt: skip
+    junit: str | None = option(
+        "--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is standard output)."
+    )
 
 
 @command(Options)
@@ -46,7 +47,9 @@ def check(options: Options, run: Run) -> int:
     Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
     file of --junit.
     """
-    recipes, one, workers = list(dict.fromkeys(options.recipes)), options.cells.one, options.workers
+    recipes = list(dict.fromkeys(options.recipes))
+    one = options.cells.one
+    workers = options.workers
     jobs = workers.jobs if len(options.recipes) == 1 else None
     check_several(one, jobs=jobs, shard=workers.shard, cluster=workers.cluster)
     if len(recipes) > 1 and Path(STDIN) in recipes:
@@ -80,7 +83,8 @@ class _Checking:
     def __init__(self, options: Options, run: Run) -> None:
         from mjcompose.pipeline.cache.cache_key import BuildOptions
 
-        self.options, self.run = options, run
+        self.options = options
+        self.run = run
         self.given = options.choices.given(run)
         how = run.context.fetching
         assert how is not None
@@ -109,7 +113,9 @@ class _Checking:
         from mjcompose.pipeline.cache.builder import Maker
         from mjcompose.pipeline.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
 
-        context, given, order = self.run.context, self.given, self.order
+        context = self.run.context
+        given = self.given
+        order = self.order
         count = min(self.options.workers.jobs or cores(), len(recipes))
         with caching(context, self.options.no_cache) as cache, self.run.session(remembers=True) as session:
 
@@ -118,9 +124,13 @@ class _Checking:
                 return make_recipe(Maker(recipe, order, cache, context=own), session, given)
 
             job = RecipeJob(
-                order, None if cache is None else cache.store, given, context=context_for_worker(context),
-                limits=in_force(), noted=sources.current().noted(),
-            )  # fmt: skip
+                order,
+                None if cache is None else cache.store,
+                given,
+                context=context_for_worker(context),
+                limits=in_force(),
+                noted=sources.current().noted(),
+            )
             modules = ("mjcompose.pipeline.cache.cell_run", "mjcompose.pipeline.stages")
             with Pool[Path, RecipeResult](count - 1, modules) as pool:
                 results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
@@ -142,7 +152,8 @@ class _Checking:
 
     def sum_up(self) -> int:
         """Report all diagnostics, and the recipes without errors. Return the exit code."""
-        run, err = self.run, self.run.to_stderr
+        run = self.run
+        err = self.run.to_stderr
         run.report()
         for result in self.results:
             if result.tally is not None:
@@ -152,7 +163,8 @@ class _Checking:
             if run.form == "json":
                 click.echo(json_text({"recipe": str(result.recipe), "ok": not result.code}), err=err)
             elif not result.code and not err:
-                words, title = f"{result.recipe}: ok{result.counted}", {"title": str(result.recipe)}
+                words = f"{result.recipe}: ok{result.counted}"
+                title = {"title": str(result.recipe)}
                 if run.form == "github":
                     say(github.command("notice", words, title), is_escaped=True)
                 else:
@@ -195,7 +207,10 @@ class _Checking:
         """Check cells, or return None if there are none, because the recipe is one model."""
         from mjcompose.pipeline.cache.cell_run import CellMaker, CellRun
 
-        options, run, recipe, context = self.options, self.run, maker.recipe, maker.context
+        options = self.options
+        run = self.run
+        recipe = maker.recipe
+        context = maker.context
         chosen, code = options.cells.chosen(recipe, self.given, context=context, verb="check")
         if code:
             run.suites.append(_suite(recipe, (), context.sink.errors, context=context))
@@ -204,7 +219,9 @@ class _Checking:
             return None
         if options.workers.shard is not None:
             chosen = options.workers.shard.of(chosen)
-        tally, checks, files = Tally(recipe, len(chosen)), 0, set[str]()
+        tally = Tally(recipe, len(chosen))
+        checks = 0
+        files: set[str] = set()
         with (
             run.session(remembers=True) as session,
             options.workers.started() as crew,
@@ -225,9 +242,12 @@ class _Checking:
 
 
 def _suite(
-    recipe: Path, outcomes: Sequence[Outcome], found: Iterable[Diagnostic], context: Context,
+    recipe: Path,
+    outcomes: Sequence[Outcome],
+    found: Iterable[Diagnostic],
+    context: Context,
     cell: CellName | None = None,
-) -> Suite:  # fmt: skip
+) -> Suite:
     """Return the results of a recipe, or of one cell: the first case is the model itself, followed by its checks."""
     of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
     others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
@@ -257,10 +277,12 @@ def plan(options: PlanOptions, run: Run) -> Answer:
     from mjcompose.plan.planner import make_plan
     from mjcompose.plan.read import expanded_text
 
-    recipe, context = options.recipe, run.context
+    recipe = options.recipe
+    context = run.context
     given = options.choices.given(run)
     cell = options.cell.chosen(recipe, given, run=run, verb="plan")
-    filled, cells = FilledValues(given), []
+    filled = FilledValues(given)
+    cells = []
     if cell is not None:
         plan = make_plan(recipe, context, {**given, **cell.given}, name=cell.name, sample=cell.sample)
     else:

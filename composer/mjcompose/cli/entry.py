@@ -92,7 +92,8 @@ def too_little() -> str | None:
     return None
 
 
-INTERRUPTED, _TERMINATED = 130, 143
+INTERRUPTED = 130
+_TERMINATED = 143
 _LATER = 0.02
 _SECONDS_TO_END = 0.7
 _CUT_SHORT = b"\ninterrupted: the next run removes what this one leaves behind\n"

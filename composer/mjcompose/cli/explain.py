@@ -49,7 +49,8 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
     """  # noqa: D301  (a backspace, by which click keeps the lines)
     from mjcompose.lint.rule import rules
 
-    model, query = options.model, options.query
+    model = options.model
+    query = options.query
     if options.codes or (model is not None and not model.suffix):
         rules()  # which adds its codes
     if options.codes:
@@ -74,7 +75,9 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
     explained = explain(model, selection, context, sample=sample, given=given)
     if explained is None:
         raise Stop(run.code_of_failure(model))
-    source, color, has_errors = source_reader(context.folder), use_color(out=True), context.sink.has_errors
+    source = source_reader(context.folder)
+    color = use_color(out=True)
+    has_errors = context.sink.has_errors
     # `check` and `build` report warnings.
     return Answer(lambda: render(explained, source, color), lambda: as_data(explained), reports=has_errors)
 
@@ -86,7 +89,8 @@ def _page(word: Path) -> Answer:
     code = code_of(str(word))
     if code is None:
         raise click.UsageError(_no_code(word))
-    text, url = page(code), address(code)
+    text = page(code)
+    url = address(code)
     width = min(shutil.get_terminal_size((_WIDEST, 24)).columns, _WIDEST)
 
     words = in_terminal(text, width, use_color(out=True)) + ("" if url is None else f"\n\n{url}")
@@ -132,7 +136,8 @@ def tree(options: TreeOptions, run: Run) -> Answer:
     options.cell.check(model, is_recipe=is_recipe)
     given, sample = options.cell.values(model, given, run=run, verb="show")
     found = run.need(outline(options.model, run.context, given, sample=sample), model)
-    show, depth = render_places if options.places else render, options.depth
+    show = render_places if options.places else render
+    depth = options.depth
     color = use_color(out=True)
     # `check` and `build` report warnings of a recipe.
     return Answer(lambda: show(found, depth, color), lambda: as_data(found, depth), code=0, reports=not is_recipe)
@@ -197,22 +202,39 @@ class DiffOptions(Group):
     b: str = argument()
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)
-    only: tuple[str, ...] = option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
-                                   help="Compare only this kind of element, or `option`, `visual`, `statistic`,"
-                                   " `count`, `address`.")  # fmt: skip
-    tolerance: float = option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,
-                              help="Treat numbers as equal if their relative difference is smaller than"
-                              " this.")  # fmt: skip
+    only: tuple[str, ...] = option(
+        "--only",
+        multiple=True,
+        type=click.Choice(_KINDS),
+        metavar="KIND",
+        help="Compare only this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.",
+    )
+    tolerance: float = option(
+        "--tolerance",
+        type=Amount(min=0),
+        default=0.0,
+        show_default=True,
+        help="Treat numbers as equal if their relative difference is smaller than this.",
+    )
     computed: bool = flag("--computed", help="Also list numbers that MuJoCo computes from others.")
-    breaking: bool = flag("--breaking", help="Sort the changes: major breaks the interface, minor changes the motion,"
-                          " patch only the looks. Exit codes: 2 major, 1 minor, 0 patch or none.")  # fmt: skip
+    breaking: bool = flag(
+        "--breaking",
+        help="Sort the changes: major breaks the interface, minor changes the motion,"
+        " patch only the looks. Exit codes: 2 major, 1 minor, 0 patch or none.",
+    )
     all: None = option("--all", is_flag=True, hidden=True, is_eager=True, callback=_no_all)
-    renders: Path | None = option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
-                                  help="Write pictures of both models here: of the whole model, and from each camera"
-                                  " that both have.")  # fmt: skip
-    html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-                               help="Write an HTML page that shows both models, with the differences in"
-                               " color.")  # fmt: skip
+    renders: Path | None = option(
+        "--renders",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="DIR",
+        help="Write pictures of both models here: of the whole model, and from each camera that both have.",
+    )
+    html: Path | None = option(
+        "--html",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Write an HTML page that shows both models, with the differences in color.",
+    )
     limits: TimeOptions = group(TimeOptions)
     reporting: ReportOptions = group(ReportOptions)
 
@@ -245,10 +267,19 @@ def diff(options: DiffOptions, run: Run) -> Answer:
     progress(f"comparing {options.a} with {options.b}")
     with Session(rendering=options.renders is not None) as session:
         found = diff(
-            options.a, options.b, context, session=session, tolerance=options.tolerance, only=options.only,
-            everything=options.computed, given=given, pick=options.cell.pick, sample=options.cell.sample,
-            renders=options.renders, show=show,
-        )  # fmt: skip
+            options.a,
+            options.b,
+            context,
+            session=session,
+            tolerance=options.tolerance,
+            only=options.only,
+            everything=options.computed,
+            given=given,
+            pick=options.cell.pick,
+            sample=options.cell.sample,
+            renders=options.renders,
+            show=show,
+        )
     if found is None:
         raise Stop(USAGE)
     aside = None if options.html is None else f"wrote {options.html}: open it in a browser"
@@ -258,10 +289,15 @@ def diff(options: DiffOptions, run: Run) -> Answer:
             raise Stop(USAGE)
         code = _CODES.get(by_level.levels[0].name, 0) if by_level.levels else 0
         is_comment = run.form in ("markdown", "github")
-        words, data = render_breaking(by_level, markdown=is_comment), breaking_as_data(by_level)
+        words = render_breaking(by_level, markdown=is_comment)
+        data = breaking_as_data(by_level)
         return Answer(words, data, code=code, reports=False, aside=aside)
 
     return Answer(
-        lambda: render(found), lambda: as_data(found), markdown=lambda: render_markdown(found).removesuffix("\n"),
-        code=0 if found.same else _DIFFERENT, reports=False, aside=aside,
-    )  # fmt: skip
+        lambda: render(found),
+        lambda: as_data(found),
+        markdown=lambda: render_markdown(found).removesuffix("\n"),
+        code=0 if found.same else _DIFFERENT,
+        reports=False,
+        aside=aside,
+    )

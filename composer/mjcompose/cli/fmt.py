@@ -51,9 +51,11 @@ def fmt(options: FmtOptions, run: Run) -> int:
     from mjcompose.text.layout import format_recipe
     from mjcompose.tree.xml_layout import format_mjcf
 
-    context, check = run.context, options.check
+    context = run.context
+    check = options.check
     files = {file: door for given in options.files for file, door in _inside(given, context)}
-    differing, unchanged = 0, 0
+    differing = 0
+    unchanged = 0
     for file, door in files.items():
         is_model = file.lower().endswith(MJCF_FILES)
         source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
@@ -146,9 +148,14 @@ def _read(file: str, context: Context, most: int) -> bytes | None:
 
 
 def rewrite(
-    recipe: Path, result: bytes, context: Context, option: str | None = None, *, before: bytes | None = None,
+    recipe: Path,
+    result: bytes,
+    context: Context,
+    option: str | None = None,
+    *,
+    before: bytes | None = None,
     within: Door = ALL,
-) -> bool:  # fmt: skip
+) -> bool:
     """Replace the file in one step and keep its permissions; return whether that succeeded.
 
     If the text of the file is no longer `before`, or if it is not `within` a door, the file stays unchanged.
@@ -256,17 +263,27 @@ _PROFILES = ("menagerie", "robot-asset")
 class LintOptions(Group):
     files: tuple[Path, ...] = argument(metavar="FILES...", type=PATH, nargs=-1)
     select: tuple[str, ...] = option(
-        "--select", multiple=True, metavar="RULE", help="Run only this rule or family of rules, or `all`. Separate"
-        " several with commas, or repeat the option.",
-    )  # fmt: skip
+        "--select",
+        multiple=True,
+        metavar="RULE",
+        help="Run only this rule or family of rules, or `all`. Separate several with commas, or repeat the option.",
+    )
     ignore: tuple[str, ...] = option("--ignore", multiple=True, metavar="RULE", help="Do not run this rule or family.")
-    profile: str | None = option("--profile", type=click.Choice(_PROFILES), help="Run the rules of a standard for"
-                                 " models, and print a table of them.")  # fmt: skip
+    profile: str | None = option(
+        "--profile",
+        type=click.Choice(_PROFILES),
+        help="Run the rules of a standard for models, and print a table of them.",
+    )
     fix: bool = flag("--fix", help="Change the files: apply the exact fixes of findings.")
     rules: bool = flag("--rules", help="List all rules, and stop.")
     statistics: bool = flag("--statistics", help="Print the number of findings of each rule instead of the findings.")
-    jobs: int | None = option("-j", "--jobs", metavar="NUMBER", type=click.IntRange(min=1), help="The number of"
-                              " processes. Default: one for each core.")  # fmt: skip
+    jobs: int | None = option(
+        "-j",
+        "--jobs",
+        metavar="NUMBER",
+        type=click.IntRange(min=1),
+        help="The number of processes. Default: one for each core.",
+    )
     limits: TimeOptions = group(TimeOptions)
     fetching: FetchOptions = group(FetchOptions)
     reporting: ReportOptions = group(ReportOptions)
@@ -312,8 +329,9 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
     )
     shows = not options.statistics and options.profile is None
     found = list(dict.fromkeys(each for result, _ in results for each in result.found))
-    for each, cause in merged(found) if shows else ():
-        run.context.sink.add(each, cause if run.form == "text" else None)
+    if shows:
+        for each, cause in merged(found):
+            run.context.sink.add(each, cause if run.form == "text" else None)
     for _, context in results:
         for each in context.sink.errors:  # `check` reports the warnings of a recipe
             run.context.sink.add(each)
@@ -356,7 +374,8 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Se
 
 def _table(results: Sequence[Linted], selected: Sequence[Rule], code: int) -> Answer:
     """Return the report of a profile: a line for each model and rule that it does not meet."""
-    lines, data = [], []
+    lines = []
+    data = []
     for result in results:
         counts = Counter(each.code for each in result.found)
         met = len(selected) - len(counts)

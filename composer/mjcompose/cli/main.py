@@ -93,7 +93,7 @@ _CALLED = {
     "clean": "mjcompose cache prune",
     **dict.fromkeys(("update", "upgrade"), "mjcompose lock --upgrade"),
     "port": "mjcompose migrate",
-}  # fmt: skip
+}
 
 # Options of other tools, and the corresponding option here.
 _OPTIONS_CALLED = {
@@ -110,7 +110,9 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 # No matrix here is large enough for threads of linear algebra, whose buffers alone are 30 MiB for each core.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-_FAILED, _INTERRUPTED, _BUG = 1, 130, 70
+_FAILED = 1
+_INTERRUPTED = 130
+_BUG = 70
 
 if "_MJCOMPOSE_COMPLETE" in os.environ:
     from mjcompose.cli import completion

@@ -30,20 +30,33 @@ _SHOWN = 5
 
 class Options(Group):
     model: str = argument(shell_complete=completion.files)
-    before: str | None = option("--from", metavar="VERSION",
-                                help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
-    after: str | None = option("--mujoco", metavar="VERSION", help="The MuJoCo version to write for, which may be"
-                               " older.  [default: the installed one]")  # fmt: skip
+    before: str | None = option(
+        "--from", metavar="VERSION", help="The MuJoCo version that MODEL is written for, 3.0 to 4.0."
+    )
+    after: str | None = option(
+        "--mujoco",
+        metavar="VERSION",
+        help="The MuJoCo version to write for, which may be older.  [default: the installed one]",
+    )
     out: str | None = output("Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files.")
     in_place: bool = flag("--in-place", help="Write the changes to MODEL and the files that it includes or attaches.")
-    adopt: tuple[str, ...] = option("--adopt", multiple=True, metavar="CHANGE", help="Adopt a changed default instead"
-                                    " of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
+    adopt: tuple[str, ...] = option(
+        "--adopt",
+        multiple=True,
+        metavar="CHANGE",
+        help="Adopt a changed default instead of writing out the old one, as in --adopt native-ccd.",
+    )
     pythons: tuple[Path, ...] = option(
-        "--with-python", multiple=True, metavar="PATH", type=PATH,
+        "--with-python",
+        multiple=True,
+        metavar="PATH",
+        type=PATH,
         help="A Python with the other MuJoCo, to prove that the model stays the same.",
-    )  # fmt: skip
-    prove: bool = flag("--prove", help="Prove that the model stays the same, with the other MuJoCo that"
-                       " `mjcompose install` has installed.")  # fmt: skip
+    )
+    prove: bool = flag(
+        "--prove",
+        help="Prove that the model stays the same, with the other MuJoCo that `mjcompose install` has installed.",
+    )
     fetching: FetchOptions = group(FetchOptions)
     limits: TimeOptions = group(TimeOptions)
     strict: bool = STRICT
@@ -62,7 +75,9 @@ def migrate(options: Options, run: Run) -> Answer | int:
     from mjcompose.tools.migrate.migrate import Wish, run as migrated
 
     _check_usage(options)
-    model, out, context = options.model, options.out, run.context
+    model = options.model
+    out = options.out
+    context = run.context
     progress(f"reading {model}")
     wish = Wish(
         model, options.before, options.after, adopt=options.adopt, pythons=options.pythons, proves=options.prove
@@ -90,7 +105,9 @@ def migrate(options: Options, run: Run) -> Answer | int:
 def _check_usage(options: Options) -> None:
     from mjcompose.tools.migrate.changes import TABLE
 
-    model, out, changes = options.model, options.out, [each.name for each in TABLE]
+    model = options.model
+    out = options.out
+    changes = [each.name for each in TABLE]
     if Path(model).suffix.lower() in RECIPES:
         raise click.UsageError(f"{model} is a recipe: migrate its models instead")
     if out is not None and options.in_place:
@@ -107,7 +124,8 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
     """Write all files or none. Return the path of the model."""
     from mjcompose.tools.migrate.migrate import lay_out
 
-    migrated, model = result.migrated, result.model
+    migrated = result.migrated
+    model = result.model
     if out is None:
         door = door_of_named(model)
         done = [rewrite(path, texts[1], context, within=door) for path, texts in migrated.changed.items()]
@@ -115,8 +133,11 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
     target = Path(out)
     if target.suffix.lower() in MJCF_FILES:
         if (why := _bound(result, target)) is not None:
-            context.sink.error("output-kind", f"`{out}` would not find its files: {why}",
-                               help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip
+            context.sink.error(
+                "output-kind",
+                f"`{out}` would not find its files: {why}",
+                help=f"write a folder: `-o {target.with_suffix('')}`",
+            )
             return None
         return target if rewrite(target, migrated.files[model][1], context, option="-o") else None
     placed = None
@@ -128,7 +149,8 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
 
 def _bound(result: Result, target: Path) -> str | None:
     """The reason that the model cannot be one file in that folder."""
-    migrated, model = result.migrated, result.model
+    migrated = result.migrated
+    model = result.model
     others = [path for path in migrated.changed if path != model]
     if others:
         return f"`{others[0].name}`, which it includes or attaches, changes too"
@@ -139,7 +161,8 @@ def _bound(result: Result, target: Path) -> str | None:
 
 
 def _lines(result: Result, written: Path | None, in_place: bool, context: Context) -> Iterator[str]:
-    migrated, proof = result.migrated, result.proof
+    migrated = result.migrated
+    proof = result.proof
     shown = context.shown(result.model)
     way = f"from MuJoCo {migrated.before} to {migrated.after}"
     count = counted(len(migrated.steps), "change")
@@ -169,7 +192,8 @@ def _lines(result: Result, written: Path | None, in_place: bool, context: Contex
 
 
 def _data(result: Result, written: Path | None, context: Context) -> dict[str, Any]:
-    migrated, outcome = result.migrated, result.proof.outcome
+    migrated = result.migrated
+    outcome = result.proof.outcome
     proof: dict[str, Any] | None = None
     if outcome is not None:
         proof = {"same": outcome.same, "equal": len(outcome.equal), "rounded": outcome.rounded}
@@ -179,11 +203,14 @@ def _data(result: Result, written: Path | None, context: Context) -> dict[str, A
     steps = zip(migrated.steps, places, strict=True)
     texts = {context.shown(path): texts for path, texts in migrated.changed.items()}
     return {
-        "from": migrated.before, "to": migrated.after, "output": None if written is None else str(written),
+        "from": migrated.before,
+        "to": migrated.after,
+        "output": None if written is None else str(written),
         "steps": [{"change": each.change, "place": place, "words": each.words} for each, place in steps],
         "diff": {shown: difference(*both, shown, done="migrated") for shown, both in texts.items()},
-        "adopted": list(migrated.adopted), "proof": proof,
-    }  # fmt: skip
+        "adopted": list(migrated.adopted),
+        "proof": proof,
+    }
 
 
 class UpgradeOptions(Group):
@@ -192,13 +219,24 @@ class UpgradeOptions(Group):
     after: str | None = option(
         "--to", metavar="VERSION", help="The MuJoCo version to use.  [default: the installed one]"
     )
-    seconds: float = option("--seconds", type=Amount(0, 60, min_open=True), default=2.0, show_default=True,
-                            help="The length of each simulation.")  # fmt: skip
-    tolerance: float = option("--tol", type=Amount(0), default=1e-3, show_default=True,
-                              help="The distance up to which motions are the same, in m or rad.")  # fmt: skip
+    seconds: float = option(
+        "--seconds",
+        type=Amount(0, 60, min_open=True),
+        default=2.0,
+        show_default=True,
+        help="The length of each simulation.",
+    )
+    tolerance: float = option(
+        "--tol",
+        type=Amount(0),
+        default=1e-3,
+        show_default=True,
+        help="The distance up to which motions are the same, in m or rad.",
+    )
     key: str | None = option("--key", help="The keyframe to hold, step and drop from.  [default: the first one]")
-    pythons: tuple[Path, ...] = option("--with-python", multiple=True, metavar="PATH", type=PATH,
-                                       help="A Python with one of the two versions.")  # fmt: skip
+    pythons: tuple[Path, ...] = option(
+        "--with-python", multiple=True, metavar="PATH", type=PATH, help="A Python with one of the two versions."
+    )
     fetching: FetchOptions = group(FetchOptions)
     limits: TimeOptions = group(TimeOptions)
     reporting: ReportOptions = group(ReportOptions)
@@ -219,17 +257,26 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
         help = f"in the recipe, write `check: {{moves: {{moves_alike: mujoco=={options.before}}}}}`"
         raise click.UsageError(f"{options.model} is a recipe: {help}")
     request = Request(
-        options.model, options.before, options.after, seconds=options.seconds, tolerance=options.tolerance,
-        key=options.key, pythons=options.pythons,
-    )  # fmt: skip
+        options.model,
+        options.before,
+        options.after,
+        seconds=options.seconds,
+        tolerance=options.tolerance,
+        key=options.key,
+        pythons=options.pythons,
+    )
     found = upgraded(request, run.context, progress)
     if found is None:
         raise Stop(run.code_of_failure(Path(options.model)))
     data = {
-        "model": options.model, "from": found.before, "to": found.after, "trials": list(found.trials),
-        "moved": [each.data() for each in found.moved], "diverged": list(found.diverged),
+        "model": options.model,
+        "from": found.before,
+        "to": found.after,
+        "trials": list(found.trials),
+        "moved": [each.data() for each in found.moved],
+        "diverged": list(found.diverged),
         "inertias": list(found.inertias),
-    }  # fmt: skip
+    }
     code = FINDINGS if found.moved or found.diverged else 0
     return Answer(as_lines(_motions(options, found)), data, code=code, is_outcome=True)
 

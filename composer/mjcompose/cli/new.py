@@ -42,7 +42,8 @@ class Options(Group):
 @command(Options)
 def new(options: Options, run: Run) -> Answer | None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
-    path, context = options.path, run.context
+    path = options.path
+    context = run.context
     if options.project and options.examples:
         raise click.UsageError("--project and --examples exclude each other")
     try:
@@ -144,9 +145,12 @@ class ImportOptions(Group):
     merged: Path = argument(type=PATH)
     parts: tuple[Path, ...] = argument(type=PATH, nargs=-1)
     folders: tuple[Path, ...] = option(
-        "--among", multiple=True, metavar="FOLDER", type=click.Path(path_type=Path, exists=True, file_okay=False),
+        "--among",
+        multiple=True,
+        metavar="FOLDER",
+        type=click.Path(path_type=Path, exists=True, file_okay=False),
         help="If no PARTS are given, also search for them in this folder.",
-    )  # fmt: skip
+    )
     out: str | None = output("Where to write the recipe. Default: MERGED.yaml in this folder.")
     limits: TimeOptions = group(TimeOptions)
     reporting: ReportOptions = group(ReportOptions)
@@ -168,7 +172,9 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     from mjcompose.tools.importing.recover import recover
     from mjcompose.tools.importing.search import search
 
-    merged, parts, context = options.merged, options.parts, run.context
+    merged = options.merged
+    parts = options.parts
+    context = run.context
     target = Path(options.out) if options.out is not None else Path(f"{merged.stem}.yaml")
     if os.path.lexists(target):
         raise click.UsageError(f"{target} exists already: choose another name with -o")
@@ -206,7 +212,8 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
     from mjcompose.tools.importing.recover import changed, left
 
     comments = [entry for entry in found.proposal.entries if entry.note is not None]
-    outcome, edits = found.outcome, list(changed(found.proposal.changed))
+    outcome = found.outcome
+    edits = list(changed(found.proposal.changed))
     different = None if outcome is None else [] if outcome.same else list(left(outcome, shown))
     code = FINDINGS if outcome is None or not outcome.same else 0
     if run.form == "json":
@@ -250,10 +257,15 @@ def _urdf(file: Path, target: Path, run: Run) -> Answer:
     rewrite(target, found.text.encode(), context)
     run.check(run.code_of_failure(file))
     rows = [
-        {"what": row.what, "count": row.count, "became": row.became or None, "why": row.why or None,
-         "first": str(row.span)}
+        {
+            "what": row.what,
+            "count": row.count,
+            "became": row.became or None,
+            "why": row.why or None,
+            "first": str(row.span),
+        }
         for row in found.rows
-    ]  # fmt: skip
+    ]
     words = [f"wrote {target}: it starts from {context.shown(file)}", *table(found.rows)]
     return Answer(as_lines(words), {"output": str(target), "rows": rows}, code=0, is_outcome=True)
 

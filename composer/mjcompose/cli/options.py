@@ -112,13 +112,21 @@ class Choices(Group):
     """The values of `--set` and `--set-file`: parameters and variants."""
 
     heading: ClassVar[str] = "Model"
-    sets: tuple[str, ...] = option("--set", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter or"
-                                   " variant.", shell_complete=completion.parameters)  # fmt: skip
+    sets: tuple[str, ...] = option(
+        "--set",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Set the value of a parameter or variant.",
+        shell_complete=completion.parameters,
+    )
     set_files: tuple[Path, ...] = option(
-        "--set-file", multiple=True, type=PATH, metavar="FILE",
+        "--set-file",
+        multiple=True,
+        type=PATH,
+        metavar="FILE",
         help="Read the values of parameters and variants from this YAML or JSON file. A CSV file is the table of the"
         " parameter with its name. NAME=FILE is the value of one parameter.",
-    )  # fmt: skip
+    )
     _read: dict[Path, bytes] = field(default_factory=dict, compare=False, repr=False)
 
     def given(self, run: Run) -> dict[str, Node]:
@@ -140,8 +148,11 @@ class Choices(Group):
         for written in self.sets:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
-                context.sink.error("wrong-type", f"`--set {written}` is not NAME=VALUE",
-                                   help=f"write for instance `--set {name or 'reach'}=0.5`")  # fmt: skip
+                context.sink.error(
+                    "wrong-type",
+                    f"`--set {written}` is not NAME=VALUE",
+                    help=f"write for instance `--set {name or 'reach'}=0.5`",
+                )
                 continue
             span = Span(f"--set {name}", 1, 1)
             if not text_of_value:
@@ -232,9 +243,14 @@ class LimitOptions(Group):
     """The limits of a run, in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
 
     heading: ClassVar[str] = "Limits"
-    limit: None = option("--limit", multiple=True, metavar="NAME=VALUE", callback=_limits,
-                         shell_complete=completion.limits,
-                         help="Change a limit, for example expansion=50000.")  # fmt: skip
+    limit: None = option(
+        "--limit",
+        multiple=True,
+        metavar="NAME=VALUE",
+        callback=_limits,
+        shell_complete=completion.limits,
+        help="Change a limit, for example expansion=50000.",
+    )
 
 
 class TimeOptions(Group):
@@ -242,10 +258,13 @@ class TimeOptions(Group):
 
     heading: ClassVar[str] = "Limits"
     limits: LimitOptions = group(LimitOptions)
-    timeout: None = option("--timeout", type=Amount(min=0, min_open=True), metavar="SECONDS",
-                           callback=lambda ctx, _, time: time and ctx.with_resource(allow(time=time)),
-                           help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."
-                                "  [default: 300]")  # fmt: skip
+    timeout: None = option(
+        "--timeout",
+        type=Amount(min=0, min_open=True),
+        metavar="SECONDS",
+        callback=lambda ctx, _, time: time and ctx.with_resource(allow(time=time)),
+        help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS.  [default: 300]",
+    )
 
 
 class RecipeOptions(Group):

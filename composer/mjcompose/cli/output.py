@@ -179,12 +179,15 @@ def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
 
 
 def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
-    files, be = out, "is"
+    files = out
+    be = "is"
     if spec.kind == "mjb":
-        files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
+        files = f"{out} and {manifest_beside(Path(out)).name}"
+        be = "are"
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
     if sizes := result.sizes or {}:
-        bodies, sensors = counted(sizes["nbody"] - 1, "body", "bodies"), counted(sizes["nsensor"], "sensor")
+        bodies = counted(sizes["nbody"] - 1, "body", "bodies")
+        sensors = counted(sizes["nsensor"], "sensor")
         numbers = f"nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {bodies}, {sensors}"
         yield f"  {result.name}: {numbers}, {counted(sizes['nkey'], 'keyframe')}"
     else:
@@ -232,7 +235,8 @@ class Task(Struct):
     def build_one(self, why: tuple[str, ...]) -> int:
         from mjcompose.pipeline.cache.builder import ModelChoice
 
-        maker, choice = self.maker, ModelChoice(self.given)
+        maker = self.maker
+        choice = ModelChoice(self.given)
         assert self.session is not None
         progress(f"building {maker.recipe}")
         return self.finish(maker.make(self.run.context, self.session, choice, key=maker.key(), why=why))
@@ -240,7 +244,9 @@ class Task(Struct):
     def finish(self, result: BuildResult | None) -> int:
         from mjcompose.pipeline.cache.builder import shown_input_files
 
-        run, spec, context = self.run, self.spec, self.run.context
+        run = self.run
+        spec = self.spec
+        context = self.run.context
         files = shown_input_files(result, context)
         note_files(files)
         if result is not None:
@@ -282,7 +288,9 @@ class _Writer(Struct):
     session: Session | None
 
     def put(self, result: BuildResult) -> BuildResult | None:
-        maker, spec, context = self.maker, self.spec, self.context
+        maker = self.maker
+        spec = self.spec
+        context = self.context
         clear_progress()
         report_unlicensed(result.licenses, context)
         self._judge_warnings(result)
@@ -332,7 +340,9 @@ class _Writer(Struct):
         """Write the model, and return the files that were written to other places than `out`."""
         from mjcompose.pipeline.cache.builder import input_files
 
-        maker, spec, context = self.maker, self.spec, self.context
+        maker = self.maker
+        spec = self.spec
+        context = self.context
         if spec.kind in ("text", "mjb", "usd") and result.bundle is not None:
             _check_holds_all(result.bundle, out)
         if out != "-":
@@ -361,7 +371,8 @@ class _Writer(Struct):
         elif result.packed and result.record is not None:
             from mjcompose.bundle.write import write_packed
 
-            packed, model = result.packed, result.record.model
+            packed = result.packed
+            model = result.record.model
             write_packed(packed, model, Path(out), environment=context.environment, packed=packed.__getitem__)
         else:
             from mjcompose.bundle.write import write
@@ -371,9 +382,13 @@ class _Writer(Struct):
 
             assert result.bundle is not None
             write(
-                result.bundle, out, environment=context.environment, session=self.session,
-                packing=maker.packing, warn=lost,
-            )  # fmt: skip
+                result.bundle,
+                out,
+                environment=context.environment,
+                session=self.session,
+                packing=maker.packing,
+                warn=lost,
+            )
             if spec.kind == "mjb":
                 return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
         return ()

@@ -19,7 +19,8 @@ from mjcompose.base.report import Case, Suite, one_line, printable, report as ju
 from mjcompose.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
-_READ, _WRITTEN = "mjcompose.read", "mjcompose.written"
+_READ = "mjcompose.read"
+_WRITTEN = "mjcompose.written"
 
 
 def note_files(files: Iterable[str | Path]) -> None:
@@ -40,8 +41,12 @@ def noted_outputs() -> tuple[str, ...]:
     return tuple(click.get_current_context().meta.get(_WRITTEN, ()))
 
 
-FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
-ARGUMENTS, FORM, _LINE = "mjcompose.arguments", "mjcompose.form", "mjcompose.progress_line"
+FINDINGS = 1
+USAGE = 2
+INTERRUPTED = 130
+ARGUMENTS = "mjcompose.arguments"
+FORM = "mjcompose.form"
+_LINE = "mjcompose.progress_line"
 
 
 def say_details(context: Context, files: Iterable[str] = ()) -> None:
@@ -106,7 +111,8 @@ def report_as_chosen(context: Context) -> None:
 
 def words_of(context: Context) -> str:
     """Return all diagnostics as a terminal shows them, without colors."""
-    found, read = context.sink.sorted(), source_reader(context.folder)
+    found = context.sink.sorted()
+    read = source_reader(context.folder)
     return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
 
 

@@ -132,10 +132,12 @@ def _parameters(options: type, heading: str = "Options") -> Iterator[click.Param
 
 
 def _object(options: type[Options], given: Mapping[str, Any]) -> Options:
-    return options(**{
-        name: given[name] if declared.attributes is not None else _object(declared.of, given)  # type: ignore[arg-type]
-        for name, declared in _declarations(options)
-    })  # fmt: skip
+    return options(
+        **{
+            name: given[name] if declared.attributes is not None else _object(declared.of, given)  # type: ignore[arg-type]
+            for name, declared in _declarations(options)
+        }
+    )
 
 
 def _declarations(options: Any) -> Iterator[tuple[str, _Declared]]:
@@ -206,7 +208,8 @@ class Run:
         self.suites: list[Suite] = []
         self.texts: Mapping[str, bytes] = {}
         self.to_stderr = False
-        self._given, self._meta = given, command.meta
+        self._given = given
+        self._meta = command.meta
         self._progress = reporting.progress_of_command()  # contexts are also opened in threads, which lack Click's own
         self.is_reported = False
         self.context = self.new_context()
@@ -303,7 +306,8 @@ def _ended(function: Callable[[Options, Run], Answer | int | None], options: Opt
         try:
             answer = function(options, run)
         except Stop as stop:
-            answer, run.junit = stop.code, None
+            answer = stop.code
+            run.junit = None
         code = run.end(answer)
     if run.is_document:
         run.print_document()
@@ -346,7 +350,8 @@ def _wait(before: dict[Path, Mark]) -> None:
 
     from mjcompose.tools.view.builder import Watch
 
-    stop, done = Event(), Event()
+    stop = Event()
+    done = Event()
     # Register the stop of the thread before it starts: an interrupt in between would wait for it forever.
     with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
         at_the_end.callback(stop.set)

@@ -39,9 +39,10 @@ _TEXT = {"type": "string"}
 _RECIPE = {"type": "string", "description": "The path of a recipe or model, from the folder of the server."}
 _MODEL = {"type": "string", "description": "A path as in `check`, or a reference such as menagerie:ur5e."}
 _SET = {
-    "type": "object", "additionalProperties": {"type": ["string", "number", "boolean"]},
+    "type": "object",
+    "additionalProperties": {"type": ["string", "number", "boolean"]},
     "description": "Values of parameters and variants, by name.",
-}  # fmt: skip
+}
 _TOOLS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     "tree": (
         "Show parts, bodies, joints and places of a recipe or model: the names for `attach`, `edit` and `explain`.",
@@ -91,19 +92,27 @@ def mcp(options: Group, run: Run) -> None:
         ) from None
 
     async def tools(*_: Any) -> ListToolsResult:
-        return ListToolsResult(tools=[
-            Tool(
-                name=name, description=about,
-                input_schema={**_CLOSED, "properties": takes, "required": list(takes)[:1]},
-                annotations=ToolAnnotations(read_only_hint=name != "fix", open_world_hint=False),
-            )
-            for name, (about, takes) in _TOOLS.items()
-        ])  # fmt: skip
+        return ListToolsResult(
+            tools=[
+                Tool(
+                    name=name,
+                    description=about,
+                    input_schema={**_CLOSED, "properties": takes, "required": list(takes)[:1]},
+                    annotations=ToolAnnotations(read_only_hint=name != "fix", open_world_hint=False),
+                )
+                for name, (about, takes) in _TOOLS.items()
+            ]
+        )
 
     async def serve() -> None:
         calls = partial(_call, Path.cwd())
-        server = Server("mjcompose", version=__version__, instructions=_INSTRUCTIONS, on_list_tools=tools,
-                        on_call_tool=lambda _, asked: calls(asked.name, asked.arguments or {}))  # fmt: skip
+        server = Server(
+            "mjcompose",
+            version=__version__,
+            instructions=_INSTRUCTIONS,
+            on_list_tools=tools,
+            on_call_tool=lambda _, asked: calls(asked.name, asked.arguments or {}),
+        )
         async with stdio_server() as (reading, writing):
             await server.run(reading, writing, server.create_initialization_options())
 
@@ -200,8 +209,10 @@ _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
 
 
 class LspOptions(Group):
-    stdio: bool = flag("--stdio", help="Use standard input and output. This is always the case; the option exists"
-                       " because many editors pass it.")  # fmt: skip
+    stdio: bool = flag(
+        "--stdio",
+        help="Use standard input and output. This is always the case; the option exists because many editors pass it.",
+    )
 
 
 @command(LspOptions)
@@ -235,8 +246,9 @@ def plugin() -> None:
 
 
 class PluginOptions(Group):
-    mujoco: Path | None = option("--mujoco", type=PATH, metavar="FOLDER", help="A MuJoCo release. Default: the package"
-                                 " `mujoco` of this Python.")  # fmt: skip
+    mujoco: Path | None = option(
+        "--mujoco", type=PATH, metavar="FOLDER", help="A MuJoCo release. Default: the package `mujoco` of this Python."
+    )
     form: str = formats("text", "json")
 
 
@@ -261,5 +273,6 @@ def remove(options: PluginOptions, run: Run) -> Answer:
     with run.stopping(USAGE):
         place = decoder.remove(decoder.mujoco_folder(options.mujoco))
     removed = None if place is None else str(place)
-    return Answer(f"removed {removed}" if removed else "the plugin is not installed", {"removed": removed},
-                  is_outcome=True)  # fmt: skip
+    return Answer(
+        f"removed {removed}" if removed else "the plugin is not installed", {"removed": removed}, is_outcome=True
+    )

@@ -59,15 +59,19 @@ def info(options: InfoOptions, run: Run) -> Answer:
         for each in entries
     ]
     data = {
-        "folder": str(store.folder), "size": size, "limit": store.limit, "entries": rows,
+        "folder": str(store.folder),
+        "size": size,
+        "limit": store.limit,
+        "entries": rows,
         "builds": {"size": size_built, "files": len(built)},
-    }  # fmt: skip
+    }
     return Answer(lambda: as_lines(lines()), data, is_outcome=True)
 
 
 class PruneOptions(Group):
-    size: str | None = option("--size", metavar="SIZE", help="Keep at most this much, such as 500M or 2G. Default: the"
-                              " store's maximum size.")  # fmt: skip
+    size: str | None = option(
+        "--size", metavar="SIZE", help="Keep at most this much, such as 500M or 2G. Default: the store's maximum size."
+    )
     everything: bool = flag("--all", help="Remove everything.")
     reporting: ReportOptions = group(ReportOptions)
 
@@ -80,7 +84,9 @@ def prune(options: PruneOptions, run: Run) -> Answer:
     """
     from mjcompose.sources.store import GRACE
 
-    store, size, everything = _store(run), options.size, options.everything
+    store = _store(run)
+    size = options.size
+    everything = options.everything
     sweep_temporary()
     limit = 0 if everything else store.limit if size is None else parse_size(size)
     if limit is None:
@@ -103,7 +109,8 @@ def verify(options: VerifyOptions, run: Run) -> Answer | None:
 
     Damaged files of built models are always removed. They are built again when they are needed.
     """
-    store, sink = _store(run), run.context.sink
+    store = _store(run)
+    sink = run.context.sink
     entries = store.entries()
     built = list(blobs_in(store.folder))
     for blob in built:
@@ -139,7 +146,8 @@ def _say_removed(path: Path, form: str) -> None:
 def _store(run: Run) -> Store:
     from mjcompose.sources.store import Store
 
-    form, run.form = run.form, "text"  # of an error
+    form = run.form
+    run.form = "text"  # of an error
     with run.stopping(USAGE):
         store = Store.of(run.context.environment)
     run.form = form
@@ -160,14 +168,20 @@ def _bytes(size: float) -> str:
 
 class LockOptions(RecipeOptions):
     recipe: Path = RECIPE
-    upgrade: bool = flag("--upgrade", help="Lock all sources as they are now: the newest commits of branches, and"
-                         " archives as served now. Lock the interface, too.")  # fmt: skip
-    upgrade_interface: bool = flag("--upgrade-interface", help="Lock the interface as it is now: names, order, sizes,"
-                                   " units and ranges.")  # fmt: skip
+    upgrade: bool = flag(
+        "--upgrade",
+        help="Lock all sources as they are now: the newest commits of branches, and"
+        " archives as served now. Lock the interface, too.",
+    )
+    upgrade_interface: bool = flag(
+        "--upgrade-interface", help="Lock the interface as it is now: names, order, sizes, units and ranges."
+    )
     upgrade_sources: tuple[str, ...] = option(
-        "--upgrade-source", multiple=True, metavar="NAME",
+        "--upgrade-source",
+        multiple=True,
+        metavar="NAME",
         help="Lock this source as it is now: the prefix of a part, `base`, or a source as named in the lock.",
-    )  # fmt: skip
+    )
 
 
 @command(LockOptions)

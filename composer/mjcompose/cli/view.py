@@ -31,22 +31,44 @@ if TYPE_CHECKING:
 
 class Options(Group):
     target: str = argument()
-    html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-                               help="Write a page that needs no server and no network, and exit.")  # fmt: skip
+    html: Path | None = option(
+        "--html",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Write a page that needs no server and no network, and exit.",
+    )
     physics: bool = flag("--physics", help="With --html: include MuJoCo (3.5 MB) in the page, to run the simulation.")
-    key: str | None = option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
-                             shell_complete=completion.keys)  # fmt: skip
-    host: str = option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen"
-                       " on. With another one, people who know the token can view the model too.")  # fmt: skip
-    port: int = option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT",
-                       help="The port to listen on. Default: a free one.")  # fmt: skip
+    key: str | None = option(
+        "--key",
+        metavar="KEY",
+        help="The keyframe at the start. Default: the first one.",
+        shell_complete=completion.keys,
+    )
+    host: str = option(
+        "--host",
+        default="127.0.0.1",
+        show_default=True,
+        metavar="ADDRESS",
+        help="The address to listen on. With another one, people who know the token can view the model too.",
+    )
+    port: int = option(
+        "--port",
+        type=click.IntRange(0, 65535),
+        default=0,
+        metavar="PORT",
+        help="The port to listen on. Default: a free one.",
+    )
     read_only: bool = flag(
         "--read-only", help="Do not let the page change the recipe. With another --host it never can."
     )
     no_open: bool = flag("--no-open", help="Do not open a browser.")
-    editor: str | None = option("--editor", metavar="ADDRESS", help="The link that opens a line in your editor, with"
-                                " {file}, {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
-                                " vscode://file{file}:{line}:{column}.")  # fmt: skip
+    editor: str | None = option(
+        "--editor",
+        metavar="ADDRESS",
+        help="The link that opens a line in your editor, with"
+        " {file}, {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
+        " vscode://file{file}:{line}:{column}.",
+    )
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)
     limits: TimeOptions = group(TimeOptions)
@@ -78,10 +100,14 @@ def view(options: Options, run: Run) -> Answer | int:
             from mjcompose.tools.view.page import Asked
 
             workshop = Workshop(
-                options.target, Asked(given, options.cell.pick, options.cell.sample), session, open=run.new_context,
-                words=words_of, key=options.key,
+                options.target,
+                Asked(given, options.cell.pick, options.cell.sample),
+                session,
+                open=run.new_context,
+                words=words_of,
+                key=options.key,
                 editor=options.editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
-            )  # fmt: skip
+            )
             return _live(
                 workshop, Service(options.host, options.port, not options.no_open, writes=not options.read_only), run
             )
@@ -169,28 +195,47 @@ _color = _reading("color_of", "is not a color: write `#RRGGBB`, or {colors}.")
 class RenderOptions(Group):
     target: str = argument()
     out: str | None = output("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
-    key: str | None = option("--key", metavar="KEY", help="The keyframe to show. Default: the first one.",
-                             shell_complete=completion.keys)  # fmt: skip
+    key: str | None = option(
+        "--key", metavar="KEY", help="The keyframe to show. Default: the first one.", shell_complete=completion.keys
+    )
     camera: str | None = option(
-        "--camera", metavar="CAMERA", shell_complete=completion.cameras,
+        "--camera",
+        metavar="CAMERA",
+        shell_complete=completion.cameras,
         help="A camera of the model. Default: a camera that shows the whole model.",
-    )  # fmt: skip
+    )
     size: tuple[int, int] | None = option(
-        "--size", callback=_size, metavar="WIDTHxHEIGHT",
+        "--size",
+        callback=_size,
+        metavar="WIDTHxHEIGHT",
         help="The size in pixels. Default: 1920x1440, 960x720 for a film, 640x480 for each picture of a contact sheet.",
-    )  # fmt: skip
-    look: tuple[str, str] | None = option("--look", callback=_look, metavar="KIND/NAME", help="Fill the picture with a"
-                                          " body and its parts, a geom, a site or a joint: body/arm/base.")  # fmt: skip
+    )
+    look: tuple[str, str] | None = option(
+        "--look",
+        callback=_look,
+        metavar="KIND/NAME",
+        help="Fill the picture with a body and its parts, a geom, a site or a joint: body/arm/base.",
+    )
     explode: bool = flag("--explode", help="Move the parts apart, with lines to their places.")
-    labels: tuple[str, ...] = option("--labels", callback=_labels, metavar="KINDS", help="Show names of sites, joints,"
-                                     " bodies or geoms: --labels site,joint.")  # fmt: skip
+    labels: tuple[str, ...] = option(
+        "--labels",
+        callback=_labels,
+        metavar="KINDS",
+        help="Show names of sites, joints, bodies or geoms: --labels site,joint.",
+    )
     background: tuple[int, int, int, int] | None = option(
-        "--background", callback=_color, metavar="COLOR",
+        "--background",
+        callback=_color,
+        metavar="COLOR",
         help="#RRGGBB, white, black, grey or transparent. Default: the model's sky, or grey if it has none.",
-    )  # fmt: skip
+    )
     turntable: bool = flag("--turntable", help="Make a film in which the camera goes around the model once.")
-    play: float | None = option("--play", type=Amount(min=0, min_open=True, max=_LONGEST_FILM), metavar="SECONDS",
-                                help="Make a film of this many seconds of simulation.")  # fmt: skip
+    play: float | None = option(
+        "--play",
+        type=Amount(min=0, min_open=True, max=_LONGEST_FILM),
+        metavar="SECONDS",
+        help="Make a film of this many seconds of simulation.",
+    )
     choices: Choices = group(Choices)
     cells: CellsOptions = group(CellsOptions)
     jobs: int | None = JOBS
@@ -211,7 +256,8 @@ def render(options: RenderOptions, run: Run) -> Answer:
     from mjcompose.tools.view.render import FILM, TILE, Wish
 
     given = options.choices.values(run.context)
-    several, moves = not options.cells.one, options.turntable or options.play is not None
+    several = not options.cells.one
+    moves = options.turntable or options.play is not None
     check_several(not several, jobs=options.jobs)
     if several and moves:
         raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
@@ -223,10 +269,16 @@ def render(options: RenderOptions, run: Run) -> Answer:
         raise click.UsageError("--explode is for a model at rest: remove --play.")
     run.check()
     wish = Wish(
-        options.size or (TILE if several else FILM if moves else Wish().size), options.key, options.camera,
-        background=options.background, turntable=options.turntable, play=options.play, look=options.look,
-        explode=options.explode, labels=options.labels,
-    )  # fmt: skip
+        options.size or (TILE if several else FILM if moves else Wish().size),
+        options.key,
+        options.camera,
+        background=options.background,
+        turntable=options.turntable,
+        play=options.play,
+        look=options.look,
+        explode=options.explode,
+        labels=options.labels,
+    )
     with ExitStack() as opened:
         operand = read_operand(options.target, run.context, opened)
         if operand is None:
@@ -257,7 +309,11 @@ class _Rendering(Struct):
         from mjcompose.tools.diff.sides import load
         from mjcompose.tools.view.render import check_given, format_of, render
 
-        operand, out, wish, session, kept = self.operand, self.out, self.wish, self.session, "render"
+        operand = self.operand
+        out = self.out
+        wish = self.wish
+        session = self.session
+        kept = "render"
         context = operand.context
         with context.sink:
             format_of(out, wish)  # before a model is built in vain
@@ -275,14 +331,19 @@ class _Rendering(Struct):
         from mjcompose.tools.diff.sides import Kind
         from mjcompose.tools.view.render import Format, format_of, render_sheet
 
-        operand, out, context = self.operand, self.out, self.operand.context
+        operand = self.operand
+        out = self.out
+        context = self.operand.context
         with context.sink:
             assert format_of(out, self.wish) is Format.PNG, out
         if context.sink.has_errors:
             return None
         if operand.kind is not Kind.RECIPE:
-            context.sink.error("unknown-name", f"`{operand.label}` is not a recipe and has neither cells nor samples",
-                               help="remove `--all`, `--pick` and `--sample`")  # fmt: skip
+            context.sink.error(
+                "unknown-name",
+                f"`{operand.label}` is not a recipe and has neither cells nor samples",
+                help="remove `--all`, `--pick` and `--sample`",
+            )
             return None
         cells, code = options.cells.chosen(operand.path, self.given, context=context, verb="render")
         if code:
@@ -290,7 +351,13 @@ class _Rendering(Struct):
         if not cells:
             return self.one()
         drawn = render_sheet(
-            operand, cells, out, wish=self.wish, session=self.session, given=self.given,
-            tell=lambda name: progress(f"drawing {name}"), jobs=options.jobs,
-        )  # fmt: skip
+            operand,
+            cells,
+            out,
+            wish=self.wish,
+            session=self.session,
+            given=self.given,
+            tell=lambda name: progress(f"drawing {name}"),
+            jobs=options.jobs,
+        )
         return f"wrote {out}: {counted(drawn, 'picture')}" if drawn else None

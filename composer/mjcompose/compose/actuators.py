@@ -27,17 +27,34 @@ from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
 
 _ARRAYS = (
-    "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
-    "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
-    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange", "actuator_actearly",
-    "actuator_ctrladr", "actuator_ctrlnum", "actuator_ctrlspec", "actuator_plugin", "actuator_trntype",
-    "actuator_trnid", "actuator_outadr", "actuator_gear", "jnt_type",
-)  # fmt: skip
+    "actuator_user",
+    "actuator_gaintype",
+    "actuator_biastype",
+    "actuator_dyntype",
+    "actuator_gainprm",
+    "actuator_biasprm",
+    "actuator_dynprm",
+    "actuator_ctrllimited",
+    "actuator_ctrlrange",
+    "actuator_actlimited",
+    "actuator_actrange",
+    "actuator_actearly",
+    "actuator_ctrladr",
+    "actuator_ctrlnum",
+    "actuator_ctrlspec",
+    "actuator_plugin",
+    "actuator_trntype",
+    "actuator_trnid",
+    "actuator_outadr",
+    "actuator_gear",
+    "jnt_type",
+)
 PLUGIN = "plugin"
 """The gain and the bias of an actuator whose force a plugin computes."""
 _JOINTS = (0, 1)  # mjTRN_JOINT, mjTRN_JOINTINPARENT
 _ALONG = (2, 3)  # mjTRN_SLIDERCRANK, mjTRN_TENDON
-_SLIDE, _HINGE = 2, 3  # mjJNT_SLIDE, mjJNT_HINGE
+_SLIDE = 2
+_HINGE = 3  # mjJNT_SLIDE, mjJNT_HINGE
 _FORCES = {_SLIDE: "N", _HINGE: "N·m"}
 INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 """The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, each with its meaning."""
@@ -208,27 +225,35 @@ def _model(arrays: Mapping[str, list[float]], row: int, count: int, general: Map
 
     first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
     has_control = int(arrays.get("actuator_ctrlnum", [1] * count)[row]) > 0
-    ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
+    ctrlrange = arrays["actuator_ctrlrange"][2 * first :]
+    actrange = numbers_of("actrange")
     spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
     # A plugin's force is its own: MuJoCo 4.0 leaves a gain of 1 and no bias next to it, as for a motor.
     by_plugin = int(arrays["actuator_plugin"][row]) >= 0
     gain, bias = (PLUGIN, PLUGIN) if by_plugin else (word("gaintype"), word("biastype"))
     inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
     return ActuatorModel(
-        gain, bias, word("dyntype"),
-        numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
+        gain,
+        bias,
+        word("dyntype"),
+        numbers_of("gainprm")[:10],
+        numbers_of("biasprm")[:10],
+        numbers_of("dynprm")[:10],
         has_control and bool(arrays["actuator_ctrllimited"][first]),
         (ctrlrange[0], ctrlrange[1]) if has_control else (0.0, 0.0),
-        bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
-        inputs, bool(arrays["actuator_actearly"][row]),
+        bool(arrays["actuator_actlimited"][row]),
+        (actrange[0], actrange[1]),
+        inputs,
+        bool(arrays["actuator_actearly"][row]),
         tuple(name if arrays["actuator_ctrllimited"][first + at] else "" for at, name in enumerate(inputs)),
         *_transmission(arrays, row),
-    )  # fmt: skip
+    )
 
 
 def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, str, tuple[float, ...]]:
     """Return the gear of an actuator, the unit of its force on a joint, and the axes of its gear if it has some."""
-    kind, target = int(arrays["actuator_trntype"][row]), int(arrays["actuator_trnid"][2 * row])
+    kind = int(arrays["actuator_trntype"][row])
+    target = int(arrays["actuator_trnid"][2 * row])
     unit = _FORCES.get(int(arrays["jnt_type"][target]), "") if kind in _JOINTS else ""
     output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
     gear = tuple(arrays["actuator_gear"][6 * output : 6 * output + 6])
@@ -237,7 +262,9 @@ def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, s
     return 0.0, unit, gear
 
 
-_POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
+_POSITION = "position"
+_VELOCITY = "velocity"
+_RATE = "rate of position"
 _ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
 _ANGLES_AT_JOINT = {**_ANGLES, "rate of velocity": "an angular acceleration"}
 _BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}

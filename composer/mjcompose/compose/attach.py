@@ -128,7 +128,8 @@ def unplaced_records(
     """Return the records of the sources of a plan and of nested recipes, `inner`, in the manifest's order."""
     records: list[UnplacedRecord] = []
     for request, part, below in zip(wanted, parts, inner, strict=True):
-        name, model = part.path(plan.separator), request.model
+        name = part.path(plan.separator)
+        model = request.model
         cut = None if request.body is None else f"only its body `{request.body}` was taken"
         own: list[UnplacedRecord] = []
         if isinstance(model, Plan):
@@ -137,10 +138,15 @@ def unplaced_records(
             mirrored = request.mirror is not None and request.mirror.keys
             keys = None if mirrored else {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
-                name, part.prefix, model, keys=keys, welded=part.weld, is_fixed_in_world=request.is_fixed_in_world,
+                name,
+                part.prefix,
+                model,
+                keys=keys,
+                welded=part.weld,
+                is_fixed_in_world=request.is_fixed_in_world,
                 obscure=cut if model.format == "urdf" else _OF_RECIPES if request.attaches_recipes else None,
                 subtree=request.body,
-            )  # fmt: skip
+            )
             own = [UnplacedRecord(member, part.content)]
         dropped = {entry.section for entry in request.drop if not entry.leaves_keys}
         for record in own:
@@ -161,13 +167,17 @@ def placed_records(records: Iterable[UnplacedRecord], root: Node) -> tuple[PartR
 
 def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
     """Return the record of a part of a nested recipe as a record of the outer recipe."""
-    member, outer = record.member, part.prefix if part.keyframes == "prefix" else ""
+    member = record.member
+    outer = part.prefix if part.keyframes == "prefix" else ""
     member = replace(
-        member, part=f"{name}{separator}{member.part}", prefix=part.prefix + member.prefix,
+        member,
+        part=f"{name}{separator}{member.part}",
+        prefix=part.prefix + member.prefix,
         keys=None if part.keyframes == "none" or member.keys is None else outer + member.keys,
         replaced_keys=tuple(outer + name for name in member.replaced_keys),
-        welded=member.welded or part.weld, obscure=member.obscure or cut,
-    )  # fmt: skip
+        welded=member.welded or part.weld,
+        obscure=member.obscure or cut,
+    )
     return UnplacedRecord(member, part.content if record.content is None else record.content)
 
 
@@ -263,10 +273,12 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Add the connection between the place and the part: nothing, a mocap body or joints."""
     if step.floats:
-        part.weld, part.joints = True, (Joint("freejoint", {"name": step.prefix}),)
+        part.weld = True
+        part.joints = (Joint("freejoint", {"name": step.prefix}),)
         return
     part.sense = _sense(step, making)
-    joint, named = step.attachment.joint, {"name": step.prefix} if step.prefix else {}
+    joint = step.attachment.joint
+    named = {"name": step.prefix} if step.prefix else {}
     if joint == "none":
         part.weld = True
     elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
@@ -315,17 +327,21 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
     for key in ("pos", *ORIENTATIONS):
         if (values := getattr(attachment, key)) is None:
             continue
-        attribute, settings = key, making.angle_context.at((*step.at, key))
+        attribute = key
+        settings = making.angle_context.at((*step.at, key))
         if key == "euler":
             angles = [turned(angle, settings) for angle in values]
-            attribute, text = "quat", numbers.text(quat_from_euler(angles, settings.eulerseq))
+            attribute = "quat"
+            text = numbers.text(quat_from_euler(angles, settings.eulerseq))
         elif key == "axisangle":
             *axis, angle = values
             quat = quat_from_axisangle([pose_number(number) for number in axis], turned(angle, settings))
-            attribute, text = "quat", _text(quat)
+            attribute = "quat"
+            text = _text(quat)
         else:
             text = numbers.text(map(pose_number, values))
-        offset[attribute], written[attribute] = text, locate(making.document, (*step.at, key))
+        offset[attribute] = text
+        written[attribute] = locate(making.document, (*step.at, key))
     for kind in ("site", "body", "frame"):
         name = getattr(attachment, kind)
         if name == "world" and kind == "body":
@@ -381,7 +397,8 @@ def _report_no_mate(step: AttachPart, known: Mapping[str, Collection[str]], maki
     message = f"`{step.prefix}` has no site, body or frame `{name}` to mate with"
     span = locate(making.document, (*step.at, "mate"))
     notes = [exists_note(tag, names, name) for tag, names in known.items() if names or tag != "frame"]
-    help, fix = did_you_mean(name, all_names, "mate: {}"), renaming(name, all_names)
+    help = did_you_mean(name, all_names, "mate: {}")
+    fix = renaming(name, all_names)
     making.sink.error("attach-place", message, span, notes=notes, help=help, subjects=(name, step.prefix), fix=fix)
 
 
@@ -421,7 +438,8 @@ def _check_scale(step: AddElement, holder: Node, linking: Linking, making: Eleme
         if isinstance(base.origins.owner(frame, base.file), str):
             message = f"`{step.to}` is inside a frame that scales: the element would have another size and mass"
             span = linking.span(base, frame, "scale" if frame.get("scale") else "massscale")
-            help, notes = "add it outside the frame, or write the frame without scale", (Note("the frame", span),)
+            help = "add it outside the frame, or write the frame without scale"
+            notes = (Note("the frame", span),)
             making.sink.error("not-supported", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
             return
 
@@ -451,7 +469,8 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
         help = "put that entry above this one"
         making.sink.error("unknown-name", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
         return
-    kinds, site = linking.names.kinds_of(step.to), linking.names.find("site", step.to)
+    kinds = linking.names.kinds_of(step.to)
+    site = linking.names.find("site", step.to)
     holder = site.getparent() if site is not None else None
     if step.to_kind == "body" and "frame" in kinds:
         help = f"`{step.to}` is a frame: write `to: {{frame: {step.to}}}`"

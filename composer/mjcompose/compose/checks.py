@@ -41,7 +41,8 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
                 own, other = ("an angle", "a length") if angular else ("a length", "an angle")
                 message = f"`{name}` of a class is {own}, and {which} would take it for {other}"
                 notes = (Note(f"{which} is written here", linking.span(linking.base, joint)),)
-                help, span = f"write `{name}` on the joints, or use one class for each kind", making.span(element, name)
+                help = f"write `{name}` on the joints, or use one class for each kind"
+                span = making.span(element, name)
                 making.sink.error("bare-angle", message, span, notes=notes, help=help, subjects=(called,))
                 break
     making.of_classes.clear()
@@ -79,9 +80,11 @@ def check_intervals(making: ElementBuilder) -> None:
         if len(ends) != 2 or ends[0] < ends[1] or not any(ends):
             continue
         name = name_of(node)
-        message, help = "has its ends in the wrong order", "write the lower end first"
+        message = "has its ends in the wrong order"
+        help = "write the lower end first"
         if ends[0] == ends[1]:
-            message, help = "has two equal ends", "write two different numbers, or `[0, 0]` for no range"
+            message = "has two equal ends"
+            help = "write two different numbers, or `[0, 0]` for no range"
         message = f"`{attribute}` of {f'{node.tag} `{name}`' if name else f'a `{node.tag}`'} {message}"
         notes = (Note("MuJoCo ignores such a range, or rejects the model"),)
         making.sink.error("out-of-range", message, span, notes=notes, help=help, subjects=(name,))
@@ -97,7 +100,8 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Report a joint whose body, and the bodies fixed to it, have no mass, unless only MuJoCo knows the mass."""
-    settings, default = linking.base.settings, Settings()
+    settings = linking.base.settings
+    default = Settings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
         return
     if part.content is None or (body := part.content.getparent()) is None or body.tag != "body":
@@ -205,11 +209,13 @@ def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, na
         code = "class-clash" if namespace == "default" else "name-clash"
         span = making.span_of(node, name)
         first = linking.span(linking.base, earlier, "name")
-        message, help = f"the name `{value}` is taken by another {word(namespace)}", "choose another name"
+        message = f"the name `{value}` is taken by another {word(namespace)}"
+        help = "choose another name"
         notes = [Note("it is declared here", first)]
         if span == first and span.turn is not None:
             message = f"`for` gives each {word(namespace)} the name `{value}`"
-            help, notes = f"put a value of the `for` into the name: `{value}_${{…}}`", []
+            help = f"put a value of the `for` into the name: `{value}_${{…}}`"
+            notes = []
         making.sink.error(code, message, span, notes=notes, help=help, subjects=(value,))
 
 

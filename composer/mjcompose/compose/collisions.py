@@ -40,9 +40,13 @@ class Exclusions(Struct):
 
 
 def set_collisions(
-    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None,
+    plan: Plan,
+    linking: Linking,
+    making: ElementBuilder,
+    context: Context,
+    session: engine.Session | None,
     samples: bool = True,
-) -> Exclusions:  # fmt: skip
+) -> Exclusions:
     """Write the recipe's excludes and pairs in order. Return the excludes that MuJoCo finds."""
     writer = _CollisionWriter(plan, linking, making, context=context, session=session)
     excluded = Exclusions()
@@ -80,7 +84,8 @@ class _CollisionWriter(Struct):
     def _exclude_needless(self, step: SetCollisions) -> Exclusions:
         from mjcompose.mujoco.collision_exclusions import ADJACENT, NEVER, TOUCHING, needless  # imports numpy
 
-        samples, seed = step.collisions.samples, step.collisions.seed
+        samples = step.collisions.samples
+        seed = step.collisions.seed
         words = {
             ADJACENT: "a joint connects them",
             TOUCHING: "they touch in {}",
@@ -110,7 +115,8 @@ class _CollisionWriter(Struct):
         """Return the pairs of bodies that have names, and report the others."""
         pairs = list(pairs)
         if nameless := [pair for pair in pairs if not all(pair["bodies"])]:
-            (one, other), where = nameless[0]["called"], nameless[0]["where"]
+            (one, other) = nameless[0]["called"]
+            where = nameless[0]["where"]
             more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
             reason = f"{more}, and a body without a name cannot be excluded"
             message = f"{one} and {other} {verb}{where and f' in {where}'}{reason}"
@@ -133,7 +139,8 @@ class _CollisionWriter(Struct):
                 path = (*step.collisions.at, BETWEEN, index, *([at] if len(step.collisions.sides[index]) > 1 else []))
                 message = f"`{name}` is not a part, and names no body"
                 notes = (exists_note("part", list(places), name), exists_note("body", names[1:], name))
-                span, help = locate(self.making.document, path), did_you_mean(name, [*places, *names[1:]])
+                span = locate(self.making.document, path)
+                help = did_you_mean(name, [*places, *names[1:]])
                 self.making.sink.error("unknown-name", message, span, notes=notes, help=help, subjects=(name,))
             bodies.update(dict.fromkeys(body for body in all_bodies if _name(body) in fitting))
         return [body for body in bodies if next(self._geoms(body), None) is not None]
@@ -152,15 +159,16 @@ class _CollisionWriter(Struct):
         named: list[tuple[str, str]] = []
         sink = self.making.sink
         for one, other in product(*sides):
-            for first, second in product(self._geoms(one), self._geoms(other)) if one is not other else ():
-                if not first.get("name") or not second.get("name"):
-                    name = _name(one if not first.get("name") else other)
-                    message = f"a geom of the body `{name}` has no name, and pairs of geoms need names"
-                    edit = '`edit: [{select: {geom: "**", where: {name: ""}}, rename: "${parent}_g${index}"}]`'
-                    help = f"give it a name: {edit} in the part"
-                    sink.error("bad-name", message, step.span, help=help, subjects=(name,))
-                    return
-                named += product(names_of_copies(first), names_of_copies(second))
+            if one is not other:
+                for first, second in product(self._geoms(one), self._geoms(other)):
+                    if not first.get("name") or not second.get("name"):
+                        name = _name(one if not first.get("name") else other)
+                        message = f"a geom of the body `{name}` has no name, and pairs of geoms need names"
+                        edit = '`edit: [{select: {geom: "**", where: {name: ""}}, rename: "${parent}_g${index}"}]`'
+                        help = f"give it a name: {edit} in the part"
+                        sink.error("bad-name", message, step.span, help=help, subjects=(name,))
+                        return
+                    named += product(names_of_copies(first), names_of_copies(second))
         if len(named) > _MOST:
             message = f"these are {len(named)} pairs of geoms, and MuJoCo checks each of them"
             help = "name fewer bodies, or set `contype` and `conaffinity` by `edit`"
@@ -176,7 +184,8 @@ class _CollisionWriter(Struct):
         self, step: SetCollisions, tag: str, keys: tuple[str, str], pairs: Iterable[tuple[str, ...]]
     ) -> list[Node]:
         """Write the elements that do not exist yet, and return them."""
-        base, written = self.linking.base, []
+        base = self.linking.base
+        written = []
         # The order of the two does not matter, and MuJoCo 4.0 counts the same pair twice.
         known = {frozenset((each.get(keys[0]), each.get(keys[1]))) for each in base.root.iterfind(f"contact/{tag}")}
         for pair in pairs:

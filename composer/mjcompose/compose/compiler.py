@@ -49,8 +49,10 @@ def note_rules_of_base(plan: Plan, linking: Linking) -> None:
     message = f"{listed} of `{linking.base.file}` {verb} not apply to {which} that the recipe adds"
     compilers = linking.base.root.iterchildren("compiler")
     places = ((name, each) for each in compilers for name in rules if each.get(name) is not None)
-    notes = [Note(f"`{name}` is written here", linking.base.origins.span(each, linking.base.file, name))
-             for name, each in places]  # fmt: skip
+    notes = [
+        Note(f"`{name}` is written here", linking.base.origins.span(each, linking.base.file, name))
+        for name, each in places
+    ]
     values = ", ".join(f"{name}: {getattr(settings, name)}" for name in rules)
     usable = all(name in ("boundmass", "boundinertia", "settotalmass") for name in rules)
     help = f"to apply the rule to the whole model, write `compiler: {{{values}}}` at the top of the recipe"

@@ -93,8 +93,11 @@ Result = TypeVar("Result")
 _WEIGHTLESS = ("site", "camera", "light")
 # These functions write a step into the joined model. Steps that wait for the whole model are in other modules.
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
-    AddElement: add_element, SetSingleton: set_singleton, SetDefault: set_default, AppendElement: append_element,
-}  # fmt: skip
+    AddElement: add_element,
+    SetSingleton: set_singleton,
+    SetDefault: set_default,
+    AppendElement: append_element,
+}
 check_rows(f"the steps that {__name__} carries out", _WRITE, [each for each in STEPS if not each.waits])
 
 
@@ -137,10 +140,18 @@ class Composer:
     """Composes plans. The keys of `subtrees` and `edits` are recipe and path, and the keys of `parts` are elements."""
 
     def __init__(
-        self, context: Context, measure: Measure | None, session: Session | None = None, *, watch: Watch = nobody,
-        library: Library | None = None, options: ComposeOptions | None = None,
-    ) -> None:  # fmt: skip
-        self.context, self.measure, self.watch = context, measure, watch
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        *,
+        watch: Watch = nobody,
+        library: Library | None = None,
+        options: ComposeOptions | None = None,
+    ) -> None:
+        self.context = context
+        self.measure = measure
+        self.watch = watch
         self.options = options or ComposeOptions()
         self.notes_parts = self.options.notes_parts
         self.workshop: MeshWorkshop | None = None
@@ -186,7 +197,8 @@ class Composer:
 
     def _merged_assets(self, plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
         """Merge equal assets as the options say. Return the merged names and the remaining files."""
-        model, files = composed.model, composed.files
+        model = composed.model
+        files = composed.files
         if self.options.deduplicates:
             merged, files = dedup(model, files, plan.prefixes)
             self.watch([model], dedup)
@@ -216,8 +228,9 @@ class Composer:
         for place in plan.walk(is_fixed):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.is_fixed_in_world)
-        inner = {os.path.realpath(each.path): each for outer in plan.plans() for step in outer.members
-                 for each in step.inner}  # fmt: skip
+        inner = {
+            os.path.realpath(each.path): each for outer in plan.plans() for step in outer.members for each in step.inner
+        }
         if inner:
             self.loader.embed = InnerModels(
                 inner, self._composed_alone, self.context.sink, shown=self.context.shown
@@ -250,7 +263,8 @@ class Composer:
             # The work is repeated with corrected sources: an exception that still occurs is a bug.
             for unit in library.values():
                 repair(unit)
-            context, options = replace(self.context, sink=Sink()), ComposeOptions(notes_parts=self.notes_parts)
+            context = replace(self.context, sink=Sink())
+            options = ComposeOptions(notes_parts=self.notes_parts)
             again = Composer(context, self.measure, self.loader.session, library=library, options=options)
             again.expect(plan, is_fixed)
             with suppress(RecursionError):
@@ -296,7 +310,9 @@ class Composer:
     def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""
         units: list[Unit | None] = []
-        elements, text, limits = 0, 0, in_force()
+        elements = 0
+        text = 0
+        limits = in_force()
         for each in part_requests(plan, is_fixed):
             if (unit := self._unit(plan, each)) is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
@@ -370,19 +386,23 @@ class Composer:
         mirror_places(plan, parts)
         top = [step.element for step in plan.steps if isinstance(step, SetDefault) and step.name == MAIN]
         request = Request(
-            plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base_keys,
+            plan.separator,
+            plan.conflict,
+            plan.settled,
+            base_keyframes=plan.base_keys,
             requested_keys=plan.key_sources if plan.keyframes else None,
             isolated_tags=frozenset(child.tag for element in top for child in element.children),
             adds_mass=_adds_mass(plan),
-        )  # fmt: skip
+        )
         linking = Linking(base, parts, self.context.sink, request=request, measure=self.measure, watch=self.watch)
         self.watch(linking.units, linking)
         # Before the units are joined. A nested recipe has already recorded its own parts.
-        for step, unit in zip(plan.parts, units, strict=True) if self.notes_parts else ():
-            name = part_name(step, plan.separator)
-            for node in unit.root.iter("*"):
-                inner = self.parts.get(node)
-                self.parts[node] = f"{name}/{inner}" if inner else name
+        if self.notes_parts:
+            for step, unit in zip(plan.parts, units, strict=True):
+                name = part_name(step, plan.separator)
+                for node in unit.root.iter("*"):
+                    inner = self.parts.get(node)
+                    self.parts[node] = f"{name}/{inner}" if inner else name
         for step, part in zip(plan.parts, parts, strict=True):
             add_joints(step, part, linking, making=making)
         note_rules_of_base(plan, linking)

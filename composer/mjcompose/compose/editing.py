@@ -45,7 +45,12 @@ from mjcompose.tree.unit import RecipeValue
 # Measured: in the 0.1 ms in which a value is written, a selector visits 30 elements, and 100 values are drawn, or 30
 # for a table. A condition takes half of that, and as much again for 50 characters. A regular expression may take 2 s,
 # and costs 500 values.
-_LOOKS, _CONDITION, _CHARACTERS, _EXPRESSION, _DRAWS, _DRAWS_OF_A_TABLE = 30, 0.5, 100, 500, 100, 30
+_LOOKS = 30
+_CONDITION = 0.5
+_CHARACTERS = 100
+_EXPRESSION = 500
+_DRAWS = 100
+_DRAWS_OF_A_TABLE = 30
 
 
 class EditCost(Struct, frozen=False):
@@ -268,7 +273,8 @@ def is_limited_by_range(editing: Editing, node: Node, switch: str) -> bool:
 
 def take_files(editing: Editing) -> None:
     """Resolve the files that edits name relative to the recipe. They replace the elements' previous files."""
-    making, linking = editing.making, editing.linking
+    making = editing.making
+    linking = editing.linking
     for node, attribute, name in making.files:
         file = making.named_file(node, attribute, name)
         linking.files = [use for use in linking.files if use.element is not node or use.attribute != attribute]
@@ -276,7 +282,8 @@ def take_files(editing: Editing) -> None:
             add_named_file(linking, file)
             continue
         # The part's own access rules do not apply, because the recipe names the file.
-        path, unit = PathlibPath(os.path.realpath(file.folder / file.name)), linking.base
+        path = PathlibPath(os.path.realpath(file.folder / file.name))
+        unit = linking.base
         try:
             file.door.admit(path)
         except Refused as refused:
@@ -334,7 +341,8 @@ def _selection(editing: Editing) -> Selection:
     def holds(node: Node, selector: Selector) -> bool:
         return _holds(editing, selection, node, selector=selector)
 
-    separator, base_class = editing.linking.request.separator, editing.linking.base_class
+    separator = editing.linking.request.separator
+    base_class = editing.linking.base_class
     selection = Selection(
         editing.root,
         editing.classes,
@@ -426,9 +434,14 @@ def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
     help = help or "write `optional: true` if that is not a fault"
     subjects = (selector.pattern,) if selector.is_one_name else ()
     editing.sink.error(
-        "selector", message, editing.span(path), notes=_existing(editing, selector), help=help, fix=fix,
+        "selector",
+        message,
+        editing.span(path),
+        notes=_existing(editing, selector),
+        help=help,
+        fix=fix,
         subjects=subjects,
-    )  # fmt: skip
+    )
 
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:

@@ -108,8 +108,12 @@ class PartEdits(Struct, frozen=False):
 
     def carry_out(self) -> tuple[DroppedElement, ...] | None:
         """Carry out the drops and edits. Return the dropped elements, or None after a reported error."""
-        plan, wanted, unit, composer = self.plan, self.wanted, self.unit, self.composer
-        sink, before = composer.context.sink, composer.context.sink.error_count
+        plan = self.plan
+        wanted = self.wanted
+        unit = self.unit
+        composer = self.composer
+        sink = composer.context.sink
+        before = composer.context.sink.error_count
         if wanted.keyframes == "none":
             remove_keys(unit.root)
         linking = Linking(unit, [], sink, request=Request(plan.separator), measure=composer.measure)
@@ -118,7 +122,8 @@ class PartEdits(Struct, frozen=False):
         editing = self._editing(linking)
         gone: list[DroppedElement] = []
         if wanted.drops_elements:
-            at, entries = (*wanted.at, "drop"), tuple(each for each in wanted.drop if not each.leaves_keys)
+            at = (*wanted.at, "drop")
+            entries = tuple(each for each in wanted.drop if not each.leaves_keys)
             gone = drop_elements(entries, editing, at)
             composer.watch([unit], DropElements(entries, locate(plan.document, at)))
         steps = [EditElements(each, locate(plan.document, each.at)) for each in wanted.edit]
@@ -134,7 +139,9 @@ class PartEdits(Struct, frozen=False):
         return tuple(gone) if sink.error_count == before else None
 
     def _editing(self, linking: Linking) -> Editing:
-        plan, unit, composer = self.plan, self.unit, self.composer
+        plan = self.plan
+        unit = self.unit
+        composer = self.composer
         making = ElementBuilder.of(plan, unit, composer.context, model_angle=unit.settings.angle)
         return Editing(linking, making, plan.scope, own=True, cost=composer.cost, datasheets=plan.datasheets)
 
@@ -191,7 +198,8 @@ class ModelEdits(Struct):
 
     def in_doubt(self) -> bool:
         """Make the edits that select a single name, to find more errors. Return whether keys can refer to the names."""
-        making, own = self.making, self.making.sink
+        making = self.making
+        own = self.making.sink
         making.sink = self.linking.sink = aside = own.fork()
         sections = [v for name, (_, v) in self.plan.document.entries.items() if name not in _SECTIONS_WITHOUT_NAMES]
         # Any text may be the name of an element that does not exist because of another error.
@@ -205,7 +213,8 @@ class ModelEdits(Struct):
     def _edit_by_name(self, sink: Sink) -> bool:
         editing = self._editing()
         for step in self.plan.edits:
-            before, selector = sink.error_count, step.edit.select
+            before = sink.error_count
+            selector = step.edit.select
             is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
             if is_certain and not is_of_keys(step):
                 _carry_out(step, editing, self.plan, composer=self.composer)
@@ -251,7 +260,8 @@ class ModelEdits(Struct):
                 self.linking.watch(self.linking.units, step)
 
     def _editing(self) -> Editing:
-        plan, composer = self.plan, self.composer
+        plan = self.plan
+        composer = self.composer
         return Editing(
             self.linking, self.making, plan.scope, parts=composer.parts, cost=composer.cost, datasheets=plan.datasheets
         )
@@ -282,6 +292,7 @@ class ModelEdits(Struct):
             if (other := others.get(key.get("name"))) is not None:
                 message = f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name"
                 span = base.origins.span(other, base.file, "name")
-                notes, subjects = (Note("the other one", base.origins.span(key, base.file)),), (str(key.get("name")),)
+                notes = (Note("the other one", base.origins.span(key, base.file)),)
+                subjects = (str(key.get("name")),)
                 help = "choose another name"
                 self.making.sink.error("name-clash", message, span, notes=notes, help=help, subjects=subjects)

@@ -23,18 +23,19 @@ from mjcompose.tree.unit import Origins, RecipeValue, Unit
 
 CODE = "without-effect"
 _SWITCHES = {
-    ("joint", "range"): "limited", ("joint", "actuatorfrcrange"): "actuatorfrclimited", ("tendon", "range"): "limited",
-    ("actuator", "ctrlrange"): "ctrllimited", ("actuator", "forcerange"): "forcelimited",
+    ("joint", "range"): "limited",
+    ("joint", "actuatorfrcrange"): "actuatorfrclimited",
+    ("tendon", "range"): "limited",
+    ("actuator", "ctrlrange"): "ctrllimited",
+    ("actuator", "forcerange"): "forcelimited",
     ("actuator", "actrange"): "actlimited",
-}  # fmt: skip
+}
 _OF_CONTACTS = ("friction", "condim", "solref", "solimp", "solmix", "margin", "gap", "priority")
 _OF_MASS = ("mass", "density")
 _REFERENCES = {("joint", "springref"): "stiffness", ("tendon", "springlength"): "stiffness"}
 
 
-_KNOWN = frozenset(
-    (*(name for _, name in _SWITCHES), *(name for _, name in _REFERENCES), *_OF_CONTACTS, *_OF_MASS)
-)  # fmt: skip
+_KNOWN = frozenset((*(name for _, name in _SWITCHES), *(name for _, name in _REFERENCES), *_OF_CONTACTS, *_OF_MASS))
 
 
 class Reason(Struct):
@@ -92,9 +93,10 @@ class _Rules(Struct):
         if body is not None and self.unit.settings.inertiafromgeom != "true" and (inertials := own(body, "inertial")):
             called = f"`{name_of(body)}`" if name_of(body) else "its body"
             return Reason(
-                f"{called} has an `<inertial>`, which holds instead of the masses of its geoms", inertials[-1],
+                f"{called} has an `<inertial>`, which holds instead of the masses of its geoms",
+                inertials[-1],
                 "write the mass of the body: `set: {mass: …}`; or add the geom in a body of its own",
-            )  # fmt: skip
+            )
         mass = self.effective(geom, "mass")
         if attribute == "density" and mass is not None and not math.isnan(numbers.read(mass)[0]):
             return Reason("the geom has a `mass`, which holds instead", help="change its `mass`")

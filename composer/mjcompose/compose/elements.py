@@ -82,19 +82,27 @@ class ElementBuilder(Struct, frozen=False):
         """Return the builder for a plan's recipe in a unit, whose messages then quote the recipe."""
         unit.origins.texts[plan.file] = FileText(plan.path)
         return cls(
-            plan.document, plan.file, context.sink, angle_context=plan.angle_context, model_angle=model_angle,
-            model_eulerseq=unit.settings.eulerseq, folder=context.folder, base_file=unit.file, origins=unit.origins,
+            plan.document,
+            plan.file,
+            context.sink,
+            angle_context=plan.angle_context,
+            model_angle=model_angle,
+            model_eulerseq=unit.settings.eulerseq,
+            folder=context.folder,
+            base_file=unit.file,
+            origins=unit.origins,
             door_of_text=context.door_of_text,
-        )  # fmt: skip
+        )
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
         """Return where an element is written: its key, or the value of the attribute if it is written there."""
         # `_set_euler` writes an `euler` as a `quat`.
         is_turned = attribute == "quat" and "euler" in element.attributes
-        for name in () if attribute is None else (attribute, "euler") if is_turned else (attribute,):
-            path = (*element.at, name)
-            if find(self.document, path) is not None:
-                return locate(self.document, path)
+        if attribute is not None:
+            for name in (attribute, "euler") if is_turned else (attribute,):
+                path = (*element.at, name)
+                if find(self.document, path) is not None:
+                    return locate(self.document, path)
         is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
         return locate(self.document, element.at, key=not is_value)
 
@@ -145,7 +153,8 @@ class ElementBuilder(Struct, frozen=False):
         for inner in node.iter("*"):
             if inner in self.made:
                 # An edit puts another element in `made`, but the node still comes from here.
-                element, start = self.made[inner], self.fragments.get(inner)
+                element = self.made[inner]
+                start = self.fragments.get(inner)
                 self.origins.own(inner, partial(self._span_of, inner, element, start))
 
     def register(self, node: Node, section: str) -> None:
@@ -245,7 +254,8 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
 
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
     """Write the ranges and references of joints after the classes, and so the joint types, are known."""
-    unit, radians = making.model_angle, numbers.joint_radians
+    unit = making.model_angle
+    radians = numbers.joint_radians
     for node, element, name in making.pending:
         value = element.attributes[name]
         values = value if isinstance(value, tuple) else (value,)
@@ -263,7 +273,8 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
             making.refuse_angle(no_angle(f"`{name}` of a {kind}", angles[0], ()), making.span_of(node, name))
         bare = [index for index, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
         if angular and bare and settings.angle is None:
-            number, path = values[bare[0]], (*element.at, name, bare[0])
+            number = values[bare[0]]
+            path = (*element.at, name, bare[0])
             is_listed = find(making.document, path) is not None
             span = locate(making.document, path) if is_listed else making.span_of(node, name)
             message = f"`{name}` of a {kind} is an angle and {number} has no unit"
@@ -285,12 +296,15 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
 
 
 def turned(
-    value: object, settings: AngleSettings, unit: str = "radian",
+    value: object,
+    settings: AngleSettings,
+    unit: str = "radian",
     radians: Callable[[float], float] = numbers.orientation_radians,
-) -> float:  # fmt: skip
+) -> float:
     """Return an angle in `unit`, or a bare angle in the recipe's unit; `radians` converts degrees as MuJoCo does."""
     if isinstance(value, Angle):
-        number, written = value.value, "degree" if value.unit == "deg" else "radian"
+        number = value.value
+        written = "degree" if value.unit == "deg" else "radian"
     else:
         number, written = float(value), settings.angle or unit  # type: ignore[arg-type]  # a bare one is 0
     if written == unit:

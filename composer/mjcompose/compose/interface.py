@@ -69,7 +69,8 @@ def _locked(row: Any) -> LockedName:
     ranges = list(getattr(row, "ctrl_ranges", ())) or ([row.range] if getattr(row, "limited", False) else [])
     # The last digits of a range in degrees depend on the machine.
     exact = [None if pair is None else [float(f"{each:.12g}") for each in pair] for pair in ranges]
-    type, unit = getattr(row, "type", None), getattr(row, "unit", None)
+    type = getattr(row, "type", None)
+    unit = getattr(row, "unit", None)
     return LockedName(name=row.name, type=type, unit=unit, sizes=sizes, ranges=exact)
 
 
@@ -78,7 +79,8 @@ def check_locked_interface(plan: Plan, index: Index, context: Context) -> None:
     fetching = context.fetching
     if fetching is None or fetching.lock is None or not fetching.lock.interface or fetching.lock_file is None:
         return
-    before, after = fetching.lock.interface, locked_interface(plan.interface, index)
+    before = fetching.lock.interface
+    after = locked_interface(plan.interface, index)
     if changes := [*interface_changes(before, after)]:
         span = locate(plan.document, ("interface",), key=True) if plan.interface else plan.span
         help = f"if you want the change, run `mjcompose lock {plan.file} --upgrade-interface`"
@@ -98,8 +100,11 @@ def interface_changes(
             yield f"the order of {kind}s is now {', '.join(f'`{name}`' for name in new)}"
         for name in kept:
             rows = old[name].model_dump(), new[name].model_dump()
-            yield from (f"the {kind} `{name}`: {field} {value} is now {rows[1][field]}"
-                        for field, value in rows[0].items() if value != rows[1][field])  # fmt: skip
+            yield from (
+                f"the {kind} `{name}`: {field} {value} is now {rows[1][field]}"
+                for field, value in rows[0].items()
+                if value != rows[1][field]
+            )
 
 
 def pasted(order: Order, names: Sequence[str]) -> str:
@@ -109,7 +114,8 @@ def pasted(order: Order, names: Sequence[str]) -> str:
 
 
 def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Unit | None = None) -> None:
-    kind, others = order.kind, [name for name in found if name not in order.names]
+    kind = order.kind
+    others = [name for name in found if name not in order.names]
     missing = [(at, name) for at, name in enumerate(order.names) if name not in found]
     for place, name in missing:
         span = locate(plan.document, (*order.at, place))
@@ -120,7 +126,8 @@ def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Uni
     at = None if missing else next((at for at, name in enumerate(order.names) if found[at] != name), None)
     if at is None:
         return
-    second, first = order.names[at], found[at]
+    second = order.names[at]
+    first = found[at]
     last = max(map(found.index, order.names))
     called = f"`{first}`" if first else f"a {kind} without a name"
     unlisted = ", which `interface` does not list" if first not in order.names else ""
@@ -131,8 +138,14 @@ def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Uni
     if "" in found[: last + 1]:
         help = f"{_naming(kind, 1)}, and list it"
     message = f"the {kind} `{second}` cannot come before {called}{unlisted}"
-    sink.error("interface-order", message, locate(plan.document, (*order.at, at)), notes=[Note(reason)], help=help,
-               subjects=(second, first))  # fmt: skip
+    sink.error(
+        "interface-order",
+        message,
+        locate(plan.document, (*order.at, at)),
+        notes=[Note(reason)],
+        help=help,
+        subjects=(second, first),
+    )
 
 
 def _naming(kind: str, count: int) -> str:
@@ -142,7 +155,8 @@ def _naming(kind: str, count: int) -> str:
 
 
 def _report_others(order: Order, others: Sequence[str], span: Span, sink: Sink) -> None:
-    kind, named = order.kind, [name for name in others if name]
+    kind = order.kind
+    named = [name for name in others if name]
     nameless = len(others) - len(named)
     shown = [f"`{name}`" for name in named[:_SHOWN]] + ["…"] * (len(named) > _SHOWN)
     shown += [f"{nameless} without a name"] * (nameless > 0)

@@ -69,9 +69,15 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
     for step in plan.keyframes:
         writer = _KeyWriter(
-            step, linking, making, holders=holders, parts=parts, units=units, unnamed=unnamed,
+            step,
+            linking,
+            making,
+            holders=holders,
+            parts=parts,
+            units=units,
+            unnamed=unnamed,
             actuators=layout.actuators,
-        )  # fmt: skip
+        )
         linking.keys.written.append(writer.key())
 
 
@@ -150,7 +156,9 @@ class _KeyWriter(Struct, frozen=False):
     noted: WrittenKey = field(init=False)
 
     def key(self) -> Key:
-        recipe_key, making, linking = self.step.key, self.making, self.linking
+        recipe_key = self.step.key
+        making = self.making
+        linking = self.linking
         element = etree.Element("key")
         making.origins.own(element, self._written)
         time = None
@@ -158,7 +166,8 @@ class _KeyWriter(Struct, frozen=False):
             time = Number(numbers.text([recipe_key.time]), KeySource("entry", TIME, span=self._at(TIME)))
         key = Key(recipe_key.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
-        elements, void = tuple(source.element for source in sources), frozenset(linking.keys.void_keys)
+        elements = tuple(source.element for source in sources)
+        void = frozenset(linking.keys.void_keys)
         self.noted = linking.keys.noted[element] = WrittenKey(elements, void)
         for source in sources:
             for vector, columns in source.values.items():
@@ -302,13 +311,15 @@ class _KeyWriter(Struct, frozen=False):
         known = part_keys(self.linking)
         sources: list[tuple[int, Key]] = []
         for part, name in self.step.key.sources.items():
-            keys, span = known.get(part), self._at(FROM, part)
+            keys = known.get(part)
+            span = self._at(FROM, part)
             key = keys.named(name) if keys is not None else None
             if keys is not None and key is not None:
                 sources.append((keys.depth, _passed_on(key, span, self.linking.keys.void_keys)))
             elif part in self.parts:  # the plan reports other names
                 names = keys.names if keys is not None else []
-                message, written = f"`{part}` has no key `{name}`", f"{part}: {{}}"
+                message = f"`{part}` has no key `{name}`"
+                written = f"{part}: {{}}"
                 self.making.sink.add(
                     unknown_name("key", name, names, span=span, message=message, written=written, about=(part,))
                 )
@@ -322,7 +333,8 @@ class _KeyWriter(Struct, frozen=False):
             times = f"{key.time.text} and {source.time.text}"
             message = f"the keys in `{FROM}` of `{key.name}` have different times: {times}"
             notes = (Note("the second time is here", source.span(TIME)),)
-            help, span = f"write the time of the key: `{TIME}: {source.time.text}`", self._at(FROM, key=True)
+            help = f"write the time of the key: `{TIME}: {source.time.text}`"
+            span = self._at(FROM, key=True)
             self.making.sink.error("keyframe-conflict", message, span, notes=notes, help=help, subjects=(key.name,))
 
     def _place(self, vector: str, name: str, holder: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
@@ -452,7 +464,9 @@ class _KeyWriter(Struct, frozen=False):
         self.making.sink.error("wrong-length", message, self._at(vector, *path), help=help, subjects=(name,))
 
     def _unknown(self, vector: str, name: str) -> None:
-        kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
+        kind = VECTORS[vector]
+        linking = self.linking
+        sink = self.making.sink
         span = self._at(vector, name, key=True)
         names = list(self.holders[kind])
         declared = linking.names.find(kind, name)
@@ -519,9 +533,14 @@ _TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite
 
 
 def hold_poses(
-    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None, *,
+    plan: Plan,
+    linking: Linking,
+    making: ElementBuilder,
+    context: Context,
+    session: engine.Session | None,
+    *,
     is_whole: bool = True,
-) -> None:  # fmt: skip
+) -> None:
     """Write the controls, and the activations of filters and integrators, of every key that holds its pose.
 
     Keys of nested recipes that balance forces are balanced again, because the forces follow from the whole model. Only
@@ -583,10 +602,12 @@ class _PoseHolder(Struct):
     def hold(self, session: engine.Session) -> None:
         from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
 
-        columns, sink = self.columns(), self.making.sink
+        columns = self.columns()
+        sink = self.making.sink
         question: dict[str, Any] = {
-            "key": self.index, **{way: [at for at, source in columns.items() if source.hold == way] for way in WAYS},
-        }  # fmt: skip
+            "key": self.index,
+            **{way: [at for at, source in columns.items() if source.hold == way] for way in WAYS},
+        }
         answer = engine.call(session, hold, [FINISHED], argument=question)
         at = next(iter(columns.values())).span if self.step is None else self.span()
         if not answer.ok:
@@ -610,8 +631,10 @@ class _PoseHolder(Struct):
         unknown: list[str] = []
         end = next_control = 0
         for actuator, slot in self.layout.actuators.items():
-            start, control = end, next_control
-            end, next_control = end + slot.widths[vector == "act"], next_control + slot.widths[0]
+            start = end
+            control = next_control
+            end = end + slot.widths[vector == "act"]
+            next_control = next_control + slot.widths[0]
             if (source := columns.get(control)) is None:
                 continue
             name = _name_of(actuator)

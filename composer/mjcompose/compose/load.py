@@ -142,7 +142,8 @@ class Loader(Struct, frozen=False):
     def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if model.format == "urdf":
             return _urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
-        sink, shown = self.context.sink, self.context.shown
+        sink = self.context.sink
+        shown = self.context.shown
         unit = read_source(model, sink, file=shown(model.path), span=span)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
@@ -157,9 +158,15 @@ def _urdf_unit(
 
     own = _RecipeContext(context, span)
     return UrdfReader(
-        source, context.sink, session, shown=context.shown, asked=span, is_fixed_in_world=is_fixed,
-        missing=own.report_missing, relative=own.relative,
-    ).unit()  # fmt: skip
+        source,
+        context.sink,
+        session,
+        shown=context.shown,
+        asked=span,
+        is_fixed_in_world=is_fixed,
+        missing=own.report_missing,
+        relative=own.relative,
+    ).unit()
 
 
 class _RecipeContext(Struct):
@@ -255,10 +262,17 @@ def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
         part = step.attachment
         is_read = part_name(step, plan.separator) in plan.key_sources
         yield PartRequest(
-            step.model, part.subtree, step.at, keyframes="merge" if is_read else part.key_policy,
-            span=locate(document, (*step.at, "subtree")), is_fixed_in_world=is_fixed and is_fixed_in_world(part),
-            drop=part.drop, edit=part.edit, attaches_recipes=bool(step.inner), mirror=part.mirror,
-        )  # fmt: skip
+            step.model,
+            part.subtree,
+            step.at,
+            keyframes="merge" if is_read else part.key_policy,
+            span=locate(document, (*step.at, "subtree")),
+            is_fixed_in_world=is_fixed and is_fixed_in_world(part),
+            drop=part.drop,
+            edit=part.edit,
+            attaches_recipes=bool(step.inner),
+            mirror=part.mirror,
+        )
 
 
 class InnerModels(Struct, frozen=False):
@@ -272,7 +286,8 @@ class InnerModels(Struct, frozen=False):
 
     def embed(self, unit: Unit, above: tuple[str, ...] = ()) -> bool:
         """Put all models that a unit attaches into its contents. Return whether there were no errors."""
-        before, contents = self.sink.error_count, dict(unit.contents)
+        before = self.sink.error_count
+        contents = dict(unit.contents)
         for element in unit.root.iterfind("asset/model"):
             file = str(element.get("file") or "")
             if file and file not in unit.contents:
@@ -283,7 +298,9 @@ class InnerModels(Struct, frozen=False):
         return self.sink.error_count == before
 
     def _model(self, unit: Unit, element: Node, path: str, above: tuple[str, ...]) -> Unit | None:
-        span, limits, shown = unit.origins.span(element, unit.file, "file"), in_force(), self.shown(PathlibPath(path))
+        span = unit.origins.span(element, unit.file, "file")
+        limits = in_force()
+        shown = self.shown(PathlibPath(path))
         self.count += 1
         if (plan := self.plans.get(os.path.realpath(path))) is not None:
             return self.compose(plan)

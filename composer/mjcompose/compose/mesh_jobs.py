@@ -90,7 +90,8 @@ class ShapeStore(Struct, frozen=False):
 
     def _beside(self, key: str, span: Span) -> bytes | None:
         """Return the file next to the recipe, and report if it is not in the lock."""
-        path, fetching = self.path(key), self.context.fetching
+        path = self.path(key)
+        fetching = self.context.fetching
         if path is None or fetching is None:
             return None
         content = None
@@ -130,7 +131,9 @@ def parse_shapes(data: Any) -> dict[str, Any]:
     """Return the result if it is valid: somebody may have changed the file. Raises ValueError. No I/O."""
     if not isinstance(data, dict) or {*data} != {"shapes", "error", "mesh", "made_with"}:
         raise ValueError("no result")
-    shapes, error, mesh = data["shapes"], data["error"], data["mesh"]
+    shapes = data["shapes"]
+    error = data["error"]
+    mesh = data["mesh"]
     if not isinstance(shapes, list) or not shapes or not all(map(_is_shape, shapes)):
         raise ValueError("no shapes")
     are_numbers = isinstance(error, dict) and all(value is None or _is_number(value) for value in error.values())
@@ -155,7 +158,8 @@ def _is_shape(shape: Any) -> bool:
             isinstance(shape[name], list) and low <= len(shape[name]) <= high and all(map(_is_number, shape[name]))
             for name, (low, high) in zip(wanted, widths, strict=True)
         )
-    vertices, faces = shape["vertices"], shape["faces"]
+    vertices = shape["vertices"]
+    faces = shape["faces"]
     if not isinstance(vertices, list) or not isinstance(faces, list) or len(vertices) < 4 or len(faces) < 4:
         return False
     if not all(isinstance(each, list) and len(each) == 3 for each in (*vertices, *faces)):
@@ -206,9 +210,17 @@ class MeshJob(Struct):
     def shapes_of(self, geom: str, result: Mapping[str, Any], shapes: tuple[str, ...], faces: int) -> GeneratedShapes:
         """Return the facts about a result; `shapes` are the names of the new geoms."""
         return GeneratedShapes(
-            geom, name_of(self.node) or "", self.method, wanted=self.wanted, shapes=shapes, faces=faces,
-            error=result["error"], made_with=result["made_with"], key=self.key, span=self.span,
-        )  # fmt: skip
+            geom,
+            name_of(self.node) or "",
+            self.method,
+            wanted=self.wanted,
+            shapes=shapes,
+            faces=faces,
+            error=result["error"],
+            made_with=result["made_with"],
+            key=self.key,
+            span=self.span,
+        )
 
 
 class MeshResult(Struct, frozen=False):
@@ -250,7 +262,8 @@ class MeshWorkshop(Struct, frozen=False):
             raise UnusableValue
         said = {name: text for name in SAID if (text := editing.classes.effective(mesh, None, name))}
         file = mesh.get("file")
-        content, suffix = None, ""
+        content = None
+        suffix = ""
         if file:
             content = _content(editing, mesh, str(file), context=self.context)
             suffix = os.path.splitext(str(file))[1]

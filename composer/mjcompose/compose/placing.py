@@ -40,7 +40,8 @@ def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
     for step, part in zip(plan.parts, parts, strict=True):
         if (mirror := step.attachment.mirror) is None or (other := by_name.get(mirror.of)) is None:
             continue
-        part.mirrors, part.across = other, mirror.axes
+        part.mirrors = other
+        part.across = mirror.axes
         written = dict.fromkeys(("pos", "quat"), locate(plan.document, (*step.at, "mirror"), key=True))
         place = part.place if step.attachment.place[1] else other.place
         part.place = replace(place, offset={}, written=written, computed="mirror")
@@ -109,8 +110,11 @@ def _report_mirror(
     plan: Plan, step: AttachPart, fault: Mapping[str, Any], keys: Sequence[str], context: Context, at: Path
 ) -> None:
     assert step.attachment.mirror is not None
-    of, own, why = step.attachment.mirror.of, part_name(step, plan.separator), fault["why"]
-    key, name = fault.get("key"), fault.get("name")
+    of = step.attachment.mirror.of
+    own = part_name(step, plan.separator)
+    why = fault["why"]
+    key = fault.get("key")
+    name = fault.get("name")
     where = "the reference configuration" if key is None else f"the keyframe `{keys[key]}`"
     has, lacks = (own, of) if fault.get("mine") else (of, own)
     what = {
@@ -184,10 +188,16 @@ def _asked(plan: Plan, group: list[AttachPart]) -> dict[str, Any]:
     scatter = attachment.scatter
     assert scatter is not None
     return {
-        "bodies": [step.prefix for step in group], "over": scatter.over.named, "place": attachment.place,
-        "part": str(group[0].at[-1]), "clearance": scatter.clearance, "upright": scatter.upright,
-        "seed": scatter.seed, "key": scatter.key, "settle": scatter.settle,
-    }  # fmt: skip
+        "bodies": [step.prefix for step in group],
+        "over": scatter.over.named,
+        "place": attachment.place,
+        "part": str(group[0].at[-1]),
+        "clearance": scatter.clearance,
+        "upright": scatter.upright,
+        "seed": scatter.seed,
+        "key": scatter.key,
+        "settle": scatter.settle,
+    }
 
 
 def _pose(numbers: list[list[float]]) -> Pose:
@@ -198,12 +208,15 @@ def _pose(numbers: list[list[float]]) -> Pose:
 def _report_scatter(plan: Plan, group: list[AttachPart], fault: dict[str, Any], context: Context) -> None:
     scatter = group[0].attachment.scatter
     assert scatter is not None
-    at, why = (*group[0].at, "replicate", 0, "scatter"), fault["why"]
+    at = (*group[0].at, "replicate", 0, "scatter")
+    why = fault["why"]
     _, over = scatter.over.named
-    part, count = f"`{group[0].at[-1]}`", len(group)
+    part = f"`{group[0].at[-1]}`"
+    count = len(group)
     copies = f"{count} {'copy' if count == 1 else 'copies'} of {part}"
     notes: tuple[Note, ...] = ()
-    where, code = "count", "scatter"
+    where = "count"
+    code = "scatter"
     if why == "unknown":
         where = "key" if fault["kind"] == "keyframe" else "over"
         span = locate(plan.document, (*at, where, *((fault["kind"],) if where == "over" else ())))
@@ -228,18 +241,22 @@ def _report_scatter(plan: Plan, group: list[AttachPart], fault: dict[str, Any], 
         message = f"the copies of {part} cannot be kept apart: in MuJoCo, they do not collide with one another"
         help = "give their geoms a common bit in `contype` and `conaffinity`, by `edit` in the part"
     elif why == "endless":
-        where, message = "over", f"the plane `{over}` has no edges to scatter copies between"
+        where = "over"
+        message = f"the plane `{over}` has no edges to scatter copies between"
         region = "{to: world, site: {name: region, type: box, size: [0.3, 0.2, 0.001]}}"
         help = f"add a region, `add: [{region}]`, and write `over: {{site: region}}`"
     elif why == "fell":
-        where, message = "settle", f"{fault['fallen']} of {copies} fall off `{over}` while they settle"
+        where = "settle"
+        message = f"{fault['fallen']} of {copies} fall off `{over}` while they settle"
         help = "choose a larger surface" if scatter.upright else "write `upright: true`, or choose a larger surface"
     elif why == "restless":
         where = "settle"
         message = f"the copies of {part} still move at {fault['speed']:.3g} m/s or rad/s after {scatter.settle:g} s"
         help = "write a longer `settle`"
     else:
-        where, code = "settle", "unstable"
-        message, help = f"the simulation of {copies} diverges", "see why by `mjcompose view` without `settle`"
+        where = "settle"
+        code = "unstable"
+        message = f"the simulation of {copies} diverges"
+        help = "see why by `mjcompose view` without `settle`"
     span = locate(plan.document, (*at, where), key=where != "count")
     context.sink.error(code, message, span, notes=notes, help=help, subjects=(str(group[0].at[-1]),))

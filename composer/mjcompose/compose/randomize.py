@@ -86,7 +86,8 @@ class _FieldDraws(Struct, frozen=False):
 
     def write(self, node: Node, index: int) -> Drawn:
         """Write the sample's draw onto an element, and return it as in the manifest."""
-        step, entry = self.step, self.step.field
+        step = self.step
+        entry = self.step.field
         self.check(node, (step.sample,))
         drawn = self._drawn(node, step.sample)
         at = (*entry.at, "attr")
@@ -118,13 +119,21 @@ class _FieldDraws(Struct, frozen=False):
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
         return ElementDraws(
-            first, step.field, name_of(node), place=_place_in_body(node), tag=kind.tag, family=kind.family or kind.tag,
-            numbers=self._numbers(node, len(first.columns())), angles=angles, unit=self._angle_settings.angle,
-        )  # fmt: skip
+            first,
+            step.field,
+            name_of(node),
+            place=_place_in_body(node),
+            tag=kind.tag,
+            family=kind.family or kind.tag,
+            numbers=self._numbers(node, len(first.columns())),
+            angles=angles,
+            unit=self._angle_settings.angle,
+        )
 
     def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
         """Return the draws of all samples for each number of an attribute, in the units of the manifest."""
-        samples, distribution = range(1, self.step.samples + 1), self.step.field.distribution
+        samples = range(1, self.step.samples + 1)
+        distribution = self.step.field.distribution
         if distribution.is_whole:
             stated = {id(each): self._in_radians(node, each) for each in distribution.values}
             lengths = {len(each) if isinstance(each, tuple) else 1 for each in stated.values()}
@@ -145,9 +154,14 @@ class _FieldDraws(Struct, frozen=False):
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         return Drawn(
-            entry.name, self.drawn_by(node), name, operation=entry.operation, value=self._in_radians(node, drawn),
-            shared=entry.per == "sample", start=subscript or 0,
-        )  # fmt: skip
+            entry.name,
+            self.drawn_by(node),
+            name,
+            operation=entry.operation,
+            value=self._in_radians(node, drawn),
+            shared=entry.per == "sample",
+            start=subscript or 0,
+        )
 
     def drawn_by(self, node: Node) -> str:
         """Return the identity on which the draws of an element depend: of the element, its body or its part."""
@@ -192,7 +206,8 @@ class _FieldDraws(Struct, frozen=False):
 
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
         """Return the number at one place of the draw, for each of the samples."""
-        entry, (component, of) = self.step.field, self._component(place)
+        entry = self.step.field
+        (component, of) = self._component(place)
         return entry.distribution.draw_all(
             self.step.seed, samples, entry.stream, element=self._stream(node), component=component, of=of
         )
@@ -210,7 +225,8 @@ class _FieldDraws(Struct, frozen=False):
 
     def _count(self, node: Node) -> int | None:
         """Return the number of components of the attribute, or None for a single number."""
-        entry, kind = self.step.field, kind_of(node)
+        entry = self.step.field
+        kind = kind_of(node)
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
             return None  # an unknown attribute is reported where it is written
@@ -280,7 +296,8 @@ class _FieldDraws(Struct, frozen=False):
         numbers = [each for items in distribution.parameters.values() for each in items]
         drawn = distribution.values if distribution.kind == CHOICE else numbers
         if any(not isinstance(each, str) and each != 0 for each in drawn):
-            called, kind = self.editing.called(node), distribution.kind
+            called = self.editing.called(node)
+            kind = distribution.kind
             message = f"`{entry.attr}` of {called} is an angle, and `{kind}` has no unit"
             help = "write the unit after the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
             self._fault("bare-angle", message, node, help=help)
@@ -348,7 +365,8 @@ class _FieldDraws(Struct, frozen=False):
     def _fault(self, code: str, message: str, node: Node, help: str | None = None) -> None:
         editing = self.editing
         notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
-        span, subjects = editing.span(self.step.field.drawn_at), editing.subjects(node)
+        span = editing.span(self.step.field.drawn_at)
+        subjects = editing.subjects(node)
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
         raise UnusableValue
 

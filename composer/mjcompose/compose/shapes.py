@@ -50,7 +50,8 @@ def to_obj(shape: Mapping[str, Any]) -> bytes:
 
 def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping[str, Any]) -> None:
     """Give a mesh the shape as its file, and cancel the scale and pose that its class may have."""
-    linking, unit = editing.linking, editing.linking.base
+    linking = editing.linking
+    unit = editing.linking.base
     content = to_obj(shape)
     for attribute in (*_NEUTRAL, "content_type", "vertex", "normal", "texcoord", "face", "builtin", "params"):
         mesh.attrib.pop(attribute, "")
@@ -72,8 +73,17 @@ def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping
 
 
 _TAKEN = (
-    "condim", "priority", "friction", "solmix", "solref", "solimp", "margin", "gap", "surfacevel", "adhesion",
-)  # fmt: skip
+    "condim",
+    "priority",
+    "friction",
+    "solmix",
+    "solref",
+    "solimp",
+    "margin",
+    "gap",
+    "surfacevel",
+    "adhesion",
+)
 """The new geoms have these attributes and the class of the old geom."""
 _UNSEEN = 3
 """MuJoCo's viewers show the groups 0 to 2 by default."""
@@ -193,7 +203,8 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
 
 def _leave_out(editing: Editing, geom: Node) -> None:
     """Cancel attributes of the class that the shape does not have, and remove MuJoCo's own defaults."""
-    classes, childclass = editing.classes, childclass_of(geom)
+    classes = editing.classes
+    childclass = childclass_of(geom)
     if geom.get("pos") is None and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3:
         geom.set("pos", "0 0 0")
     if geom.get("quat") is None and _orientation(editing, geom) is not None:
@@ -240,7 +251,8 @@ def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any
 
 def _free(editing: Editing, namespace: str, name: str) -> str:
     """Return the name, with a number if it is taken."""
-    free, number = name, 1
+    free = name
+    number = 1
     while editing.find_node(namespace, free) is not None:
         number += 1
         free = f"{name}_{number}"
@@ -299,7 +311,8 @@ def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at:
 
 
 def _simplify_result(editing: Editing, job: MeshJob, result: Mapping[str, Any], at: Path) -> MeshResult:
-    mesh, name = job.node, name_of(job.node) or ""
+    mesh = job.node
+    name = name_of(job.node) or ""
     shape = result["shapes"][0]
     about = job.shapes_of("", result, shapes=(), faces=len(shape["faces"]))
     if len(shape["faces"]) < result["mesh"]["faces"]:

@@ -51,7 +51,8 @@ def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None =
     notes = fault.all_notes()
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
-    span, subjects = editing.span(fault.at, key=fault.key), (*fault.names, *editing.subjects(node))
+    span = editing.span(fault.at, key=fault.key)
+    subjects = (*fault.names, *editing.subjects(node))
     if not fault.key:
         span = span.taken_from(_source(editing, node, fault.at))
     editing.sink.error(fault.code, fault.message, span, notes=notes, help=fault.help, subjects=subjects, fix=fault.fix)
@@ -188,16 +189,22 @@ class Values:
         raise UnusableValue
 
     def _report(self, error: ExpressionError, at: Path, scope: ElementScope) -> None:
-        editing, node = self.editing, find(self.editing.making.document, at)
-        called, span = editing.called(self.node), locate(editing.making.document, at)
+        editing = self.editing
+        node = find(self.editing.making.document, at)
+        called = editing.called(self.node)
+        span = locate(editing.making.document, at)
         if isinstance(node, Scalar):
             span = within(node, *error.at)
         notes: tuple[Note, ...] = (Note(f"for {called}", editing.span_of(self.node)),)
-        code, message, help, subjects = "expression", error.message, error.help, editing.subjects(self.node)
+        code = "expression"
+        message = error.message
+        help = error.help
+        subjects = editing.subjects(self.node)
         if isinstance(error, WrongUnits) and (kind := self.joint_type) not in (None, "hinge"):
             help = f"a {kind} has no angle here: write `type == 'hinge' and …` in `where` for hinges alone"
         if isinstance(error, UnknownName):
-            subjects, help = (error.name, *subjects), None
+            subjects = (error.name, *subjects)
+            help = None
             if error.name == VALUE and scope.value is None:
                 key = next(step for step in reversed(at) if isinstance(step, str))
                 message = f"`value` does not exist: {called} has no `{key}` yet"
@@ -205,7 +212,8 @@ class Values:
                 message = f"{called} has no `{error.name}`"
             else:
                 known = scope.names_in(error.space)
-                span, notes = node.span if isinstance(node, Scalar) else span, (exists_note("name", known, error.name),)
+                span = node.span if isinstance(node, Scalar) else span
+                notes = (exists_note("name", known, error.name),)
                 code = "unknown-name"
                 message = f"{error.message} in this expression"
                 help = did_you_mean(error.name, known)
@@ -289,7 +297,8 @@ def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
         have = have.value
     if isinstance(have, int | float):
         if isinstance(wanted, str):
-            angle, parsed = Angle.read(wanted), parse_real(wanted)
+            angle = Angle.read(wanted)
+            parsed = parse_real(wanted)
             wanted = angle.radians if angle is not None else wanted if parsed is None else parsed
         return isinstance(wanted, int | float) and abs(have - wanted) <= 1e-9 * max(1.0, abs(have))
     return str(have) == str(wanted)
@@ -482,7 +491,8 @@ class Masses:
         self.editing.write(geom, {name: at})
 
     def _report_no_mass(self, body: Node, at: Path) -> NoReturn:
-        editing, help = self.editing, "set `mass` or `density` of a geom in it"
+        editing = self.editing
+        help = "set `mass` or `density` of a geom in it"
         name = body.get("name", "")
         if name.endswith(editing.linking.request.separator) and own(body, "body"):  # the joint of a part adds it
             help = f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'

@@ -39,8 +39,9 @@ class Checker(Struct, frozen=False):
         turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
         if len(turned) > 1 and verb == "set":
             message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
-            self.faults.append(Fault(EXCLUSIVE, message, (*at, turned[1]), key=True,
-                                     help=f"leave `{turned[0]}` or `{turned[1]}` out"))  # fmt: skip
+            self.faults.append(
+                Fault(EXCLUSIVE, message, (*at, turned[1]), key=True, help=f"leave `{turned[0]}` or `{turned[1]}` out")
+            )
         for name, item in value.items():
             path = (*at, name)
             if item is None:
@@ -58,8 +59,15 @@ class Checker(Struct, frozen=False):
                 self._number(item, f"`{MASS}` of `body`", path)
                 continue
             if attribute == "name" and kinds and kinds[0].path != "default":
-                self.faults.append(Fault("unknown-key", f"`{verb}` cannot change a name", path, key=True,
-                                         help="write `rename: …`, which every reference follows"))  # fmt: skip
+                self.faults.append(
+                    Fault(
+                        "unknown-key",
+                        f"`{verb}` cannot change a name",
+                        path,
+                        key=True,
+                        help="write `rename: …`, which every reference follows",
+                    )
+                )
                 continue
             fitting = [(kind.tag, kind.attributes[attribute]) for kind in kinds if attribute in kind.attributes]
             if kinds and not fitting:
@@ -225,9 +233,27 @@ def changes_of(tag: str | None, value: Mapping[str, Any]) -> Changed:
 
 # The tags that people edit. Each further one makes the schema longer.
 TAGS = (
-    "body", "frame", "geom", "site", "joint", "freejoint", "camera", "light", "inertial", "mesh", "material", "texture",
-    "hfield", "skin", "exclude", "pair", "actuator", "equality", "tendon", "sensor",
-)  # fmt: skip
+    "body",
+    "frame",
+    "geom",
+    "site",
+    "joint",
+    "freejoint",
+    "camera",
+    "light",
+    "inertial",
+    "mesh",
+    "material",
+    "texture",
+    "hfield",
+    "skin",
+    "exclude",
+    "pair",
+    "actuator",
+    "equality",
+    "tendon",
+    "sensor",
+)
 
 
 @definition("of")
@@ -306,6 +332,8 @@ def attributes_of(tag: str) -> dict[str, list[tuple[str, Attribute]]]:
 @definition("amount")
 def amount(_: str) -> Schema:
     return {
-        "type": ["number", "string", "array"], "pattern": TEMPLATE_PATTERN, "items": reference("number"),
+        "type": ["number", "string", "array"],
+        "pattern": TEMPLATE_PATTERN,
+        "items": reference("number"),
         "patternErrorMessage": "expected a number, a list of numbers, or ${…}",
-    }  # fmt: skip
+    }

@@ -112,7 +112,8 @@ class Axis(Model):
 
 
 def _too_many(axes: tuple[Axis, ...]) -> Fault | None:
-    total, most = math.prod(axis.copies for axis in axes), in_force().copies
+    total = math.prod(axis.copies for axis in axes)
+    most = in_force().copies
     if total <= most:
         return None
     message = f"{IT} makes {total} copies, and at most {most} are allowed"
@@ -132,7 +133,8 @@ class ScatterAlone:
         axes = axes if isinstance(axes, list) else []
         scattering = any(isinstance(axis, dict) and "scatter" in axis for axis in axes)
         if scattering and len(axes) > 1:
-            message, help = "`scatter` cannot have other axes next to it", "write the number of all copies in `scatter`"
+            message = "`scatter` cannot have other axes next to it"
+            help = "write the number of all copies in `scatter`"
             yield Fault(EXCLUSIVE, message, ("replicate",), key=True, help=help)
         if scattering and "pos" in value:
             help = "remove `pos`: `scatter` finds the position of each copy"

@@ -53,16 +53,20 @@ class Check(CheckPart):
 
 KINDS: Table[type[Check]] = Table("checks", {}, "KIND", kind=type, modules=MODULES)
 _INSTEAD = {
-    "size": "write `expect: {attr: nu, equals: 7}`", "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
+    "size": "write `expect: {attr: nu, equals: 7}`",
+    "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
     "exists": "write `expect: {select: {site: NAME}}`",
     "equal": "write `expect: {select: {joint: NAME}, attr: damping, equals: 0.5}`",
-    "stable": "write `settles: {key: home}`", "no_penetration": "write `clearance: {key: home}`",
+    "stable": "write `settles: {key: home}`",
+    "no_penetration": "write `clearance: {key: home}`",
     "clear": 'write `clearance: {between: ["arm/**", table], min: 0.02}`',
-    "limits": "write `lint: {select: [key-out-of-range]}`", "actuated": "write `lint: {select: [joint-unactuated]}`",
+    "limits": "write `lint: {select: [key-out-of-range]}`",
+    "actuated": "write `lint: {select: [joint-unactuated]}`",
     "plausible": "write `lint: {select: [inertia-implausible]}`",
     "collision": "write `lint: {select: {shape-off-mesh: {hausdorff: 0.002}}}`",
-    "runs_on": "write `targets: {in: [mjx], read: false}`", "loads": "write `targets: {in: [mjx], losses: warning}`",
-}  # fmt: skip
+    "runs_on": "write `targets: {in: [mjx], read: false}`",
+    "loads": "write `targets: {in: [mjx], losses: warning}`",
+}
 """Words of other versions, with help."""
 
 

@@ -24,10 +24,19 @@ class Condition:
     """
 
     def __init__(
-        self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False,
+        self,
+        scope: Map[str, Value],
+        axes: Axes,
+        broken: frozenset[str],
+        sink: Sink,
+        any: bool = False,
         turn: Turn | None = None,
-    ) -> None:  # fmt: skip
-        self.scope, self.axes, self.broken, self.sink, self.any = scope, axes, broken, sink, any
+    ) -> None:
+        self.scope = scope
+        self.axes = axes
+        self.broken = broken
+        self.sink = sink
+        self.any = any
         self.turn = turn
         self.in_doubt: set[str] = set()
 

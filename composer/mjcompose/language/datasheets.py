@@ -22,10 +22,13 @@ class Sheet(Model):
     """A motor with its gears and controller. Everything but `rotor_inertia` is at the output. None means unknown."""
 
     rules: ClassVar = (
-        Exclusive("armature", "rotor_inertia",
-                  help="leave one out: `armature` is the rotor's inertia times the square of `gear`"),
+        Exclusive(
+            "armature",
+            "rotor_inertia",
+            help="leave one out: `armature` is the rotor's inertia times the square of `gear`",
+        ),
         Belongs("rotor_inertia", "gear", help="write `gear: 1` where there is none"),
-    )  # fmt: skip
+    )
     example: ClassVar = "{effort: 4.1, source: …}"
     called: ClassVar = "data sheet `{}`"
 

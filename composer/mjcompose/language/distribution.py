@@ -222,15 +222,20 @@ class Choice(_Whole):
 
 
 _OF_VALUES: dict[str, type[Written]] = {
-    "uniform": UniformBounds, "loguniform": LogUniformBounds, "normal": _of_value(BellOfChange, "Bell", Numbers),
+    "uniform": UniformBounds,
+    "loguniform": LogUniformBounds,
+    "normal": _of_value(BellOfChange, "Bell", Numbers),
     "truncnormal": _of_value(TruncatedOfChange, "Truncated", Numbers),
     "lognormal": _of_value(LogarithmsOfChange, "Logarithms", Plain, about="the mean of the logarithm"),
-    CHOICE: Choice, "integers": IntegerBounds,
-}  # fmt: skip
+    CHOICE: Choice,
+    "integers": IntegerBounds,
+}
 DISTRIBUTIONS: Table[type[Written]] = Table("distributions", _OF_VALUES, "")
 _OF_CHANGES: dict[str, type[Written]] = {
-    "normal": BellOfChange, "truncnormal": TruncatedOfChange, "lognormal": LogarithmsOfChange,
-}  # fmt: skip
+    "normal": BellOfChange,
+    "truncnormal": TruncatedOfChange,
+    "lognormal": LogarithmsOfChange,
+}
 CHANGES: Table[type[Written]] = Table("distributions", {**DISTRIBUTIONS, **_OF_CHANGES}, "")
 KINDS = DISTRIBUTIONS.own
 

@@ -26,7 +26,9 @@ class For:
     alone = True
 
     def __init__(self, *paths: str, what: str, help: str | None = None) -> None:
-        self.paths, self.what, self.help = paths, what, help
+        self.paths = paths
+        self.what = what
+        self.help = help
 
     def fits(self, path: str) -> bool:
         return any(path == each or (each.endswith("/") and path.startswith(each)) for each in self.paths)
@@ -277,10 +279,13 @@ _NARROWING: dict[str, Schema] = {
     "in": {**reference("selector"), "description": "an element that contains it, at any depth"},
     "part": {**GLOB, "description": "the part that it came from"},
     "class": {**GLOB, "description": "the default class in effect, or one that it descends from"},
-    "where": {"type": ["object", "string"], "minProperties": 1,
-              "additionalProperties": {"type": ["number", "boolean", "string", "array"]},
-              "description": "attributes and their values in effect, or one boolean `${…}`"},
-}  # fmt: skip
+    "where": {
+        "type": ["object", "string"],
+        "minProperties": 1,
+        "additionalProperties": {"type": ["number", "boolean", "string", "array"]},
+        "description": "attributes and their values in effect, or one boolean `${…}`",
+    },
+}
 check_rows("the JSON Schema of selectors in composer/mjcompose/language/edit.py", _NARROWING, NARROWING)
 
 
@@ -290,8 +295,11 @@ def selector(_: str) -> Schema:
     known = {*known_tags(), "mujoco/include"}
     paths = [path for path in GRAMMAR.paths if "/" in path and path not in known]
     return {
-        "type": "object", "properties": dict(_NARROWING),
-        "propertyNames": {"enum": [*NARROWING, *known_tags(), *paths]}, "additionalProperties": GLOB,
-        "minProperties": 1, "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
+        "type": "object",
+        "properties": dict(_NARROWING),
+        "propertyNames": {"enum": [*NARROWING, *known_tags(), *paths]},
+        "additionalProperties": GLOB,
+        "minProperties": 1,
+        "if": {"propertyNames": {"enum": [*NARROWING, *_COUNT]}},
         "then": {"required": ["body"], "errorMessage": "write a tag, such as `body: NAME`"},
-    }  # fmt: skip
+    }

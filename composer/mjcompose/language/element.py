@@ -125,9 +125,17 @@ class Reader(Struct, frozen=False):
     faults: list[Fault] = field(default_factory=list)
 
     def element(
-        self, kind: ElementType, value: Any, at: Path, owner: str, *, keyed: AbcMapping[str, str] | None = None,
-        own: Collection[str] = (), children: tuple[Element, ...] = (), joint: str | None = None,
-    ) -> Element | None:  # fmt: skip
+        self,
+        kind: ElementType,
+        value: Any,
+        at: Path,
+        owner: str,
+        *,
+        keyed: AbcMapping[str, str] | None = None,
+        own: Collection[str] = (),
+        children: tuple[Element, ...] = (),
+        joint: str | None = None,
+    ) -> Element | None:
         """Return the element of a mapping of attributes and children, or None if it is not a mapping.
 
         `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
@@ -215,9 +223,14 @@ class Reader(Struct, frozen=False):
                 yield Element(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
 
     def fragment(
-        self, kinds: AbcMapping[str, ElementType], place: str, value: dict[str, Any], at: Path,
-        keyed: AbcMapping[str, str] | None = None, own: Collection[str] = (),
-    ) -> Element | None:  # fmt: skip
+        self,
+        kinds: AbcMapping[str, ElementType],
+        place: str,
+        value: dict[str, Any],
+        at: Path,
+        keyed: AbcMapping[str, str] | None = None,
+        own: Collection[str] = (),
+    ) -> Element | None:
         """Return the element of a mapping with a fragment of MJCF, `{xml: <geom …/>}`, or None after a fault."""
         keyed = keyed or {}
         for name in value:
@@ -225,15 +238,21 @@ class Reader(Struct, frozen=False):
                 message = f"`{name}` is next to `{FRAGMENT}`, which is the whole element"
                 help = "write it into the fragment"
                 self.faults.append(Fault("unknown-key", message, (*at, name), key=True, help=help))
-        text, path = value[FRAGMENT], (*at, FRAGMENT)
+        text = value[FRAGMENT]
+        path = (*at, FRAGMENT)
         if not isinstance(text, str):
             message = f"`{FRAGMENT}` expects a fragment of MJCF as text, got {kind_of(text)}"
             self.faults.append(Fault("wrong-type", message, path))
             return None
         found = check_fragment(
-            text, kinds, place, at=path, bare_angles=self.settings.bare_angles, faults=self.faults,
+            text,
+            kinds,
+            place,
+            at=path,
+            bare_angles=self.settings.bare_angles,
+            faults=self.faults,
             named="name" in keyed,
-        )  # fmt: skip
+        )
         if found is None:
             return None
         tag, written = found
@@ -253,16 +272,23 @@ class Reader(Struct, frozen=False):
     ) -> None:
         written = attributes.get("type", joint)
         type = written if isinstance(written, str) else None
-        for name, value in attributes.items() if not self.settings.bare_angles else ():
-            attribute = kind.attributes.get(name)
-            if attribute is not None and attribute.angle is not None:
-                fault = bare_angle(attribute, value, type, at=(*at, name), owner=owner)
-                self.faults += [fault] if fault is not None else []
+        if not self.settings.bare_angles:
+            for name, value in attributes.items():
+                attribute = kind.attributes.get(name)
+                if attribute is not None and attribute.angle is not None:
+                    fault = bare_angle(attribute, value, type, at=(*at, name), owner=owner)
+                    self.faults += [fault] if fault is not None else []
 
     def unknown(
-        self, kind: ElementType, name: str, value: Any, at: Path, owner: str, own: Collection[str],
+        self,
+        kind: ElementType,
+        name: str,
+        value: Any,
+        at: Path,
+        owner: str,
+        own: Collection[str],
         taken: Collection[str],
-    ) -> Fault:  # fmt: skip
+    ) -> Fault:
         """Return the fault of a key that is neither an attribute nor a child. `taken` are the written keys."""
         if name in _OF_ENTRIES:
             message = f"`{name}` is for a whole entry, and `{kind.tag}` is inside of one"
@@ -270,7 +296,8 @@ class Reader(Struct, frozen=False):
             return Fault("unknown-key", message, at, key=True, help=help)
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         known = [*attributes, *(each for each in kind.children if each not in taken)]
-        near, fix = closest(name, known), renaming(name, known)
+        near = closest(name, known)
+        fix = renaming(name, known)
         help = f"write `{near[0]}`" if near else f"take `{name}` out"
         groups = [tag for tag, child in kind.children.items() if name in child.attributes]
         siblings = GRAMMAR.element("body").children
@@ -279,13 +306,15 @@ class Reader(Struct, frozen=False):
             if 0 < len(owners) <= _OWNERS:
                 help = f"it is an attribute of {either(owners)}"
         if name in GRAMMAR.root.children:
-            help, fix = f"write it in the section `{name}`", None
+            help = f"write it in the section `{name}`"
+            fix = None
         if len(groups) == 1 and not near:
             help = f"write it in `{groups[0]}: {{…}}`"
         elif 1 < len(groups) <= _OWNERS and not near:
             help = f"write it in {either(groups)}"
         if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
-            help, fix = f"write `objtype: {name}, objname: {value}`", None
+            help = f"write `objtype: {name}, objname: {value}`"
+            fix = None
         items = value if isinstance(value, list) else [value]
         looks_alike = any(isinstance(each, dict) for each in items) or (near and near[0] in kind.children)
         if kind.children and looks_alike:

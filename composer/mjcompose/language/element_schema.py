@@ -97,14 +97,16 @@ def _values(attribute: Attribute, tag: str) -> Schema:
     if kind == "references":
         return {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 1}
     if kind == "chars":
-        low, high = attribute.min_length or 0, "" if attribute.max_length is None else attribute.max_length
+        low = attribute.min_length or 0
+        high = "" if attribute.max_length is None else attribute.max_length
         return {"type": "string", "pattern": f"^.{{{low},{high}}}$|{TEMPLATE_PATTERN}"}
     is_needed = attribute.required and attribute.name != "name"  # an empty name keeps an element unnamed
     return {"type": "string", "minLength": 1} if is_needed else {"type": "string"}
 
 
 def _numbers(attribute: Attribute, item: str) -> Schema:
-    low, high = attribute.min_length or 0, attribute.max_length
+    low = attribute.min_length or 0
+    high = attribute.max_length
     if attribute.lengths is not None:
         return {"anyOf": [reference(f"{item}-{length}") for length in attribute.lengths]}
     if high == 1:
@@ -149,16 +151,21 @@ def nameless() -> dict[str, Schema]:
 
 
 def element(
-    kind: ElementType, keyed: Sequence[str] = (), properties: dict[str, Schema] | None = None,
-    required: Sequence[str] = (), fragment: bool = True, children: bool = True,
-) -> Schema:  # fmt: skip
+    kind: ElementType,
+    keyed: Sequence[str] = (),
+    properties: dict[str, Schema] | None = None,
+    required: Sequence[str] = (),
+    fragment: bool = True,
+    children: bool = True,
+) -> Schema:
     """Return the schema of an element: attributes, children and rules; and, where allowed, a fragment."""
     known: dict[str, Schema] = dict(properties or {})
     for name, each in kind.attributes.items():
         if name not in keyed:
             known.setdefault(name, attribute_schema(each, kind.tag))
-    for tag, child in kind.children.items() if children else ():
-        known.setdefault(tag, _settings() if tag == CONFIG else _children(child))
+    if children:
+        for tag, child in kind.children.items():
+            known.setdefault(tag, _settings() if tag == CONFIG else _children(child))
     rules: Schema = {}
     needed = [name for name, each in kind.attributes.items() if each.required and name not in keyed]
     if needed or required:
@@ -209,11 +216,16 @@ def _rule(rule: Constraint) -> list[Schema]:
     if rule.kind == "exclusive":
         # Not with `not`, for which an editor can only say that it does not hold.
         return [
-            {"if": {"required": [name]}, "then": {
-                "properties": dict.fromkeys(chain(*bundles[index + 1 :]), False),
-                "errorMessage": f"`{name}` exists already, and only one of the two is allowed"}}
-            for index, bundle in enumerate(bundles[:-1]) for name in bundle
-        ]  # fmt: skip
+            {
+                "if": {"required": [name]},
+                "then": {
+                    "properties": dict.fromkeys(chain(*bundles[index + 1 :]), False),
+                    "errorMessage": f"`{name}` exists already, and only one of the two is allowed",
+                },
+            }
+            for index, bundle in enumerate(bundles[:-1])
+            for name in bundle
+        ]
     if rule.kind == "oneof":
         return [{"anyOf": [{"required": bundle} for bundle in bundles]}]
     if rule.kind == "together":

@@ -171,7 +171,9 @@ class _Matrix:
     def __init__(self, document: Mapping, entry: tuple[Key, Node], given: Map[str, Node], sink: Sink) -> None:
         from mjcompose.language.variation import read_grid  # most recipes have none
 
-        self.document, self.given, self.sink = document, given, sink
+        self.document = document
+        self.given = given
+        self.sink = sink
         self.key, node = entry
         self.grid = read_grid(document, sink)
         self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
@@ -202,22 +204,28 @@ class _Matrix:
         return {**needed, **{name: node for name, node in self.given.items() if name in known}}
 
     def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
-        size, most = math.prod(map(len, self.axes.values())), in_force().cells
+        size = math.prod(map(len, self.axes.values()))
+        most = in_force().cells
         if size > most:
             message = f"the matrix has {size} cells; {most} are allowed"
             self.sink.error("limit-exceeded", message, self.key.span, help=advice("cells", size))
             return
         excluded = list(self._entries("exclude"))
         hit = [False] * len(excluded)
-        for values in itertools.product(*self.axes.values()) if self.axes else ():
-            given = dict(zip(self.axes, values, strict=True))
-            out = [all(_same(given[key.name], node) for key, node in each.entries.values()) for each in excluded]
-            hit = [*map(operator.or_, hit, out)]
-            if not any(out):
-                yield given, self.key.span
+        if self.axes:
+            for values in itertools.product(*self.axes.values()):
+                given = dict(zip(self.axes, values, strict=True))
+                out = [all(_same(given[key.name], node) for key, node in each.entries.values()) for each in excluded]
+                hit = [*map(operator.or_, hit, out)]
+                if not any(out):
+                    yield given, self.key.span
         for entry in itertools.compress(excluded, map(operator.not_, hit)):
-            self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
-                            help="its values come from the axes, as they are written there")  # fmt: skip
+            self.sink.error(
+                "unknown-name",
+                "no cell of the matrix is like this one to be excluded",
+                entry.span,
+                help="its values come from the axes, as they are written there",
+            )
         for entry in self._entries("include"):
             given = {key.name: node for key, node in entry.entries.values()}
             expand(self.document, {**self.around, **given}, self.sink)
@@ -225,14 +233,15 @@ class _Matrix:
 
     def _entries(self, name: str) -> Iterator[Mapping]:
         written = find(self.node, (name,)) if self.grid is not None else None
-        for item in written.items if isinstance(written, Sequence) else ():
-            keys = [key for key, _ in item.entries.values()] if isinstance(item, Mapping) else []
-            wrong = [key for key in keys if key.name not in self.axes and name == "exclude"]
-            for key in wrong:
-                message = f"the matrix has no axis `{key.name}`"
-                self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
-            if isinstance(item, Mapping) and not wrong:
-                yield item
+        if isinstance(written, Sequence):
+            for item in written.items:
+                keys = [key for key, _ in item.entries.values()] if isinstance(item, Mapping) else []
+                wrong = [key for key in keys if key.name not in self.axes and name == "exclude"]
+                for key in wrong:
+                    message = f"the matrix has no axis `{key.name}`"
+                    self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
+                if isinstance(item, Mapping) and not wrong:
+                    yield item
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
         scope = scope_of(self.document, {**self.given, **given})
@@ -258,7 +267,8 @@ def settled_name(name: str, scope: Map[str, Value]) -> str:
 def _same(a: Node, b: Node) -> bool:
     if isinstance(a, Scalar) and isinstance(b, Scalar) and a.text == b.text:
         return True
-    first, second = plain(a), plain(b)
+    first = plain(a)
+    second = plain(b)
     return first is not None and second is not None and same(first, second)
 
 
@@ -285,7 +295,8 @@ def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
             differing = [
                 axis for axis in cell.given if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
             ]
-            message, span = f"two cells of the matrix are called `{cell.name}`", entry[1].span if entry else cell.span
+            message = f"two cells of the matrix are called `{cell.name}`"
+            span = entry[1].span if entry else cell.span
             notes = (Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),) if differing else ()
             help = f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out"
             sink.error("name-clash", message, span, notes=notes, help=help)

@@ -22,7 +22,8 @@ def missing_key(owner: str, *names: str, at: Path, docs: Mapping[str, str] = Map
     """Return the fault of missing keys, which `docs` explain."""
     notes = tuple(Note(f"`{name}` is: {doc}") for name, doc in docs.items() if doc not in ("", name))
     message = f"{owner} lacks {' and '.join(f'`{name}`' for name in names)}"
-    help, lacks = f"write `{', '.join(f'{name}: …' for name in names)}`", names[0] if len(names) == 1 else None
+    help = f"write `{', '.join(f'{name}: …' for name in names)}`"
+    lacks = names[0] if len(names) == 1 else None
     return Fault("missing-key", message, at, key=True, notes=notes, help=help, lacks=lacks, names=names)
 
 
@@ -38,7 +39,8 @@ def report_clashing(
             lacking = min(([name for name in bundle if name not in present] for bundle in rule.bundles), key=len)
             if lacking:  # the fewest keys to add
                 needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
-                message, help = f"{owner} needs {needed}", f"write `{', '.join(f'{name}: …' for name in lacking)}`"
+                message = f"{owner} needs {needed}"
+                help = f"write `{', '.join(f'{name}: …' for name in lacking)}`"
                 fault = Fault("missing-key", message, at, key=True, help=help, names=tuple(names))
         elif rule.kind == "together" or all(name in present for name in rule.bundles[0]):
             missing = [name for name in names if name not in present]
@@ -70,9 +72,14 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
 
 
 def check_fragment(
-    text: str, kinds: Mapping[str, ElementType], place: str, at: Path, bare_angles: bool, faults: list[Fault],
+    text: str,
+    kinds: Mapping[str, ElementType],
+    place: str,
+    at: Path,
+    bare_angles: bool,
+    faults: list[Fault],
     named: bool = False,
-) -> tuple[str, Mapping[str, str]] | None:  # fmt: skip
+) -> tuple[str, Mapping[str, str]] | None:
     """Return tag and attributes of the one element of a fragment, or None after a reported fault.
 
     `kinds` are the allowed elements, and `place` says in messages where. With `bare_angles`, angles need no unit.
@@ -111,11 +118,20 @@ class _Check:
     """Receives the events of the XML parser. `stack` has the open elements, with None for unknown ones."""
 
     def __init__(
-        self, kinds: Mapping[str, ElementType], place: str, at: Path, bare_angles: bool, faults: list[Fault],
+        self,
+        kinds: Mapping[str, ElementType],
+        place: str,
+        at: Path,
+        bare_angles: bool,
+        faults: list[Fault],
         named: bool,
-    ) -> None:  # fmt: skip
-        self.kinds, self.place, self.at = kinds, place, at
-        self.bare_angles, self.faults, self.named = bare_angles, faults, named
+    ) -> None:
+        self.kinds = kinds
+        self.place = place
+        self.at = at
+        self.bare_angles = bare_angles
+        self.faults = faults
+        self.named = named
         self.stack: list[ElementType | None] = []
         self.root: tuple[str, dict[str, str]] | None = None
         self.opened = ""
@@ -195,9 +211,13 @@ class _Check:
         self.fault("xml-syntax", "a fragment has no `<!DOCTYPE>`")
 
     def fault(
-        self, code: str, message: str, within: tuple[int, int, int] | None = None, help: str | None = None,
+        self,
+        code: str,
+        message: str,
+        within: tuple[int, int, int] | None = None,
+        help: str | None = None,
         names: tuple[str, str, Collection[str]] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         notes: Iterable[Note] = ()
         if names is not None:
             kind, written, known = names

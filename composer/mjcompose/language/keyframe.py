@@ -20,7 +20,9 @@ from mjcompose.language.forms.scalars import Expects, Name, Turns, Unit, When
 from mjcompose.language.value import Single, kind_of, read_value, shown
 from mjcompose.tree.grammar import GRAMMAR
 
-CTRL, HOLD, JOINT = "ctrl", "hold", "joint"
+CTRL = "ctrl"
+HOLD = "hold"
+JOINT = "joint"
 Way = Literal["positions", "forces"]
 WAYS: tuple[Way, ...] = ("positions", "forces")
 """How all actuators hold the pose: servos at the pose, or forces that balance the model."""
@@ -113,11 +115,16 @@ def controls_schema(number: Schema, description: str) -> Schema:
     return {"anyOf": [whole, each], "description": description}
 
 
-FROM, TIME = "from", "time"
+FROM = "from"
+TIME = "time"
 VECTORS: Mapping[str, str] = {
-    "qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator", "mpos": "mocap body",
+    "qpos": "joint",
+    "qvel": "joint",
+    "act": "actuator",
+    "ctrl": "actuator",
+    "mpos": "mocap body",
     "mquat": "mocap body",
-}  # fmt: skip
+}
 """The vectors of a key, each with the kind of its entries."""
 WIDTHS = {"mpos": 3, "mquat": 4}
 
@@ -193,7 +200,8 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, name
     attribute = GRAMMAR.element("keyframe/key").attributes[vector]
     found: dict[str, Entry] = {}
     for name, item in value.items():
-        subject, path = f"{named} `{name}` in {owner}", (*at, name)
+        subject = f"{named} `{name}` in {owner}"
+        path = (*at, name)
         if item == HOLD:
             message = f"`{vector}` of {subject} is given in numbers: only controls hold a pose"
             help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` next to it"

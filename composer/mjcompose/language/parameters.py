@@ -199,9 +199,14 @@ class Parameter(Struct):
 
 
 _NOUNS = {
-    "bool": "`true` or `false`", "int": "a whole number", "float": "a number", "string": "text",
-    "vector": "a list of numbers", "list": "a list of values", "table": "a table, a mapping from names to rows",
-}  # fmt: skip
+    "bool": "`true` or `false`",
+    "int": "a whole number",
+    "float": "a number",
+    "string": "text",
+    "vector": "a list of numbers",
+    "list": "a list of values",
+    "table": "a table, a mapping from names to rows",
+}
 _MIXED = ("list", "table")
 """The types whose values have single values of any type."""
 
@@ -296,8 +301,12 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
                 continue
             for name in NO_PIECE:
                 if name in piece.entries:
-                    sink.error("unknown-key", f"`{name}` is not allowed in a variant", piece.entries[name][0].span,
-                               help="write it at the top of the recipe")  # fmt: skip
+                    sink.error(
+                        "unknown-key",
+                        f"`{name}` is not allowed in a variant",
+                        piece.entries[name][0].span,
+                        help="write it at the top of the recipe",
+                    )
     return axes
 
 
@@ -366,7 +375,10 @@ class Substitution:
     """
 
     def __init__(self, scope: Map[str, Value], broken: frozenset[str], sink: Sink, turn: Turn | None = None) -> None:
-        self.scope, self.broken, self.sink, self.turn = scope, broken, sink, turn
+        self.scope = scope
+        self.broken = broken
+        self.sink = sink
+        self.turn = turn
         self.lost: set[str] = set()
         self.gone: set[Path] = set()
 

@@ -173,9 +173,11 @@ JointType = ("hinge", "slide", "ball")
 TINY = 1e-10
 """MuJoCo treats axes shorter than this as zero."""
 _NEUTRAL = {
-    "quat": "`[1, 0, 0, 0]`", "axisangle": "an axis, such as `[0, 0, 1, 90deg]`", "zaxis": "`[0, 0, 1]`",
+    "quat": "`[1, 0, 0, 0]`",
+    "axisangle": "an axis, such as `[0, 0, 1, 90deg]`",
+    "zaxis": "`[0, 0, 1]`",
     "xyaxes": "`[1, 0, 0, 0, 1, 0]`",
-}  # fmt: skip
+}
 
 
 class Offset(Attribute):
@@ -249,7 +251,8 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
             name = element.attributes.get("name")
             if name in names:
                 related = (("the first one is here", names[name]),)
-                message, help = f"two joints of one part are called `{name}`", "choose another name"
+                message = f"two joints of one part are called `{name}`"
+                help = "choose another name"
                 reader.faults.append(Fault("name-clash", message, (index, "name"), related=related, help=help))
             names.setdefault(name, (index, "name"))
             elements.append(element)
@@ -276,10 +279,12 @@ def _no_joint(value: Any) -> Fault:
     help = "write one of `none`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
     if not isinstance(value, str):
         return Fault("wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help)
-    near, fix = closest(value, WORDS), None
+    near = closest(value, WORDS)
+    fix = None
     if value in JointType:
         help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"
     elif near:
-        help, fix = f"write `joint: {near[0]}`", renaming(value, WORDS)
+        help = f"write `joint: {near[0]}`"
+        fix = renaming(value, WORDS)
     note = exists_note("word", WORDS, value)
     return Fault("wrong-keyword", f"`joint` cannot be `{value}`", notes=(note,), help=help, fix=fix)

@@ -33,11 +33,15 @@ class DrawField(Model):
         Bars("param", *_OF_ELEMENTS, why="draws a parameter"),
         Needs({"select": '{geom: "**"}', "attr": "friction"}, unless="param"),
         OneOf(
-            *KINDS, "scale", "offset", lacks="has no distribution", noun="key",
+            *KINDS,
+            "scale",
+            "offset",
+            lacks="has no distribution",
+            noun="key",
             help="give the other a field of its own",
             advice="write for instance `uniform: [0.8, 1.2]`, or `scale: {uniform: …}` for a factor",
         ),
-    )  # fmt: skip
+    )
     example: ClassVar = '{select: {geom: "**"}, attr: friction, uniform: [0.5, 1]}'
     called: ClassVar = "field `{}` of `randomize`"
     owned: ClassVar = "field `{}`"
@@ -105,7 +109,8 @@ class DrawField(Model):
         return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.distribution}{shared}{grouped}"
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
-        at, found = self._of_distribution, self._read[1]
+        at = self._of_distribution
+        found = self._read[1]
         if isinstance(found, Fault):
             yield replace(found, at=at)
         elif self.select is not None:

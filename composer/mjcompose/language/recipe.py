@@ -151,7 +151,8 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
     help, fix = advised(name, [*kinds, TO])
     note = exists_note("element", kinds, name)
     if name in GRAMMAR.root.children:
-        help, fix = f"write it in the section `{name}`", None
+        help = f"write it in the section `{name}`"
+        fix = None
     message = f"`{name}` is not an element that can be added"
     return Fault("unknown-element", message, at, key=True, notes=(note,), help=help, fix=fix)
 

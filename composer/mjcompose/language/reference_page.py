@@ -72,14 +72,25 @@ _SAME = ("scale", "offset")
 _EVERYWHERE = ("when", "for", "xml")
 """Keys of many mappings, which the first page explains."""
 _PLACES = {
-    "attach": "PREFIX", "with": "PARAMETER", "packages": "PACKAGE", "params": "PARAMETER", "variants": "AXIS",
-    "axes": "AXIS", "default": "CLASS", "fields": "FIELD", "from": "PART",
-}  # fmt: skip
+    "attach": "PREFIX",
+    "with": "PARAMETER",
+    "packages": "PACKAGE",
+    "params": "PARAMETER",
+    "variants": "AXIS",
+    "axes": "AXIS",
+    "default": "CLASS",
+    "fields": "FIELD",
+    "from": "PART",
+}
 _BY_NAME = {"default": "settings by tag; `parent` is the class above", "randomize.fields": "one draw"}
 _TYPES = {
-    "string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "array": "list",
+    "string": "text",
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+    "array": "list",
     "object": "mapping",
-}  # fmt: skip
+}
 _PLURALS = ("text", "number", "whole number", "mapping")
 _OWN = {"exclude"}
 """Elements of MJCF that can have other forms in a recipe."""
@@ -92,9 +103,18 @@ _TABLE = ("| key | type | default | meaning |", "|---|---|---|---|")
 _ELEMENTS_HEAD = """Names in bold are required. Each element links to the XML reference, which has types and units.
 A class has the same attributes, except the name."""
 _NO_PAGE = (
-    "recipe", "name", "description", "angle", "eulerseq", "separator", "conflict", "allow", "base", "extends",
+    "recipe",
+    "name",
+    "description",
+    "angle",
+    "eulerseq",
+    "separator",
+    "conflict",
+    "allow",
+    "base",
+    "extends",
     "variants",
-)  # fmt: skip
+)
 """Top-level keys that a row explains."""
 
 
@@ -126,8 +146,10 @@ def write(folder: Path) -> None:
 
 def _index(whole: Schema, keys: _Keys) -> str:
     rows = dict(zip(whole["properties"], keys.rows(whole, "", deep=False), strict=True))
-    linked = {name: row if name in _NO_PAGE else row.replace(f"`{name}`", f"[`{name}`]({name}.md)", 1)
-              for name, row in rows.items()}  # fmt: skip
+    linked = {
+        name: row if name in _NO_PAGE else row.replace(f"`{name}`", f"[`{name}`]({name}.md)", 1)
+        for name, row in rows.items()
+    }
     sections = GRAMMAR.root.children
     own = [row for name, row in linked.items() if name not in sections]
     lines = [_HEAD, "## Top-level keys", *_examples("top"), "", *_TABLE, *own]
@@ -310,7 +332,8 @@ class _Keys:
             types = [each for each in types if each != "string"]
         words = [_TYPES[each] for each in types]
         if words == ["list"] and "items" in schema:
-            item, least = self._type(schema["items"]), schema.get("minItems")
+            item = self._type(schema["items"])
+            least = schema.get("minItems")
             is_fixed = least == schema.get("maxItems", 0) and item in ("number", "whole number")
             if is_fixed:
                 return f"{least} {item}s"
@@ -321,7 +344,9 @@ class _Keys:
     def _named(self, pointer: str) -> str:
         if (number := _VALUES.fullmatch(pointer)) is not None:
             word = "whole number" if number[1] == "integer" else "number"
-            least, several, most = number[2], number[3], number[4]
+            least = number[2]
+            several = number[3]
+            most = number[4]
             if least is None or (least == "1" and not several):
                 return word
             count = least if not several else f"{least} to {most}" if most else f"{least} or more"

@@ -58,7 +58,11 @@ class Repeater:
     def __init__(
         self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
     ) -> None:
-        self.scope, self.axes, self.broken, self.sink, self.any = scope, axes, broken, sink, any
+        self.scope = scope
+        self.axes = axes
+        self.broken = broken
+        self.sink = sink
+        self.any = any
         self.lost: set[str] = set()
         self._made = 0
 
@@ -135,7 +139,8 @@ class Repeater:
                 values[name.name] = listed
         if len(values) < len(node.entries):
             return None
-        size, most = math.prod(map(_count, values.values())), in_force().copies
+        size = math.prod(map(_count, values.values()))
+        most = in_force().copies
         if size > most:
             message = f"`{FOR}` has {size} turns; {most} are allowed"
             self.sink.error("limit-exceeded", message, key.span, help=advice("copies", size))
@@ -216,10 +221,12 @@ class Repeater:
             return
         repeated, rest = (key, other[0]) if isinstance(node, Turned) else (other[0], key)
         self.sink.error(
-            "name-clash", f"`{key.name}` exists already, and `{FOR}` makes it", repeated.span,
+            "name-clash",
+            f"`{key.name}` exists already, and `{FOR}` makes it",
+            repeated.span,
             notes=[Note("the other one", rest.span)],
             help=f"give one of them another name, or leave this turn out by `{WHEN}`",
-        )  # fmt: skip
+        )
 
     def _lose(self, node: Node, key: Key | None) -> None:
         """Suppress errors about names of an entry that has errors."""

@@ -75,9 +75,12 @@ def _nullable(schema: Any) -> Any:
     if "const" in found:
         found["enum"] = [found.pop("const"), None]
     branches: dict[str, Callable[[Any], Any]] = {
-        "anyOf": _one_nullable, "oneOf": _one_nullable, "allOf": lambda each: [_nullable(one) for one in each],
-        "then": _nullable, "else": _nullable,
-    }  # fmt: skip
+        "anyOf": _one_nullable,
+        "oneOf": _one_nullable,
+        "allOf": lambda each: [_nullable(one) for one in each],
+        "then": _nullable,
+        "else": _nullable,
+    }
     for key, allow in branches.items():
         if key in found:
             found[key] = allow(found[key])
@@ -109,9 +112,11 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
     for name in sections_of(Singleton):
         _into(properties[name], "when", WHEN)
     definitions["InPlace"] = {
-        "type": "object", "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
-        "additionalProperties": False, "description": "A recipe, instead of a model reference.",
-    }  # fmt: skip
+        "type": "object",
+        "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
+        "additionalProperties": False,
+        "description": "A recipe, instead of a model reference.",
+    }
     _share(schema, definitions)
     pieces = loosened({name: each for name, each in properties.items() if name not in _OWN}, definitions)
     definitions["Piece"] = {

@@ -224,8 +224,10 @@ def _definition_of_class(_: str) -> Schema:
         if tag != "default"
     }
     parent = {
-        "type": "string", "minLength": 1, "description": "the class that it descends from; without it, the top class",
-    }  # fmt: skip
+        "type": "string",
+        "minLength": 1,
+        "description": "the class that it descends from; without it, the top class",
+    }
     return mapping({PARENT: parent, **rows})
 
 
@@ -366,15 +368,19 @@ class Typed(Elements):
         meant = next((key for key in value if closest(key, [TYPE])), None)
         if meant is not None:
             message = f"{self.tag} `{name}` has no key `{meant}`"
-            return Fault("unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`",
-                         fix=renaming(meant, [TYPE]))  # fmt: skip
+            return Fault(
+                "unknown-key", message, (name, meant), key=True, help=f"write `{TYPE}`", fix=renaming(meant, [TYPE])
+            )
         inner = next((tag for tag in value if tag in self.kind.children and isinstance(value[tag], dict)), None)
         return Fault(
-            "missing-key", f"{self.tag} `{name}` lacks `{TYPE}`", (name,), key=True,
+            "missing-key",
+            f"{self.tag} `{name}` lacks `{TYPE}`",
+            (name,),
+            key=True,
             notes=(exists_note("type", self.kind.children),),
             help=f"write `{name}: {{{TYPE}: {inner}, …}}`" if inner else f"write the MJCF tag as its `{TYPE}`",
             lacks=TYPE,
-        )  # fmt: skip
+        )
 
 
 @definition("typed")
@@ -387,14 +393,19 @@ def _definition_of_typed(tag: str) -> Schema:
         }
         for each in kinds
     ]
-    types = computable({
-        "enum": [kind.tag for kind in kinds], "markdownEnumDescriptions": [kind.doc for kind in kinds],
-        "description": f"which {tag} it is: the tag of MJCF",
-    })  # fmt: skip
+    types = computable(
+        {
+            "enum": [kind.tag for kind in kinds],
+            "markdownEnumDescriptions": [kind.doc for kind in kinds],
+            "description": f"which {tag} it is: the tag of MJCF",
+        }
+    )
     return {
-        "type": "object", "properties": {TYPE: types, FRAGMENT: reference("fragment"), **nameless()},
-        **unless_fragment({"required": [TYPE]}, nameless()), "allOf": variants,
-    }  # fmt: skip
+        "type": "object",
+        "properties": {TYPE: types, FRAGMENT: reference("fragment"), **nameless()},
+        **unless_fragment({"required": [TYPE]}, nameless()),
+        "allOf": variants,
+    }
 
 
 @definition("variant")
@@ -403,9 +414,11 @@ def _definition_of_variant(path: str) -> Schema:
     properties: dict[str, Schema] = {TYPE: {"const": kind.tag, "description": kind.doc}, **nameless()}
     if kind.path.startswith("tendon/"):
         steps = {
-            "type": "array", "minItems": 1, "items": reference(f"step:{kind.path}"),
+            "type": "array",
+            "minItems": 1,
+            "items": reference(f"step:{kind.path}"),
             "description": "its elements, in order: " + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
-        }  # fmt: skip
+        }
         return element(kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False)
     return element(kind, (NAME,), properties, fragment=False)
 

@@ -25,9 +25,11 @@ from mjcompose.tree.pattern import (
 )
 
 GLOB: Schema = {
-    "type": "string", "minLength": 1, "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
+    "type": "string",
+    "minLength": 1,
+    "pattern": r"^/.*/$|\$\{|^(?:[^{}]|\{[^{}]*\})*$",
     "patternErrorMessage": "a choice is `{a,b}`, without another choice inside",
-}  # fmt: skip
+}
 """A glob or a regular expression over names."""
 
 
@@ -50,9 +52,21 @@ NARROWING = ("parent", "in", "part", "class", "where")
 NARROWED = {name: f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" for name in NARROWING}
 """What to write instead of one of these next to a `select`."""
 _BESIDE = (
-    "expect", "optional", "when", "id", "set", "scale", "simplify", "collision", "convert",
-    "move", "rename", "remove", "attr", "per",
-)  # fmt: skip
+    "expect",
+    "optional",
+    "when",
+    "id",
+    "set",
+    "scale",
+    "simplify",
+    "collision",
+    "convert",
+    "move",
+    "rename",
+    "remove",
+    "attr",
+    "per",
+)
 """Keys next to a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 
@@ -78,11 +92,15 @@ def read_selector(
         if others[0] in _BESIDE and owner.startswith("`select`"):
             help = f"write it next to `select`, after the `}}` of the selector: `{others[0]}: …`"
             fix = None
-        code, message = "unknown-key", f"`{others[0]}` is not a key of a selector"
+        code = "unknown-key"
+        message = f"`{others[0]}` is not a key of a selector"
         notes: tuple[Note, ...] = (exists_note("key", keys, others[0]),)
         if known:
-            code, message = EXCLUSIVE, f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
-            notes, help, fix = (), "write an entry of its own for each", None
+            code = EXCLUSIVE
+            message = f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
+            notes = ()
+            help = "write an entry of its own for each"
+            fix = None
         faults.append(Fault(code, message, (*at, others[0]), key=True, notes=notes, help=help, fix=fix))
     if not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
@@ -100,9 +118,15 @@ def read_selector(
     if len(faults) > before or pattern is None:
         return None
     return Selector(
-        tag, pattern, outer.get("parent"), outer.get("in"), texts.get("part"), texts.get("class"), where,
+        tag,
+        pattern,
+        outer.get("parent"),
+        outer.get("in"),
+        texts.get("part"),
+        texts.get("class"),
+        where,
         path_of(value),
-    )  # fmt: skip
+    )
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:

@@ -216,7 +216,9 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     """Return the recipe of a located tree, or None and all of its faults."""
     early: list[Fault] = []
     data = raw(node, early)
-    recipe, found, most = None, list[Fault](), in_force().faults
+    recipe = None
+    found: list[Fault] = []
+    most = in_force().faults
     try:
         recipe = Recipe.model_validate(data, context=Settings.of(data))
     except ValidationError as error:

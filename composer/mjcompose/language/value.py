@@ -41,7 +41,8 @@ def fault_at(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:
     """Return a diagnostic as a fault at a path. `help` and `fix` replace the diagnostic's own."""
-    fix, help = fix if help else diagnostic.fix, help or diagnostic.help
+    fix = fix if help else diagnostic.fix
+    help = help or diagnostic.help
     names = tuple(sorted(diagnostic.subjects))
     return Fault(
         diagnostic.code, diagnostic.message, at, key=key, notes=diagnostic.notes, help=help, names=names, fix=fix
@@ -200,13 +201,21 @@ _UNITS = {
     "g": (1e3, "kilograms"), "kg": (1, "kilograms"), "N": (1, "newtons"), "Nm": (1, "newton meters"),
 }  # fmt: skip
 _FORMS = {
-    "pos": "[x, y, z]", "axis": "[x, y, z]", "zaxis": "[x, y, z]", "dir": "[x, y, z]", "anchor": "[x, y, z]",
-    "gravity": "[x, y, z]", "quat": "[w, x, y, z]", "axisangle": "[x, y, z, angle]",
+    "pos": "[x, y, z]",
+    "axis": "[x, y, z]",
+    "zaxis": "[x, y, z]",
+    "dir": "[x, y, z]",
+    "anchor": "[x, y, z]",
+    "gravity": "[x, y, z]",
+    "quat": "[w, x, y, z]",
+    "axisangle": "[x, y, z, angle]",
     "xyaxes": "[x, y, z, x, y, z], the x axis and then the y axis",
     "fromto": "[x, y, z, x, y, z], one end and then the other",
     "rgba": "[red, green, blue, opacity], each from 0 to 1",
-    "range": "[lower, upper]", "ctrlrange": "[lower, upper]", "forcerange": "[lower, upper]",
-}  # fmt: skip
+    "range": "[lower, upper]",
+    "ctrlrange": "[lower, upper]",
+    "forcerange": "[lower, upper]",
+}
 
 
 class Advice(Struct):
@@ -423,11 +432,13 @@ def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Pat
         if wrong is not None:
             near, renamed = advised(wrong, attribute.keywords)
             if near is not None:
-                help, fix = near, renamed if value == wrong else None
+                help = near
+                fix = renamed if value == wrong else None
             if answer.unknown is not None and not answer.lists_keywords:
                 notes = (exists_note("keyword", attribute.keywords, wrong),)
     elif answer.instead is not None:
-        help, fix = f"write `{attribute.name}: {answer.instead}`", Fix(answer.instead)
+        help = f"write `{attribute.name}: {answer.instead}`"
+        fix = Fix(answer.instead)
     return Fault(code, f"{subject} {answer.message}", at, notes=notes, help=help, fix=fix)
 
 

@@ -38,8 +38,9 @@ def _default_fault(value: Any, at: Path = ()) -> Fault | None:
 
 _NUMBER: Schema = {"type": ["number", "string"], "pattern": f"^{ANGLE_PATTERN}$"}
 _LITERAL: Schema = {
-    "pattern": r"^(?!.*\$\{)", "patternErrorMessage": "a default is a literal value: it cannot be an expression",
-}  # fmt: skip
+    "pattern": r"^(?!.*\$\{)",
+    "patternErrorMessage": "a default is a literal value: it cannot be an expression",
+}
 _ALONE: Schema = {**VALUE, "items": {"not": {"type": "null"}}}
 _DEFAULT: Schema = {**_ALONE, "type": [*VALUE["type"], "object"], **_LITERAL}
 _Data = Annotated[Any, Checked(_default_fault)]
@@ -50,9 +51,14 @@ _Cell = Annotated[dict[str, Written], Field(min_length=1), Expects("a mapping fr
 Combinations = Annotated[tuple[_Cell, ...], Items(), Expects("a list of mappings from axes to values", "[{load: 1}]")]
 
 _SCHEMAS: Mapping[str, Schema] = {
-    "bool": {"type": "boolean"}, "int": {"type": "integer"}, "float": _NUMBER, "string": {"type": "string"},
-    "vector": {"type": "array", "items": _NUMBER}, "list": {"type": "array"}, "table": {"type": "object"},
-}  # fmt: skip
+    "bool": {"type": "boolean"},
+    "int": {"type": "integer"},
+    "float": _NUMBER,
+    "string": {"type": "string"},
+    "vector": {"type": "array", "items": _NUMBER},
+    "list": {"type": "array"},
+    "table": {"type": "object"},
+}
 """The possible defaults of a parameter, by its type."""
 
 
@@ -139,10 +145,18 @@ class Declaration(Model):
         type = self.type or guess
         length = len(sample) if isinstance(sample, tuple) and type == "vector" else None
         return Parameter(
-            name, type, None if self.default is None else sample, span=span, low=low, high=high,
+            name,
+            type,
+            None if self.default is None else sample,
+            span=span,
+            low=low,
+            high=high,
             choices=tuple(_in_unit(_of_value(each), unit) for each in self.choices or ()),
-            length=self.length or length, unit=unit, doc=self.doc, columns=self.columns,
-        )  # fmt: skip
+            length=self.length or length,
+            unit=unit,
+            doc=self.doc,
+            columns=self.columns,
+        )
 
 
 def _of_value(value: Any) -> Any:

@@ -26,8 +26,14 @@ from mjcompose.tree.unit import Unit
 
 SINGLETONS = ("option", "visual", "statistic")
 _SMALLER_IS_SAFER = ("timestep", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance")
-_LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations",
-                    "sdf_initpoints")  # fmt: skip
+_LARGER_IS_SAFER = (
+    "iterations",
+    "ls_iterations",
+    "noslip_iterations",
+    "ccd_iterations",
+    "sdf_iterations",
+    "sdf_initpoints",
+)
 
 
 class WrittenSetting(NamedTuple):
@@ -59,9 +65,8 @@ def requested_settings(unit: Unit) -> dict[str, WrittenSetting]:
         return own
     agreed = {each.path: each for each in unit.adopted}
     found = {
-        path: WrittenSetting(each.value, each.at, each.parts) for path, each in agreed.items()
-        if not each.is_written
-    }  # fmt: skip
+        path: WrittenSetting(each.value, each.at, each.parts) for path, each in agreed.items() if not each.is_written
+    }
     for path, each in own.items():
         known = agreed.get(path)
         parts = known.parts if known is not None and equal_values(known.value, each.value) else ()
@@ -191,7 +196,8 @@ def agreement(linking: Linking) -> None:
     """Compare the settings of all units, take the values that the parts agree on, then merge the sizes."""
     if not linking.parts:
         return
-    base, overridden = linking.base, linking.request.overridden_options
+    base = linking.base
+    overridden = linking.request.overridden_options
     model = requested_settings(base)
     requests = [(part, requested_settings(part.unit)) for part in linking.parts]
     common, disagreed = common_settings(model, [(part.called, wanted) for part, wanted in requests], overridden)
@@ -329,9 +335,12 @@ def _flow(tree: Mapping[str, Any]) -> str:
 
 
 _LIMITED_BY = {
-    "range": "limited", "actuatorfrcrange": "actuatorfrclimited", "ctrlrange": "ctrllimited",
-    "forcerange": "forcelimited", "actrange": "actlimited",
-}  # fmt: skip
+    "range": "limited",
+    "actuatorfrcrange": "actuatorfrclimited",
+    "ctrlrange": "ctrllimited",
+    "forcerange": "forcelimited",
+    "actrange": "actlimited",
+}
 _IGNORED_BY = {"range": ("free",), "actuatorfrcrange": ("free", "ball")}
 """Types of joints that these do not limit: MuJoCo (3.12 to 4.0) ignores them there."""
 
@@ -382,7 +391,8 @@ def passthrough(linking: Linking) -> None:
         if (texture := next(textures, None)) is not None:
             (asking if _wants_passthrough(unit) else others).append((unit, texture))
     if asking and others:
-        unit, (other, texture) = asking[0][0], others[0]
+        unit = asking[0][0]
+        (other, texture) = others[0]
         compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
         which = f"`{other.label}`, whose textures are loaded"
         message = f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with {which}"

@@ -39,7 +39,8 @@ _OF_BALLS = ("range", "springyield")
 
 def angles(linking: Linking) -> None:
     """Rewrite each unit that differs from the model."""
-    unit, sequence = linking.angle, linking.base.settings.eulerseq
+    unit = linking.angle
+    sequence = linking.base.settings.eulerseq
     for part in linking.units:
         settings = part.settings
         to_radians = settings.angle == "degree" and unit == "radian"
@@ -134,14 +135,15 @@ def _joints(unit: Unit) -> None:
             elif writer is not None and writer is not joint:
                 given.setdefault((writer, attribute), []).append((joint, turns))
     # The joint defaults of its body apply to the slide joints of a flex's vertices.
-    for flex in unit.root.iter("flexcomp") if in_classes else ():
-        body = next(flex.iterancestors("body", "worldbody"), None)
-        if body is None:
-            continue
-        for attribute in _ANGULAR:
-            writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute=attribute)
-            if writer is not None:
-                given.setdefault((writer, attribute), []).append((flex, False))
+    if in_classes:
+        for flex in unit.root.iter("flexcomp"):
+            body = next(flex.iterancestors("body", "worldbody"), None)
+            if body is None:
+                continue
+            for attribute in _ANGULAR:
+                writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute=attribute)
+                if writer is not None:
+                    given.setdefault((writer, attribute), []).append((flex, False))
     for (writer, attribute), users in given.items():
         if all(turns for _, turns in users):
             own.append((writer, attribute))
@@ -275,7 +277,8 @@ def _neutral(name: str) -> str:
 
 
 def _refuse(linking: Linking, flex: Flex, message: str, note: str, subjects: Sequence[str | None] = ()) -> None:
-    span, help = linking.span(flex.unit, flex.element), "put the `<flexcomp>` into a `<body>` of its own"
+    span = linking.span(flex.unit, flex.element)
+    help = "put the `<flexcomp>` into a `<body>` of its own"
     linking.sink.error("not-supported", message, span, notes=(Note(note),), help=help, subjects=subjects)
 
 

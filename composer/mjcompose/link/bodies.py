@@ -72,7 +72,8 @@ class _AttachmentOrder:
         """Return the parts that can be attached now, or none if no part is left or all parts wait for one another."""
         while not self.ready and self.nowhere:
             self._make(self.linking.parts[heappop(self.nowhere)])
-        ready, self.ready = sorted(self.ready), set()
+        ready = sorted(self.ready)
+        self.ready = set()
         return [self.linking.parts[number] for number in ready]
 
     def attached(self, part: Part) -> None:
@@ -87,7 +88,8 @@ class _AttachmentOrder:
     def _look(self, part: Part) -> None:
         if part not in self.waiting:
             return
-        linking, place = self.linking, part.place
+        linking = self.linking
+        place = part.place
         if place.kind == "world":
             part.mount = linking.base.section("worldbody")
         else:
@@ -106,7 +108,8 @@ class _AttachmentOrder:
 
     def _make(self, part: Part) -> None:
         """Let the recipe add the place of a part, or wait for the element that it is added to."""
-        later, place = self.linking.later_places, part.place
+        later = self.linking.later_places
+        place = part.place
         if later is None or part.mount is not None:
             return
         made = list(later.make(place.kind, str(place.name)))
@@ -131,13 +134,15 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
     while ring[-1] not in ring[:-1]:
-        mount, image = ring[-1].mount, ring[-1].mirrors
+        mount = ring[-1].mount
+        image = ring[-1].mirrors
         assert mount is not None
         ring.append(image if image in waiting else by_root[mount.getroottree().getroot()])
     host = ring[-1]
     ring = ring[ring.index(host) :]
     message = f"parts are attached to one another: {' to '.join(f'`{part.called}`' for part in ring)}"
-    span, help = host.place.span or host.span, "one of them must be attached to the base or to the world"
+    span = host.place.span or host.span
+    help = "one of them must be attached to the base or to the world"
     linking.sink.error("attach-cycle", message, span, help=help, subjects=(part.called for part in ring))
 
 
@@ -155,13 +160,16 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
             waits = True
             which = f"which is added to `{added[0]}`, and that is attached to `{part.called}`"
             message = f"`{part.called}` is attached to the {place.kind} `{place.name}`, {which}"
-            notes, subjects = (Note(f"the {place.kind} is added here", added[1]),), (part.called, place.name)
-            span, help = place.span or part.span, "add or attach one of them to the base or to the world"
+            notes = (Note(f"the {place.kind} is added here", added[1]),)
+            subjects = (part.called, place.name)
+            span = place.span or part.span
+            help = "add or attach one of them to the base or to the world"
             linking.sink.error("attach-cycle", message, span, notes=notes, help=help, subjects=subjects)
 
 
 def _report_missing_place(linking: Linking, part: Part) -> None:
-    kind, name = part.place.kind, part.place.name or ""
+    kind = part.place.kind
+    name = part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
 
     def known(kind: str) -> list[str]:
@@ -171,7 +179,8 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
     notes = [exists_note(kind, names, name)]
     kinds = [each for each in linking.names.kinds_of(name) if each != kind]
     other = [*kinds, *(each for each, of_name in added if of_name == name)]
-    near, fix = closest(name, names), None if other else renaming(name, names)
+    near = closest(name, names)
+    fix = None if other else renaming(name, names)
     help = f"did you mean `{kind}: {near[0]}`?" if near else None
     if (original := original_of(linking.base, kind, name)) is not None:
         fix = None
@@ -186,10 +195,14 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
         what = f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames"
         notes.insert(0, Note(what))
     linking.sink.error(
-        "attach-place", f"the {kind} `{name}` to attach `{part.called}` to does not exist",
-        part.place.span or part.span, notes=(*notes, *attached_notes(linking.base, name)), help=help,
-        subjects=(name, part.called), fix=fix,
-    )  # fmt: skip
+        "attach-place",
+        f"the {kind} `{name}` to attach `{part.called}` to does not exist",
+        part.place.span or part.span,
+        notes=(*notes, *attached_notes(linking.base, name)),
+        help=help,
+        subjects=(name, part.called),
+        fix=fix,
+    )
 
 
 class _PartAttachment:
@@ -197,7 +210,8 @@ class _PartAttachment:
 
     def __init__(self, linking: Linking, part: Part) -> None:
         assert part.mount is not None
-        self.linking, self.part = linking, part
+        self.linking = linking
+        self.part = part
         self.parent = part.mount
         self.pose: dict[str, str] = {}
         self.offset = dict(part.place.offset)
@@ -215,16 +229,19 @@ class _PartAttachment:
 
     def run(self) -> Node | None:
         """Attach the part, and return the outermost element created for it, if there is one."""
-        part, base = self.part, self.linking.base
+        part = self.part
+        base = self.linking.base
         self._note_copies()
         self._find_pose()
-        outer, last = self.parent, next(self.parent.iterchildren(reversed=True), None)
+        outer = self.parent
+        last = next(self.parent.iterchildren(reversed=True), None)
         if part.sense is not None:
             self._add_sensing_body(part.sense)
         if self.offset:
             if self.pose:  # a frame has one pose, so the site's pose and the recipe's offset need two
                 self._enter("frame", {})
-            self.pose, self.written = self.offset, part.place.written
+            self.pose = self.offset
+            self.written = part.place.written
         moves = bool(part.joints or part.mocap)
         if moves:
             self._add_moving_body()
@@ -252,12 +269,14 @@ class _PartAttachment:
 
     def _find_pose(self) -> None:
         """Set the parent and the pose of the place. Report a part that cannot be attached there."""
-        part, linking = self.part, self.linking
+        part = self.part
+        linking = self.linking
         if part.place.kind == "site":
             holder = self.parent.getparent()
             assert holder is not None
             # A site has no content: the part is attached next to it, with its pose.
-            self.parent, self.pose = holder, effective_pose(self.parent, linking.base.classes)
+            self.pose = effective_pose(self.parent, linking.base.classes)
+            self.parent = holder
         if (scaled := scaled_above(self.parent)) is not None:
             note = Note("the frame", linking.span(linking.base, scaled, "scale"))
             help = "attach the part outside the frame, or apply the scale to the source"
@@ -281,18 +300,24 @@ class _PartAttachment:
             there = pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)
             there @= read_pose(self.offset, *units)
             self.pose = {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
-            self.parent, self.offset = linking.base.section("worldbody"), {}
+            self.parent = linking.base.section("worldbody")
+            self.offset = {}
 
     def _report_place(self, why: str, note: Note, help: str) -> None:
         part = self.part
         self.linking.sink.error(
-            "attach-place", f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: {why}",
-            part.place.span or part.span, notes=(note,), help=help, subjects=(part.called, part.place.name),
-        )  # fmt: skip
+            "attach-place",
+            f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: {why}",
+            part.place.span or part.span,
+            notes=(note,),
+            help=help,
+            subjects=(part.called, part.place.name),
+        )
 
     def _enter(self, tag: str, attributes: Mapping[str, str]) -> Node:
         self.parent = self._add(tag, {**attributes, **self.pose}, self.written)
-        self.pose, self.written = {}, {}
+        self.pose = {}
+        self.written = {}
         return self.parent
 
     def _add(self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span] | None = None) -> Node:
@@ -307,7 +332,8 @@ class _PartAttachment:
         return child
 
     def _add_moving_body(self) -> None:
-        linking, part = self.linking, self.part
+        linking = self.linking
+        part = self.part
         body = self._enter("body", {"name": part.prefix} if part.prefix else {})
         if part.mocap:
             body.set("mocap", "true")
@@ -326,7 +352,8 @@ class _PartAttachment:
     def _add_sensing_body(self, sense: Sense) -> None:
         """Create the body that carries the part, with its site and its sensors."""
         unit = self.part.unit
-        body, site = self._enter("body", {"name": sense.name}), self._add("site", {"name": sense.name})
+        body = self._enter("body", {"name": sense.name})
+        site = self._add("site", {"name": sense.name})
         # The classes of the place are for other sites.
         if self.linking.base.classes.give("site", *_GIVEN):
             site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
@@ -372,7 +399,8 @@ class _PartAttachment:
 
 def _bound_mass(linking: Linking, body: Node) -> None:
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
-    least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
+    least = linking.base.settings.boundmass
+    moment = linking.base.settings.boundinertia
     if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
         body.insert(0, body.makeelement("inertial", inertial))
@@ -414,7 +442,8 @@ def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
     if len(ends) == 6 and not any(map(math.isnan, ends)):
         # The z axis points from the second end to the first: MuJoCo 4.0 turns `<site fromto="0 0 0 1 0 0" …/>` as it
         # does `<site zaxis="-1 0 0"/>`. Six `nan` revert a class.
-        start, end = ends[:3], ends[3:]
+        start = ends[:3]
+        end = ends[3:]
         middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
         return {"pos": numbers.text(middle), "zaxis": numbers.text([a - b for a, b in zip(start, end, strict=True)])}
     return written

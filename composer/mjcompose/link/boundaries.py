@@ -53,16 +53,21 @@ def has_crossings(unit: Unit) -> bool:
 
 def _report(linking: Linking, unit: Unit, crossing: Crossing) -> None:
     element = crossing.row.element
-    (kind, inside), (other_kind, outside) = crossing.inside, crossing.outside
+    (kind, inside) = crossing.inside
+    (other_kind, outside) = crossing.outside
     name = str(element.get("name") or "")
     message = (
         f"MuJoCo drops the `<{element.tag}>` {shown_name(element)}: "
         f"a `<replicate>` copies the {word(kind)} `{inside}`, but not the {word(other_kind)} `{outside}`"
     )
     linking.sink.error(
-        CODE, message, linking.span(unit, element), notes=(_of_replicate(linking, unit, crossing),),
-        help=_advice(unit, crossing), subjects=(name,),
-    )  # fmt: skip
+        CODE,
+        message,
+        linking.span(unit, element),
+        notes=(_of_replicate(linking, unit, crossing),),
+        help=_advice(unit, crossing),
+        subjects=(name,),
+    )
 
 
 def _of_replicate(linking: Linking, unit: Unit, crossing: Crossing) -> Note:

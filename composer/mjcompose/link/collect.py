@@ -24,7 +24,8 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
     files: dict[str, bytes] = {}
     stored: dict[tuple[str, bytes], str] = {}  # shared files, by suffix and content: an equal file is stored once
     paths: dict[str, str | None] = {}
-    limits, size = in_force(), 0
+    limits = in_force()
+    size = 0
     for use in uses:
         if use.path not in paths:
             with suppress(OSError):  # unreadable files are reported when they are read
@@ -86,7 +87,8 @@ _LOOKED_FOR = 100
 
 def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
     source = Path(use.source)
-    message, help = f"the file `{shown(source)}` does not exist", None
+    message = f"the file `{shown(source)}` does not exist"
+    help = None
     try:
         beside = sorted(os.listdir(source.parent)) if sink.error_count < _LOOKED_FOR else []
     except OSError:
@@ -112,10 +114,12 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         help = "compare the path with what is on the disk"
         folder = source.parent
     if not isinstance(error, FileNotFoundError):
-        message, help = (f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}", None)
+        message = f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}"
+        help = None
         folder = None
     if (archive := in_archive(source)) is not None:
-        message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
+        message = f"`{shown(archive[0])}` has no file `{archive[1]}`"
+        help = None
     cause = None
     if folder is not None:
         cause = Cause(f"{span.file}: {source.parent} {folder}", f"`{shown(source)}`")

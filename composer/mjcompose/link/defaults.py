@@ -31,9 +31,12 @@ from mjcompose.tree.unit import Unit
 # Sections whose elements take a class but are outside the body tree, beyond any childclass: MuJoCo 4.0
 # gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
 _CLASSED: Mapping[str, tuple[str, ...] | None] = {
-    "asset": ("mesh", "material", "texture"), "contact": ("pair",), "equality": None, "tendon": ("spatial", "fixed"),
+    "asset": ("mesh", "material", "texture"),
+    "contact": ("pair",),
+    "equality": None,
+    "tendon": ("spatial", "fixed"),
     "actuator": None,
-}  # fmt: skip
+}
 _TREE = ("joint", "geom", "site", "camera", "light")
 
 
@@ -131,16 +134,17 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
 def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
     """Set the top class on the elements outside the body tree that have no class of their own."""
     # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
-    for section in unit.root.iterchildren(*_CLASSED) if kinds else ():
-        tag = str(section.tag)
-        tags = _CLASSED[tag] or ("*",)
-        if tag in ("asset", "contact"):
-            tags = tuple(kinds.intersection(tags))
-        if not tags or (tag in ("equality", "tendon") and tag not in kinds):
-            continue
-        for element in section.iterchildren(*tags):
-            if element.get("class") is None:
-                element.set("class", name)
+    if kinds:
+        for section in unit.root.iterchildren(*_CLASSED):
+            tag = str(section.tag)
+            tags = _CLASSED[tag] or ("*",)
+            if tag in ("asset", "contact"):
+                tags = tuple(kinds.intersection(tags))
+            if not tags or (tag in ("equality", "tendon") and tag not in kinds):
+                continue
+            for element in section.iterchildren(*tags):
+                if element.get("class") is None:
+                    element.set("class", name)
 
 
 def _claim_world(unit: Unit, name: str) -> None:
@@ -192,16 +196,17 @@ def top_level_defaults(linking: Linking) -> None:
         suspects = list(_suspects(unit))
         alone = (_gains(linking, unit) if suspects else None) or {}
         # At last, MuJoCo's own values without a class.
-        for gain in (_found, _found_in_the_end, lambda classes, own, tag: None) if alone else ():
-            for suspect in suspects:
-                _write(unit, suspect.actuator, gain)
-            there = _gains(linking, unit, wrap=True)
-            suspects = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
-            for suspect in suspects:
-                suspect.actuator.attrib.clear()
-                suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
-            if not suspects:
-                break
+        if alone:
+            for gain in (_found, _found_in_the_end, lambda classes, own, tag: None):
+                for suspect in suspects:
+                    _write(unit, suspect.actuator, gain)
+                there = _gains(linking, unit, wrap=True)
+                suspects = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
+                for suspect in suspects:
+                    suspect.actuator.attrib.clear()
+                    suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
+                if not suspects:
+                    break
         for actuator, _, kind, later in suspects:
             own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
             why = f"its class {own}, and the top class of its file is written in several `<default>`"
@@ -277,7 +282,8 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
 
     tag = str(actuator.tag)
     own = unit.classes.get(actuator.get("class"))
-    alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
+    alone = gain(unit.classes, own, tag)
+    there = _found(unit.classes, own, tag)
     common = GRAMMAR.element("actuator/motor").attributes
     # Next to the actuator's own: "kv and dampratio cannot both be defined" in MuJoCo 4.0.
     one_of = ("kv", "dampratio")

@@ -24,9 +24,15 @@ from mjcompose.tree.names import own_name
 from mjcompose.tree.unit import Unit
 
 _ON_BODIES = {
-    "body": "body", "joint": "joint", "freejoint": "joint", "geom": "geom", "site": "site", "camera": "camera",
-    "light": "light", "flexcomp": "flex",
-}  # fmt: skip
+    "body": "body",
+    "joint": "joint",
+    "freejoint": "joint",
+    "geom": "geom",
+    "site": "site",
+    "camera": "camera",
+    "light": "light",
+    "flexcomp": "flex",
+}
 _OF_SECTIONS = {
     "asset": dict.fromkeys(("mesh", "hfield", "texture", "material", "skin")),
     "deformable": dict.fromkeys(("flex", "skin")),
@@ -273,9 +279,14 @@ def _diagnostic(fault: Fault, written: Written, model: Unit) -> Diagnostic:
         notes.append(Note("a `<replicate>` of the model", model.origins.span(replicate, model.file)))
         break
     return Diagnostic(
-        CODE, message, model.origins.span(element, model.file), severity=Severity.ERROR, help=help, notes=tuple(notes),
+        CODE,
+        message,
+        model.origins.span(element, model.file),
+        severity=Severity.ERROR,
+        help=help,
+        notes=tuple(notes),
         subjects=frozenset((str(element.get("name") or ""),)),
-    )  # fmt: skip
+    )
 
 
 def _counted(fault: Fault, article: str = "") -> str:

@@ -52,9 +52,12 @@ def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tu
 
 
 def share_in_copies(
-    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str], kinds: Collection[str],
+    model: Unit,
+    uses: Sequence[FileUse],
+    prefixes: Collection[str],
+    kinds: Collection[str],
     copies: Mapping[str, Hashable],
-) -> tuple[Merged, tuple[FileUse, ...]]:  # fmt: skip
+) -> tuple[Merged, tuple[FileUse, ...]]:
     """The copies of a part share its meshes, textures and height fields.
 
     Return the names of the removed elements, each with the name of the first copy's, and the remaining files. `copies`
@@ -65,9 +68,12 @@ def share_in_copies(
 
 
 def _merge(
-    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str], kinds: Collection[str],
+    model: Unit,
+    uses: Sequence[FileUse],
+    prefixes: Collection[str],
+    kinds: Collection[str],
     copies: Mapping[str, Hashable] | None,
-) -> tuple[Merged, tuple[FileUse, ...]]:  # fmt: skip
+) -> tuple[Merged, tuple[FileUse, ...]]:
     """Merge equal assets of these kinds, with `copies` only those of copies of one part."""
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
     meanings = _Meanings(model, uses, merged, reads_files=copies is None)
@@ -177,17 +183,18 @@ class _Meanings:
 def _redirect(root: Node, merged: Merged) -> None:
     for section in root.iterchildren("*"):
         table = naming_table(str(section.tag))
-        for element in section.iterdescendants(*table) if table else ():
-            for key, (kind, namespace) in table[str(element.tag)].items():
-                value = str(element.get(key) or "")
-                if not value or kind not in (REFERS, LISTS, REFERS_BY):
-                    continue
-                target = object_namespace(element, namespace) if kind == REFERS_BY else namespace
-                if names := merged.get(target or "", {}):
-                    each = value.split() if kind == LISTS else [value]
-                    new = " ".join(names.get(name, name) for name in each)
-                    if new != value:
-                        element.set(key, new)
+        if table:
+            for element in section.iterdescendants(*table):
+                for key, (kind, namespace) in table[str(element.tag)].items():
+                    value = str(element.get(key) or "")
+                    if not value or kind not in (REFERS, LISTS, REFERS_BY):
+                        continue
+                    target = object_namespace(element, namespace) if kind == REFERS_BY else namespace
+                    if names := merged.get(target or "", {}):
+                        each = value.split() if kind == LISTS else [value]
+                        new = " ".join(names.get(name, name) for name in each)
+                        if new != value:
+                            element.set(key, new)
 
 
 ASSETS = "assets"

@@ -43,7 +43,8 @@ def inertia(linking: Linking) -> None:
     if not linking.composed:
         return
     for unit in linking.units:
-        settings, classes = unit.settings, unit.classes
+        settings = unit.settings
+        classes = unit.classes
         if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
             write_inertias(linking, unit)
             continue
@@ -53,14 +54,15 @@ def inertia(linking: Linking) -> None:
         # have no mass counts as a body without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0 0"
         # diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`. With the rule `false`, a
         # body without a written inertial has no mass, whatever its geoms are.
-        for body in _bodies(unit) if settings.inertiafromgeom in ("true", "false") else ():
-            inertials = own(body, "inertial")
-            if settings.inertiafromgeom == "false":
-                if not inertials:
-                    _write_no_mass(linking, unit, body)
-            elif inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
-                for inertial in inertials:
-                    detach(inertial)
+        if settings.inertiafromgeom in ("true", "false"):
+            for body in _bodies(unit):
+                inertials = own(body, "inertial")
+                if settings.inertiafromgeom == "false":
+                    if not inertials:
+                        _write_no_mass(linking, unit, body)
+                elif inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
+                    for inertial in inertials:
+                        detach(inertial)
 
 
 def _bodies(unit: Unit) -> list[Node]:
@@ -144,22 +146,23 @@ _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
 def fitted_sizes(linking: Linking) -> None:
-    for unit in linking.units if linking.composed else ():
-        if unit.settings.fitaabb != "true":
-            continue
-        classes = unit.classes
-        fitted = {
-            geom: str(kind)
-            for geom, childclass in walk_bodies(unit.root)
-            if geom.tag == "geom"
-            and (kind := classes.effective(geom, childclass, "type")) in _SIZES
-            and classes.effective(geom, childclass, "mesh")
-        }
-        kept = KeptSettings(linking, unit, ("fitaabb",))
-        found = kept.survey(GEOMS) if fitted else None
-        if found is not None:
-            for geom, kind in fitted.items():
-                _write_fitted(kept, geom, _SIZES[kind], found=found)
+    if linking.composed:
+        for unit in linking.units:
+            if unit.settings.fitaabb != "true":
+                continue
+            classes = unit.classes
+            fitted = {
+                geom: str(kind)
+                for geom, childclass in walk_bodies(unit.root)
+                if geom.tag == "geom"
+                and (kind := classes.effective(geom, childclass, "type")) in _SIZES
+                and classes.effective(geom, childclass, "mesh")
+            }
+            kept = KeptSettings(linking, unit, ("fitaabb",))
+            found = kept.survey(GEOMS) if fitted else None
+            if found is not None:
+                for geom, kind in fitted.items():
+                    _write_fitted(kept, geom, _SIZES[kind], found=found)
 
 
 def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> None:
@@ -193,48 +196,55 @@ def lengthranges(linking: Linking) -> None:
     name = "actuator_lengthrange"
     # MuJoCo would move a part with the unit that it is attached to, and it may stop that earlier.
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
-    for unit in linking.units if linking.parts else ():
-        rules = list(unit.root.iter("lengthrange"))
-        actuators = unit.root.findall("actuator/*")
-        measured: list[float] = []
-        if not rules:
-            sections = unit.root.iterchildren("actuator", "default")
-            candidates = (each for section in sections for each in section.iter("muscle", "general"))
-            if hanging and linking.measure is not None and any(map(_is_muscle, candidates)):
-                measured = linking.measure(unit, (name,)).get(name, [])
-            if len(measured) != 2 * len(actuators):
-                continue  # MuJoCo made copies of actuators, whose ranges it computes again
-        elif actuators:
-            kept = KeptSettings(linking, unit, ("lengthrange",))
-            found = kept.survey((name,))
-            if found is None:
-                continue
-            measured = found.arrays[name]
-            if len(measured) != 2 * len(actuators):
-                kept.refuse("MuJoCo makes copies of actuators")
-                continue
-        for at, actuator in enumerate(actuators):
-            limits = measured[2 * at : 2 * at + 2]
-            # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
-            if any(limits):
-                actuator.set("lengthrange", numbers.text(limits))
-            elif rules and _is_muscle(actuator):
-                why = "it leaves a muscle without a range"
-                message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {why}"
-                notes = (Note("the muscle", linking.span(unit, actuator)),)
-                help = "write the `lengthrange` of the muscle"
-                linking.sink.error("compiler-setting", message, linking.span(unit, rules[-1]), notes=notes, help=help)
-                break
-        for rule in rules:
-            detach(rule)
+    if linking.parts:
+        for unit in linking.units:
+            rules = list(unit.root.iter("lengthrange"))
+            actuators = unit.root.findall("actuator/*")
+            measured: list[float] = []
+            if not rules:
+                sections = unit.root.iterchildren("actuator", "default")
+                candidates = (each for section in sections for each in section.iter("muscle", "general"))
+                if hanging and linking.measure is not None and any(map(_is_muscle, candidates)):
+                    measured = linking.measure(unit, (name,)).get(name, [])
+                if len(measured) != 2 * len(actuators):
+                    continue  # MuJoCo made copies of actuators, whose ranges it computes again
+            elif actuators:
+                kept = KeptSettings(linking, unit, ("lengthrange",))
+                found = kept.survey((name,))
+                if found is None:
+                    continue
+                measured = found.arrays[name]
+                if len(measured) != 2 * len(actuators):
+                    kept.refuse("MuJoCo makes copies of actuators")
+                    continue
+            for at, actuator in enumerate(actuators):
+                limits = measured[2 * at : 2 * at + 2]
+                # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
+                if any(limits):
+                    actuator.set("lengthrange", numbers.text(limits))
+                elif rules and _is_muscle(actuator):
+                    why = "it leaves a muscle without a range"
+                    message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {why}"
+                    notes = (Note("the muscle", linking.span(unit, actuator)),)
+                    help = "write the `lengthrange` of the muscle"
+                    linking.sink.error(
+                        "compiler-setting", message, linking.span(unit, rules[-1]), notes=notes, help=help
+                    )
+                    break
+            for rule in rules:
+                detach(rule)
 
 
 _MUSCLE_LAWS = (("gainprm", "gaintype"), ("biasprm", "biastype"))
 _MUSCLE = 2  # mjGAIN_MUSCLE, mjBIAS_MUSCLE
-_FORCE, _SCALE, _PARAMETERS = 2, 3, 10
+_FORCE = 2
+_SCALE = 3
+_PARAMETERS = 10
 _STRENGTHS = (
-    "actuator_acc0", "actuator_outadr", *(f"actuator_{name}" for pair in _MUSCLE_LAWS for name in pair),
-)  # fmt: skip
+    "actuator_acc0",
+    "actuator_outadr",
+    *(f"actuator_{name}" for pair in _MUSCLE_LAWS for name in pair),
+)
 
 
 def muscle_forces(linking: Linking) -> None:
@@ -244,17 +254,18 @@ def muscle_forces(linking: Linking) -> None:
     hang together: a finger whose muscle gives 0.26 N m gave 0.06 N m on an arm.
     """
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts) or linking.request.adds_mass
-    for unit in linking.units if hanging else ():
-        sections = unit.root.iterchildren("actuator", "default")
-        candidates = (each for section in sections for each in section.iter("muscle", "general"))
-        if linking.measure is None or not any(map(_is_muscle, candidates)):
-            continue
-        arrays = linking.measure(unit, _STRENGTHS)
-        actuators = unit.root.findall("actuator/*")
-        if len(arrays.get("actuator_gaintype", ())) != len(actuators):
-            continue  # MuJoCo makes copies of actuators; a part whose muscles differ then fails as changed
-        for row, actuator in enumerate(actuators):
-            _write_force(actuator, row, arrays)
+    if hanging:
+        for unit in linking.units:
+            sections = unit.root.iterchildren("actuator", "default")
+            candidates = (each for section in sections for each in section.iter("muscle", "general"))
+            if linking.measure is None or not any(map(_is_muscle, candidates)):
+                continue
+            arrays = linking.measure(unit, _STRENGTHS)
+            actuators = unit.root.findall("actuator/*")
+            if len(arrays.get("actuator_gaintype", ())) != len(actuators):
+                continue  # MuJoCo makes copies of actuators; a part whose muscles differ then fails as changed
+            for row, actuator in enumerate(actuators):
+                _write_force(actuator, row, arrays)
 
 
 def _write_force(actuator: Node, row: int, arrays: Mapping[str, list[float]]) -> None:
@@ -278,17 +289,18 @@ def _is_muscle(actuator: Node) -> bool:
 
 def body_reduction(linking: Linking) -> None:
     """Reduce each unit that requests it; MuJoCo itself reduces a model of one unit."""
-    for part in (None, *linking.parts) if linking.composed else ():
-        unit = linking.base if part is None else part.unit
-        wanted = [name for name in ("fusestatic", "discardvisual") if getattr(unit.settings, name) == "true"]
-        # Below a joint of the recipe, bodies that would be part of the world alone keep their mass.
-        pinned = static_bodies(unit) if wanted and part is not None and part.has_body else ()
-        found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned) if wanted else None
-        if found is not None:
-            changed = discard(unit, found) if "discardvisual" in wanted else set()
-            changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
-            unit.forget_settings(*wanted)
-            settle_inertia(linking, unit, changed, found=found)
+    if linking.composed:
+        for part in (None, *linking.parts):
+            unit = linking.base if part is None else part.unit
+            wanted = [name for name in ("fusestatic", "discardvisual") if getattr(unit.settings, name) == "true"]
+            # Below a joint of the recipe, bodies that would be part of the world alone keep their mass.
+            pinned = static_bodies(unit) if wanted and part is not None and part.has_body else ()
+            found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned) if wanted else None
+            if found is not None:
+                changed = discard(unit, found) if "discardvisual" in wanted else set()
+                changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
+                unit.forget_settings(*wanted)
+                settle_inertia(linking, unit, changed, found=found)
 
 
 _ASSETS = ("mesh", "material", "texture")
@@ -438,6 +450,7 @@ def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -
         which = "part of the world, which has no mass: the composition loses their mass"
         message = f"`fusestatic` makes bodies of `{part.called}` {which}"
         span = linking.span(unit, compiler, "fusestatic")
-        notes, cause = [Note("such a body", linking.span(unit, heavy[0]))], Cause(unit.file, f"`{part.called}`")
+        notes = [Note("such a body", linking.span(unit, heavy[0]))]
+        cause = Cause(unit.file, f"`{part.called}`")
         help = 'remove `fusestatic="true"` from a copy of the file, and they stay bodies'
         linking.sink.warning("compiler-setting", message, span, notes=notes, help=help, cause=cause)

@@ -23,7 +23,8 @@ from mjcompose.tree.unit import Unit
 
 def joints_in_order(unit: Unit) -> list[Holder]:
     """Return the joints of a model in the order of `qpos`, and the blocks that MuJoCo expands. It measures nothing."""
-    layout, block = Layout(), Slot(BLOCK, (0, 0))
+    layout = Layout()
+    block = Slot(BLOCK, (0, 0))
     reader = _Reader(unit, dict.fromkeys(unit.root.iter(*BLOCKS), block))
     for worldbody in unit.root.iterchildren("worldbody"):
         reader.visit_world(worldbody, layout)
@@ -111,7 +112,8 @@ class Layout(Struct, frozen=False):
         nq = nv = 0
         for slot in self.joints.values():
             yield from ((nq + q, nv + v) for q, v in slot.free)
-            nq, nv = nq + slot.widths[0], nv + slot.widths[1]
+            nq = nq + slot.widths[0]
+            nv = nv + slot.widths[1]
 
 
 # An actuator may have several controls since MuJoCo 4.0: `<pid joint="j" kp="1"/>` alone has `nactuator` 1 and `nu` 2,
@@ -197,7 +199,8 @@ class _Reader:
         # …, rod_twist, c. The content of a `<replicate>` of the world is in the world only when MuJoCo has read all of
         # it, so they come first there. Either way there is one set of them, not one for each copy.
         for child in through_frames(worldbody):
-            inside, twists = Layout(), Layout()
+            inside = Layout()
+            twists = Layout()
             self._inner(child, (), inside, twists=twists)
             first, second = (twists, inside) if child.tag == "replicate" else (inside, twists)
             layout.joints |= first.joints
@@ -275,7 +278,10 @@ class _Reader:
             said = self._said_of_general(str(general.get("class") or ""))
             if said is None:
                 return None
-            gain, dyntype, size, inputs = (gain or said[0], dyntype or said[1], size or said[2], inputs or said[3])
+            gain = gain or said[0]
+            dyntype = dyntype or said[1]
+            size = size or said[2]
+            inputs = inputs or said[3]
         if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
             return None
         if not size or int(size) < 0:  # the default of MuJoCo

@@ -107,7 +107,8 @@ def cut_row(
 
 def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
     """Report poses in the world that a `<replicate>` around the part would move to several places."""
-    taken, holder = key.values[vector], part.content
+    taken = key.values[vector]
+    holder = part.content
     replicate = None if holder is None else next(holder.iterancestors("replicate"), None)
     if vector in ("qpos", "qvel"):
         floats = any(slot.free and joint in taken for joint, slot in layout.joints.items())
@@ -129,7 +130,8 @@ def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector
         if block.tag == "flexcomp" and _is_turned(part, block):
             message = f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns"
             help = "omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body"
-            notes, subjects = (Note("the flex", linking.span(part.unit, block)),), (part.called,)
+            notes = (Note("the flex", linking.span(part.unit, block)),)
+            subjects = (part.called,)
             linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=subjects)
 
 
@@ -150,13 +152,15 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
     if pose is None or pose.is_identity:
         return
     by = (part.called, part.span)
-    for joint, slot in layout.joints.items() if vector in ("qpos", "qvel") else ():
-        if slot.free and joint in taken:
-            taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by)
-    for body in layout.mocaps if vector in ("mpos", "mquat") else ():
-        if body in taken:
-            now = _place_vector(pose, vector, numbers.read(" ".join(texts(taken[body]))))
-            taken[body] = moved(taken[body], numbers.text(now).split(), by)
+    if vector in ("qpos", "qvel"):
+        for joint, slot in layout.joints.items():
+            if slot.free and joint in taken:
+                taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, values=texts(taken[joint])), by)
+    if vector in ("mpos", "mquat"):
+        for body in layout.mocaps:
+            if body in taken:
+                now = _place_vector(pose, vector, numbers.read(" ".join(texts(taken[body]))))
+                taken[body] = moved(taken[body], numbers.text(now).split(), by)
 
 
 def _place_vector(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
@@ -264,7 +268,8 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
         which = f"`{vector}` of {called(key.element)}"
         message = f"{which} has numbers that no longer fit the {what}: an edit gives it others"
         span = linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type")
-        notes, cause = (Note("the key", key.span(vector)),), Cause(f"numbers of {what}", which)
+        notes = (Note("the key", key.span(vector)),)
+        cause = Cause(f"numbers of {what}", which)
         help = "they become the reference configuration's, or 0. Write them in a key of the recipe"
         linking.sink.warning("keyframe-conflict", message, span, notes=notes, help=help, cause=cause)
     reference.lost.clear()
@@ -316,7 +321,8 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
         key.time = other.time
     elif not settled and other.time is not None and numbers.read(other.time.text) != numbers.read(key.time.text):
         report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
-        here, there = other.span("time"), key.span("time")
+        here = other.span("time")
+        there = key.span("time")
         message = f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}"
         help = "write `keys: prefix` in one of the parts to keep its keys apart"
         notes = (Note("the other one is here", there),)
@@ -332,10 +338,12 @@ def _report_same_name(
     """Report two keys that would have the same name if at least one of them must not change."""
     rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"
     if _policy(linking, second_part) == "prefix":
-        apart, other = second_part, its_part
+        apart = second_part
+        other = its_part
         help = rename if apart is not None and apart.prefix else "give the part a `prefix`, or " + rename
     else:
-        apart, other = its_part, second_part
+        apart = its_part
+        other = second_part
         help = rename if apart is not None else "write `keys: prefix` at the part: the base has no prefix"
     owner, other_owner = ("the base" if part is None else f"`{part.called}`" for part in (apart, other))
     message = f"the key `{first.name}` of {owner} must stay separate, and {other_owner} has a key of that name, too"
@@ -357,9 +365,10 @@ def _check_kept(linking: Linking) -> None:
     """Report attributes of keys that cannot be laid out again."""
     for part in (None, *linking.parts):
         unit = linking.base if part is None else part.unit
-        for key in keys_of(unit) if _policy(linking, part) != "none" else ():
-            if key.get("plastic"):
-                message = f"`plastic` of {called(key)} cannot be carried over yet"
-                cause = Cause(f"plastic in {unit.file}", called(key))
-                span = linking.span(unit, key, "plastic")
-                linking.sink.error("not-supported", message, span, help="omit the keys: `drop: [key]`", cause=cause)
+        if _policy(linking, part) != "none":
+            for key in keys_of(unit):
+                if key.get("plastic"):
+                    message = f"`plastic` of {called(key)} cannot be carried over yet"
+                    cause = Cause(f"plastic in {unit.file}", called(key))
+                    span = linking.span(unit, key, "plastic")
+                    linking.sink.error("not-supported", message, span, help="omit the keys: `drop: [key]`", cause=cause)

@@ -100,9 +100,19 @@ def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Conte
 
 
 _ARRAYS = (
-    "nq", "nv", "qpos0", "key_time", "body_mocapid", "body_pos", "body_quat", "jnt_type", "jnt_qposadr", "jnt_dofadr",
-    "actuator_actnum", "actuator_ctrlnum",
-)  # fmt: skip
+    "nq",
+    "nv",
+    "qpos0",
+    "key_time",
+    "body_mocapid",
+    "body_pos",
+    "body_quat",
+    "jnt_type",
+    "jnt_qposadr",
+    "jnt_dofadr",
+    "actuator_actnum",
+    "actuator_ctrlnum",
+)
 
 
 def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
@@ -205,12 +215,17 @@ def _measured_attach(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
     arrays = linking.measure(_alone(unit, attach, unit.root.iterfind("asset/model")), _ARRAYS, attempt=True)
     if not arrays:
         return None
-    acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
+    acts = _counts(arrays, "actnum")
+    controls = _counts(arrays, "ctrlnum")
     return Slot(
-        BLOCK, (int(arrays["nq"][0]), int(arrays["nv"][0])), tuple(_free_joints(arrays)),
-        controls=(sum(controls), sum(acts)), actuators=len(acts),
-        mocaps=sum(number >= 0 for number in arrays["body_mocapid"]), keys=len(arrays["key_time"]),
-    )  # fmt: skip
+        BLOCK,
+        (int(arrays["nq"][0]), int(arrays["nv"][0])),
+        tuple(_free_joints(arrays)),
+        controls=(sum(controls), sum(acts)),
+        actuators=len(acts),
+        mocaps=sum(number >= 0 for number in arrays["body_mocapid"]),
+        keys=len(arrays["key_time"]),
+    )
 
 
 def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
@@ -231,7 +246,8 @@ def _free_inside(
     for joint, slot in layout.joints.items():
         if joint is block:
             break
-        nq, nv = nq + slot.widths[0], nv + slot.widths[1]
+        nq = nq + slot.widths[0]
+        nv = nv + slot.widths[1]
     return tuple((q - nq, v - nv) for q, v in _free_joints(arrays) if nq <= q < nq + widths[0])
 
 
@@ -306,7 +322,9 @@ class KeptSettings(Struct):
 
     def refuse(self, why: str, element: Node | None = None) -> None:
         """Report that the settings cannot be kept, at an element or where the first of them is written."""
-        linking, unit, first = self.linking, self.unit, self.names[0]
+        linking = self.linking
+        unit = self.unit
+        first = self.names[0]
         named = " and ".join(f"`{name}`" for name in self.names)
         compilers = list(unit.root.iterchildren("compiler"))
         compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
@@ -394,7 +412,8 @@ class Reference:
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
         second = vector in ("qvel", "act")
         for holder, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
-            width, given = slot.widths[second], found(holder)
+            width = slot.widths[second]
+            given = found(holder)
             element = element_of(holder)
             if given is None or len(given) != width or element in void:
                 # `convert` reports the losses of actuators.

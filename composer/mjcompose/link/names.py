@@ -56,12 +56,14 @@ def names(linking: Linking) -> None:
 
 class _UnitRenaming:
     def __init__(self, linking: Linking, part: Part | None) -> None:
-        self.linking, self.part = linking, part
+        self.linking = linking
+        self.part = part
         self.unit = linking.base if part is None else part.unit
         self.prefix = "" if part is None else part.prefix
 
     def run(self) -> None:
-        part, unit = self.part, self.unit
+        part = self.part
+        unit = self.unit
         top_class = self.linking.base_class or MAIN if part is None else part.top_class
         found = rename(unit, self.prefix, top_class=top_class, outward=part.outward if part else _NOTHING)
         self._refer_to_keys()
@@ -89,7 +91,8 @@ class _UnitRenaming:
             earlier.update(declared)
 
     def _refer_to_keys(self) -> None:
-        request, unit = self.linking.request, self.unit
+        request = self.linking.request
+        unit = self.unit
         policy = request.base_keyframes if self.part is None else self.part.keyframes
         own = [str(key.get("name") or "") for key in unit.root.iterfind("keyframe/key")]
         for element in unit.root.iterfind("custom//element[@objtype='key']"):
@@ -101,12 +104,14 @@ class _UnitRenaming:
                 element.set("objname", self.prefix + name)
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
                 message = f"a tuple refers to the key `{name}`, which `drop: [key]` drops"
-                help, span = "drop the tuple, too: `drop: [tuple]`", self.linking.span(unit, element, "objname")
+                help = "drop the tuple, too: `drop: [tuple]`"
+                span = self.linking.span(unit, element, "objname")
                 self.linking.sink.error("unknown-name", message, span, help=help, subjects=(name,))
 
     def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
         attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
-        span, purpose = self.linking.span(self.unit, element, attribute), f", which `<{element.tag}>` refers to,"
+        span = self.linking.span(self.unit, element, attribute)
+        purpose = f", which `<{element.tag}>` refers to,"
         shown = name if namespace == "key" else name.removeprefix(self.prefix)
         written = f'{attribute}="{{}}"' if attribute else "{}"
         found = unknown_name(word(namespace), shown, own, span=span, purpose=purpose, written=written)
@@ -132,7 +137,8 @@ class _UnitRenaming:
         if part.span is not None and here != there:
             notes.insert(0, Note("the part declares it here", here))
         what = f"`{part.called}` brings the {word(first.namespace)} `{first.name}`"
-        message, subjects = f"{what}, and the model already has this name{more}", (part.called, first.name)
+        message = f"{what}, and the model already has this name{more}"
+        subjects = (part.called, first.name)
         help = "give the part another prefix" if part.prefix else "give the part a prefix: omit `prefix`"
         linking.sink.error(first.code, message, part.span or here, notes=notes, help=help, subjects=subjects)
 
@@ -146,7 +152,8 @@ class UnitNames:
     """
 
     def __init__(self, prefix: str, outward: Mapping[str, str]) -> None:
-        self.prefix, self.outward = prefix, outward
+        self.prefix = prefix
+        self.outward = outward
         self.declared: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.referred: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.repeated: list[tuple[str, str, Node]] = []
@@ -162,31 +169,34 @@ class UnitNames:
 
     def take(self, section: Node) -> None:
         """Rename everything in a section, and collect the names."""
-        table, prefix, outward = _actions(str(section.tag)), self.prefix, self.outward
+        table = _actions(str(section.tag))
+        prefix = self.prefix
+        outward = self.outward
         # The references of a class need not exist.
         referred = defaultdict(dict) if section.tag == "default" else self.referred
-        for element in section.iterdescendants("*") if table else ():
-            actions = table.get(element.tag)
-            if actions is None:
-                continue
-            items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
-            for key, value in items:
-                if key not in actions:
+        if table:
+            for element in section.iterdescendants("*"):
+                actions = table.get(element.tag)
+                if actions is None:
                     continue
-                kind, namespace = actions[key]
-                if kind not in (DECLARES, REFERS) or namespace == "key" or not value:
-                    self._rename_special(element, key, value, action=(kind, namespace))
-                    continue
-                if kind == REFERS and value in outward:
-                    element.set(key, outward[value])
-                    continue
-                if prefix:
-                    value = prefix + value
-                    element.set(key, value)
-                if kind == DECLARES:
-                    self.declare(namespace, value, element)
-                else:
-                    referred[namespace].setdefault(value, element)
+                items: list[tuple[str, str]] = element.items()  # type: ignore[assignment]  # of a parsed tree
+                for key, value in items:
+                    if key not in actions:
+                        continue
+                    kind, namespace = actions[key]
+                    if kind not in (DECLARES, REFERS) or namespace == "key" or not value:
+                        self._rename_special(element, key, value, action=(kind, namespace))
+                        continue
+                    if kind == REFERS and value in outward:
+                        element.set(key, outward[value])
+                        continue
+                    if prefix:
+                        value = prefix + value
+                        element.set(key, value)
+                    if kind == DECLARES:
+                        self.declare(namespace, value, element)
+                    else:
+                        referred[namespace].setdefault(value, element)
 
     def _rename_special(self, element: Node, key: str, value: str, *, action: tuple[int, str]) -> None:
         """Rename a value that is not a plain name: empty, a list, a prefix, a file, or a name typed by a sibling."""
@@ -243,9 +253,10 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
     for section in unit.root.iterchildren("*"):
         names.take(section)
     # MuJoCo 4.0 refuses `<composite>`, which older models have; its `prefix` names the elements that it makes.
-    for composite in unit.root.iter("composite") if prefix else ():
-        if "prefix" not in composite.attrib:
-            composite.set("prefix", prefix)
+    if prefix:
+        for composite in unit.root.iter("composite"):
+            if "prefix" not in composite.attrib:
+                composite.set("prefix", prefix)
     # No element declares these two. `world` is always the whole model's, and nothing else may have the name: `<body
     # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is the unit's top class, which is wrapped.
     for namespace, reserved, final in (("body", WORLD, WORLD), ("default", MAIN, top_class)):

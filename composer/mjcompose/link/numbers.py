@@ -99,7 +99,9 @@ def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
 
 def pose_below(element: Node, degrees: bool, sequence: str) -> tuple[Pose, Node, Node | None]:
     """Return the pose of a frame in its body or world, that holder, and a `<replicate>` between them."""
-    pose, node, copied = Pose(), element, None
+    pose = Pose()
+    node = element
+    copied = None
     while node.tag in ("frame", "replicate"):
         if node.tag == "frame":
             pose = read_pose(node, degrees, sequence) @ pose

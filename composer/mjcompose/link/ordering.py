@@ -61,7 +61,8 @@ def _sort(holder: Node, ranks: Mapping[Node, float], classes: Classes) -> tuple[
         elif child.tag in ("frame", "body", "replicate"):
             joints, bodies = _sort(child, ranks, classes)
             if child.tag != "frame":
-                joints, bodies = None, _least(joints, bodies)
+                bodies = _least(joints, bodies)
+                joints = None
         if joints is not None:
             own[child] = joints
         if bodies is not None:
@@ -97,7 +98,8 @@ def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
         return (
             f"MuJoCo puts the copies that a `<replicate>` makes of {kind}s after all others, one copy after the other"
         )
-    one, other = found[first], found[second]
+    one = found[first]
+    other = found[second]
     around = list(other.iterancestors())
     body = next(each for each in one.iterancestors(*_BODIES))
     inner = next(each for each in other.iterancestors(*_BODIES))

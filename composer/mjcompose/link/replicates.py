@@ -61,11 +61,12 @@ def check_replicates(linking: Linking) -> None:
     reported: set[tuple[Unit, Unit]] = set()
     for unit, replicate in linking.notes.replicates:
         for other, elements in waiting.items():
-            for element in elements if other is not unit and (unit, other) not in reported else ():
-                if resolves_in_copies(linking, element, replicate, places=places, made=made):
-                    reported.add((unit, other))
-                    _refuse(linking, unit, replicate, other=other, thing=element)
-                    break
+            if other is not unit and (unit, other) not in reported:
+                for element in elements:
+                    if resolves_in_copies(linking, element, replicate, places=places, made=made):
+                        reported.add((unit, other))
+                        _refuse(linking, unit, replicate, other=other, thing=element)
+                        break
 
 
 def multiplied_elements(unit: Unit) -> Iterator[Node]:
@@ -77,7 +78,9 @@ def resolves_in_copies(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
     """Return whether MuJoCo, when it reads the replicate, also finds the reference with a number appended."""
-    names, ends, here = list(references_of(thing)), suffixes(replicate), places.get(replicate, 0)
+    names = list(references_of(thing))
+    ends = suffixes(replicate)
+    here = places.get(replicate, 0)
     if not names or is_made_by(names, ends, linking.names.find, made=made):
         return True
     for element in (linking.names.find(kind, name + end) for kind, name in names for end in ends):
@@ -166,14 +169,17 @@ def _is_added(base: Unit, element: Node) -> bool:
 
 def _refuse_added(linking: Linking, element: Node, nest: Node) -> None:
     base = linking.base
-    called, place = shown_name(element), linking.span(base, nest)
+    called = shown_name(element)
+    place = linking.span(base, nest)
     linking.sink.error(
         "not-supported",
         f"MuJoCo would multiply the `<{element.tag}>` {called} with the contents of a `<replicate>`",
-        linking.span(base, element), notes=(Note("the `<replicate>`", place),),
+        linking.span(base, element),
+        notes=(Note("the `<replicate>`", place),),
         help="write the copies out instead of `<replicate>`",
-        cause=Cause(f"multiplied by line {place}", called), subjects=(str(element.get("name") or ""),),
-    )  # fmt: skip
+        cause=Cause(f"multiplied by line {place}", called),
+        subjects=(str(element.get("name") or ""),),
+    )
 
 
 _IndexOf = Callable[[Unit], NameIndex]
@@ -197,16 +203,17 @@ def _write_out_places(linking: Linking, holding: list[Unit]) -> None:
     prefixes = {linking.base: "", **{part.unit: part.prefix for part in linking.parts}}
     for part in linking.parts:
         place = part.place
-        for unit in holding if place.name and place.kind != "world" else ():
-            name = str(place.name).removeprefix(prefixes[unit])
-            element = _copied_element(unit, place.kind, name)
-            if unit is part.unit or element is None or not str(place.name).startswith(prefixes[unit]):
-                continue
-            nest = list(element.iterancestors("replicate"))[-1]
-            inside = list(inner_first(nest))
-            if _is_separate(unit, lambda unit: NameIndex.of(unit.root), nest, inside=inside):
-                for each in inside:
-                    _write_out(linking, unit, each)
+        if place.name and place.kind != "world":
+            for unit in holding:
+                name = str(place.name).removeprefix(prefixes[unit])
+                element = _copied_element(unit, place.kind, name)
+                if unit is part.unit or element is None or not str(place.name).startswith(prefixes[unit]):
+                    continue
+                nest = list(element.iterancestors("replicate"))[-1]
+                inside = list(inner_first(nest))
+                if _is_separate(unit, lambda unit: NameIndex.of(unit.root), nest, inside=inside):
+                    for each in inside:
+                        _write_out(linking, unit, each)
 
 
 def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:

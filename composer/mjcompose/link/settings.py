@@ -56,11 +56,12 @@ def alignment(linking: Linking) -> None:
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
     # The joints of attachments are in no tree yet.
-    for part in linking.parts if linking.notes.aligned else ():
-        part.joints = tuple(
-            replace(joint, attributes={"align": "false", **joint.attributes}) if joint.tag == "freejoint" else joint
-            for joint in part.joints
-        )
+    if linking.notes.aligned:
+        for part in linking.parts:
+            part.joints = tuple(
+                replace(joint, attributes={"align": "false", **joint.attributes}) if joint.tag == "freejoint" else joint
+                for joint in part.joints
+            )
 
 
 def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
@@ -96,8 +97,18 @@ def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_ot
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 # Settings that other passes make explicit, that concern a whole model, or that have no effect.
-_NOT_KEPT = ("inertiafromgeom", "inertiagrouprange", *MEASURED, "fusestatic", "discardvisual", "alignfree", "fitaabb",
-             "coordinate", "usethread", "conflict")  # fmt: skip
+_NOT_KEPT = (
+    "inertiafromgeom",
+    "inertiagrouprange",
+    *MEASURED,
+    "fusestatic",
+    "discardvisual",
+    "alignfree",
+    "fitaabb",
+    "coordinate",
+    "usethread",
+    "conflict",
+)
 
 
 def compiler(linking: Linking) -> None:
@@ -168,19 +179,20 @@ def merge_sizes(linking: Linking) -> None:
                 data = (str(each.get("user") or "") for unit in linking.units for each in _with_user(unit, str(name)))
                 size.set(name, str(max([_count(str(value)), *(len(text.split()) for text in data)])))
     has_memory = any(size.get("memory") for size in sizes)
-    for size in sizes if has_memory else ():
-        for name in INSTEAD_OF_MEMORY:
-            span = linking.span(linking.base, size, name)
-            own = size.get(name)
-            if own is None:
-                continue
-            del size.attrib[name]
-            for part in linking.parts:
-                for section in part.unit.root.iterchildren("size"):
-                    if section.get(name) == own:
-                        span = linking.span(part.unit, section, name)
-            message = f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written"
-            linking.sink.warning("option-conflict", message, span)
+    if has_memory:
+        for size in sizes:
+            for name in INSTEAD_OF_MEMORY:
+                span = linking.span(linking.base, size, name)
+                own = size.get(name)
+                if own is None:
+                    continue
+                del size.attrib[name]
+                for part in linking.parts:
+                    for section in part.unit.root.iterchildren("size"):
+                        if section.get(name) == own:
+                            span = linking.span(part.unit, section, name)
+                message = f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written"
+                linking.sink.warning("option-conflict", message, span)
 
 
 def _enlarge(linking: Linking, name: str, value: str) -> None:
@@ -201,9 +213,12 @@ def _count(value: str) -> int:
 
 
 _USERS = {
-    "nuser_body": ("body",), "nuser_jnt": ("joint", "freejoint"), "nuser_geom": ("geom",), "nuser_site": ("site",),
+    "nuser_body": ("body",),
+    "nuser_jnt": ("joint", "freejoint"),
+    "nuser_geom": ("geom",),
+    "nuser_site": ("site",),
     "nuser_cam": ("camera",),
-}  # fmt: skip
+}
 _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser_sensor": "sensor"}
 
 
@@ -257,7 +272,8 @@ def memory_size(linking: Linking) -> None:
         if not size.attrib and not len(size):
             detach(size)
     first, *others = linking.notes.memory
-    amount, why = f"{round(own / 2**20)}M", f"is {first.value}, which is too little for the whole model"
+    amount = f"{round(own / 2**20)}M"
+    why = f"is {first.value}, which is too little for the whole model"
     message = f"`size.{first.name}` of {_quoted(first.called)} {why}: MuJoCo's own choice, {amount}, is used"
     notes = [Note(f"{_quoted(each.called)} requests `{each.name}` {each.value}", each.span) for each in others]
     help = f"to set it yourself, write in the recipe `size: {{memory: {amount}}}`, or another amount"

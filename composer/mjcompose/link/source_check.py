@@ -117,7 +117,8 @@ def _repeated(root: Node) -> Iterator[_Fault]:
         for node in nodes:
             name = str(node.get(attribute) or "")
             if name and (first := known.setdefault(name, node)) is not node:
-                message, help = f"two {kind} are called `{name}`", "give one of them another name"
+                message = f"two {kind} are called `{name}`"
+                help = "give one of them another name"
                 yield _Fault(node, code, message, help=help, name=attribute, first=first)
 
 
@@ -132,7 +133,8 @@ def _faults(root: Node) -> Iterator[_Fault]:
         yield from _of_name(node, kind)
         if not len(node):
             continue
-        known, below = kind.children, []
+        known = kind.children
+        below = []
         for child in node.iterchildren("*"):
             if child.tag in known:
                 below.append((child, known[child.tag]))
@@ -192,10 +194,12 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Fault]:
         repaired = {"name": "another world"}
         yield _Fault(node, "bad-name", message, help="give it another name", name="name", repaired=repaired)
     elif kind.path == "default":
-        parent, name = node.getparent(), node.get("class")
+        parent = node.getparent()
+        name = node.get("class")
         if parent is None or parent.tag == "default":
             if not name:
-                message, help = "a default class inside another has no name", 'write `class="…"`'
+                message = "a default class inside another has no name"
+                help = 'write `class="…"`'
                 yield _Fault(node, "bad-name", message, help=help, name="class", repaired={"class": "another class"})
         elif name not in (None, "", "main"):
             message = f"a default class at the top must be called `main`, got `{name}`"
@@ -221,7 +225,8 @@ def _is_plain(attribute: Attribute, value: str) -> bool:
         list(map(float, parts))
     except ValueError:
         return False
-    low, high = attribute.min_length, attribute.max_length
+    low = attribute.min_length
+    high = attribute.max_length
     return (low or 0) <= len(parts) and (high is None or len(parts) <= high)
 
 

@@ -78,8 +78,9 @@ _BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/
 
 def submodel_options(linking: Linking) -> None:
     """Write the options of units with sub-models. MuJoCo itself merges the options of a model of one unit."""
-    for unit in linking.units if linking.parts else ():
-        _adopt_options(unit)
+    if linking.parts:
+        for unit in linking.units:
+            _adopt_options(unit)
 
 
 def _adopt_options(unit: Unit) -> None:
@@ -187,7 +188,8 @@ class _Bundler(Struct):
         self._count(unit, element, depth=len(above))
         before = self.linking.sink.error_count
         if isinstance(known, bytes):
-            shown, sub = file, parse_held(unit, file, known, sink=self.linking.sink)
+            shown = file
+            sub = parse_held(unit, file, known, sink=self.linking.sink)
         else:
             shown = source
             if known is None:  # messages name it by its place next to the file of the unit
@@ -218,9 +220,11 @@ class _Bundler(Struct):
         limits = in_force()
         self.linking.submodels += 1
         if depth >= limits.nesting:
-            message, limit = f"models attach models more than {limits.nesting} levels deep", "nesting"
+            message = f"models attach models more than {limits.nesting} levels deep"
+            limit = "nesting"
         elif self.linking.submodels > limits.submodels:
-            message, limit = f"there are more than {limits.submodels} models that models attach", "submodels"
+            message = f"there are more than {limits.submodels} models that models attach"
+            limit = "submodels"
         else:
             return
         self.linking.sink.error("limit-exceeded", message, self.linking.span(unit, element, "file"), help=advice(limit))
@@ -236,9 +240,10 @@ class _Bundler(Struct):
         if not self.keyed:
             files = {path: _without_keys(path, content) for path, content in files.items()}
         free = next(
-            each for each in chain([folder], (f"{folder}-{number}" for number in count(2)))
+            each
+            for each in chain([folder], (f"{folder}-{number}" for number in count(2)))
             if all(_same_bytes(taken.get(each + path, content), content) for path, content in files.items())
-        )  # fmt: skip
+        )
         element.set("file", free + file.removeprefix(folder))
         kept = files[file.removeprefix(folder)]
         if isinstance(kept, bytes) and (again := parse_held(unit, file, kept, sink=Sink())) is not None:
@@ -297,9 +302,14 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
     """Parse a sub-model in memory. Its files are in memory too, relative to its own folder."""
     folder, _, name = join("", file).rpartition("/")
     return parse_text(
-        data, sink, file=file, directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
-        label=posixpath.splitext(name)[0], contents=FromFolder(unit.contents, folder), door=unit.door,
-    )  # fmt: skip
+        data,
+        sink,
+        file=file,
+        directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
+        label=posixpath.splitext(name)[0],
+        contents=FromFolder(unit.contents, folder),
+        door=unit.door,
+    )
 
 
 def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:

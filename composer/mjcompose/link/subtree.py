@@ -126,10 +126,16 @@ class SideFinder:
     """
 
     def __init__(
-        self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True,
+        self,
+        unit: Unit,
+        inside: Iterable[Node],
+        outside: Iterable[Node],
+        *,
+        in_world: bool = True,
         known: Container[Name] = (),
-    ) -> None:  # fmt: skip
-        self._unit, self._in_world = unit, in_world
+    ) -> None:
+        self._unit = unit
+        self._in_world = in_world
         self._inside = _Names(inside)
         self._outside = _Names(outside)
         self._known = known
@@ -148,7 +154,9 @@ class SideFinder:
         if known is not None:
             return known
         self._sides[element] = Side()  # for elements that refer to one another in a ring
-        within, without, lacks = False, False, ""
+        within = False
+        without = False
+        lacks = ""
         others = []
         if element.tag == "skin" and (file := element.get("file")):
             named = bones(self._unit.source_of(written_path(self._unit.settings, element, str(file))))
@@ -160,10 +168,13 @@ class SideFinder:
             others += sorted(each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod)
         for namespace, name in (*references(element, section), *others):
             side = self._of_name(namespace, name)
-            within, without, lacks = within or side.inside, without or side.outside, lacks or side.lacks
+            within = within or side.inside
+            without = without or side.outside
+            lacks = lacks or side.lacks
         # Another body becomes the world of the subtree, which an equality with the world does not follow.
         if not self._in_world and section == "equality" and side_of_world(element) is not None:
-            without, lacks = True, lacks or "the world"
+            without = True
+            lacks = lacks or "the world"
         side = self._sides[element] = Side(within, without, lacks)
         return side
 
@@ -196,7 +207,8 @@ class SideFinder:
         elif (other := self._others.get(key)) is not None:
             side = self.of(*other)
         else:
-            inside, outside = self._inside.makes(name), self._outside.makes(name)
+            inside = self._inside.makes(name)
+            outside = self._outside.makes(name)
             side = Side(0 < inside >= outside, outside > inside)
         return side._replace(lacks=f"the {word(namespace)} `{name}`") if side.outside else side
 
@@ -269,9 +281,13 @@ def _cut(dropped: Iterable[DroppedElement]) -> tuple[DroppedElement, ...]:
 
 
 def take_from_excerpt(
-    excerpt: Excerpt, sink: Sink, *, span: Span | None = None, keyframes: KeyPolicy = "merge",
+    excerpt: Excerpt,
+    sink: Sink,
+    *,
+    span: Span | None = None,
+    keyframes: KeyPolicy = "merge",
     measure: Measure | None = None,
-) -> Subtree | None:  # fmt: skip
+) -> Subtree | None:
     """Do as `take_subtree` in an excerpt of its source. The list of all dropped elements is made on request."""
 
     def list_dropped() -> tuple[DroppedElement, ...]:
@@ -286,9 +302,15 @@ def take_from_excerpt(
 
 
 def take_subtree(
-    unit: Unit, name: str, sink: Sink, *, span: Span | None = None, keyframes: KeyPolicy = "merge",
-    measure: Measure | None = None, known: Container[Name] = (),
-) -> Subtree | None:  # fmt: skip
+    unit: Unit,
+    name: str,
+    sink: Sink,
+    *,
+    span: Span | None = None,
+    keyframes: KeyPolicy = "merge",
+    measure: Measure | None = None,
+    known: Container[Name] = (),
+) -> Subtree | None:
     """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.
 
     The body keeps its pose relative to its parent, which becomes the world. Elements that also refer outside the body
@@ -323,7 +345,8 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
         names = [str(each.get("name")) for each in bodies if each.get("name")]
-        message, notes = f"`{unit.label}` has no body `{name}` to take", attached_notes(unit, name)
+        message = f"`{unit.label}` has no body `{name}` to take"
+        notes = attached_notes(unit, name)
         sink.add(unknown_name("body", name, names, span=span, message=message, written="subtree: {}", notes=notes))
         return None
     copies = next(body.iterancestors("replicate"), None)
@@ -417,14 +440,15 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
         if tag in _OF_THE_WHOLE:
             yield from _strip_section(section, looks=unit.root.find("worldbody//camera") is not None)
             continue
-        for element in section.iterchildren("*") if tag in SECTIONS else ():
-            if tag == "asset" and element.tag != "skin":
-                continue
-            side = sides.of(element, tag)
-            if side.inside and not side.outside:
-                staying.append((element, tag))
-            else:
-                going.append((element, _dropped(unit, element, tag, lacks=side.lacks if side.inside else None)))
+        if tag in SECTIONS:
+            for element in section.iterchildren("*"):
+                if tag == "asset" and element.tag != "skin":
+                    continue
+                side = sides.of(element, tag)
+                if side.inside and not side.outside:
+                    staying.append((element, tag))
+                else:
+                    going.append((element, _dropped(unit, element, tag, lacks=side.lacks if side.inside else None)))
     needed = sides.needed_by(staying)
     for element, dropped in going:  # only now: the side of an element may depend on others
         if element not in needed:
@@ -435,7 +459,8 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
 
 def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:
     """Remove a section of the whole model, except `znear` for a camera, which needs it for its intrinsics."""
-    root, tag = section.getparent(), str(section.tag)
+    root = section.getparent()
+    tag = str(section.tag)
     assert root is not None
     if section.attrib:
         section.attrib.clear()

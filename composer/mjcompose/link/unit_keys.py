@@ -39,10 +39,13 @@ MARK = "\u00b7"
 _BEYOND = ("attach", "composite")
 _POSES = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis")
 _KEPT: Mapping[str, tuple[str, ...] | None] = {
-    "body": ("name", "mocap", "childclass", *_POSES), "frame": ("childclass", *_POSES), "replicate": None,
-    "joint": ("name", "class", "type", "pos", "axis", "ref", "range", "limited"), "freejoint": ("name",),
+    "body": ("name", "mocap", "childclass", *_POSES),
+    "frame": ("childclass", *_POSES),
+    "replicate": None,
+    "joint": ("name", "class", "type", "pos", "axis", "ref", "range", "limited"),
+    "freejoint": ("name",),
     "site": ("name",),
-}  # fmt: skip
+}
 # They limit or tune, and may name elements that a bare model does not have.
 _LEFT_OUT = ("user", "group", "inheritrange", "ctrllimited", "dampratio", "material", "class")
 _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
@@ -70,9 +73,10 @@ class BareModel(Struct, frozen=False, eq=False):
         for flex in (body[:at] for at, letter in enumerate(body) if letter == "_"):
             if flex in self.flexes:
                 node, ends = self.flexes[flex]
-                for end, within in ends.items() if not name and ends else ():
-                    if body.endswith(end):
-                        return node, within, body[len(flex) : len(body) - len(end)]
+                if not name and ends:
+                    for end, within in ends.items():
+                        if body.endswith(end):
+                            return node, within, body[len(flex) : len(body) - len(end)]
                 return node, frozenset(), body[len(flex) :]
         return None
 
@@ -212,10 +216,11 @@ def _actuators(section: Node, made: Node, found: BareModel) -> None:
     multiplied: dict[str, list[Node]] = {}
     for each in tree.iterfind("worldbody//replicate//*[@name]"):
         multiplied.setdefault(str(each.get("name")), list(each.iterancestors("replicate")))
-    for tendon in tree.iterfind("tendon/*[@name]") if multiplied else ():
-        ends = (str(value) for each in tendon.iter("*") for value in each.attrib.values())
-        if around := next((multiplied[end] for end in ends if end in multiplied), None):
-            multiplied.setdefault(str(tendon.get("name")), around)
+    if multiplied:
+        for tendon in tree.iterfind("tendon/*[@name]"):
+            ends = (str(value) for each in tendon.iter("*") for value in each.attrib.values())
+            if around := next((multiplied[end] for end in ends if end in multiplied), None):
+                multiplied.setdefault(str(tendon.get("name")), around)
     own = made.makeelement("actuator")
     for actuator in section.iterchildren("*"):
         each = _actuator(actuator)
@@ -268,10 +273,11 @@ def layouts(linking: Linking) -> None:
     """Record the key layout of each unit before the units are joined."""
     # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
     # and the padding would belong to no part.
-    for unit in linking.units if linking.parts else ():
-        for size in unit.root.iterchildren("size"):
-            for _ in range(len(keys_of(unit)), int(str(size.attrib.pop("nkey", "-1")))):
-                unit.section("keyframe").append(unit.root.makeelement("key"))
+    if linking.parts:
+        for unit in linking.units:
+            for size in unit.root.iterchildren("size"):
+                for _ in range(len(keys_of(unit)), int(str(size.attrib.pop("nkey", "-1")))):
+                    unit.section("keyframe").append(unit.root.makeelement("key"))
     for part in linking.parts:
         if part.keyframes != "none":
             linking.keys.attached += [
@@ -325,20 +331,21 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
     """Complete short rows with the numbers that MuJoCo would use, which are measured."""
     # MuJoCo 4.0 fills `qpos` up from the reference: `<key qpos="1"/>` with `<joint/><joint ref="30"/>` is 1 0.5236.
     keys = keys_of(unit)
-    for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
-        rows = [str(key.get(vector) or "").split() for key in keys]
-        if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
-            continue
-        ends = list(accumulate(width for _, width in layout.holders(vector)))
-        short = [at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends]
-        array = f"key_{vector}"
-        if not short or linking.measure is None or not (measured := linking.measure(unit, (array,))):
-            continue
-        for at in short:
-            start = max((end for end in ends if end < len(rows[at])), default=0)
-            end = next(end for end in ends if end > len(rows[at]))
-            whole = measured[array][at * ends[-1] + start : at * ends[-1] + end]
-            _complete(unit, keys[at], vector, start=start, whole=numbers.text(whole).split())
+    if keys:
+        for vector in ("qpos", "qvel", "act", "ctrl"):
+            rows = [str(key.get(vector) or "").split() for key in keys]
+            if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
+                continue
+            ends = list(accumulate(width for _, width in layout.holders(vector)))
+            short = [at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends]
+            array = f"key_{vector}"
+            if not short or linking.measure is None or not (measured := linking.measure(unit, (array,))):
+                continue
+            for at in short:
+                start = max((end for end in ends if end < len(rows[at])), default=0)
+                end = next(end for end in ends if end > len(rows[at]))
+                whole = measured[array][at * ends[-1] + start : at * ends[-1] + end]
+                _complete(unit, keys[at], vector, start=start, whole=numbers.text(whole).split())
 
 
 def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:

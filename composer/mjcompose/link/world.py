@@ -106,13 +106,17 @@ def _report_floating(linking: Linking, alike: list[Floating], place: Span) -> No
     part, _, joint, called, alone = alike[0]
     omit = f"omit `{_added_by(part) if part.place.kind == 'world' else part.place.kind}`"
     if joint is None:
-        code, what, note = "mocap-on-body", "mocap body", f"the mocap {called}"
+        code = "mocap-on-body"
+        what = "mocap body"
+        note = f"the mocap {called}"
         if part.place.kind != "world" and alone:
             help = "write `joint: mocap` to put it into the world at the pose of that place"
         else:
             help = f"{omit}: then it is attached to the world"
     else:
-        code, what, note = "freejoint-on-body", "free joint", f"the free joint of {called}"
+        code = "freejoint-on-body"
+        what = "free joint"
+        note = f"the free joint of {called}"
         if part.place.kind == "world":
             help = f"{omit}: the part floats in the world by its own free joint"
         else:
@@ -134,7 +138,8 @@ def _report_floating(linking: Linking, alike: list[Floating], place: Span) -> No
 def _note_planes(linking: Linking, part: Part) -> None:
     # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
     # bodies".
-    root, classes = part.unit.root, part.unit.classes
+    root = part.unit.root
+    classes = part.unit.classes
     by_class = any(geom.get("type") == "plane" for geom in root.iterfind("default//geom"))
     for geom in root.iterfind("worldbody//geom"):
         kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
@@ -163,7 +168,8 @@ def worlds(linking: Linking) -> None:
     MuJoCo's own attach changes none of this: in 4.0 a `<weld body1="b"/>` pulls an attached part back to its pose in
     its file, and on a moving body it fixes the part to the world.
     """
-    degrees, sequence = linking.angle == "degree", linking.base.settings.eulerseq
+    degrees = linking.angle == "degree"
+    sequence = linking.base.settings.eulerseq
     for part in linking.parts:
         if part.content is not None:
             pose, holder, copied = pose_below(part.content, degrees, sequence)
@@ -206,23 +212,29 @@ def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
                 continue
             if side is not None:
                 _carry_constraint(element, side, hung)
-            for node, attribute in named if hung.name != WORLD else ():
-                node.set(attribute, hung.name)
+            if hung.name != WORLD:
+                for node, attribute in named:
+                    node.set(attribute, hung.name)
     if refused:
         _refuse(linking, hung, refused)
 
 
 def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
-    part, first = hung.part, found[0]
-    named, more = _named(first), f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
+    part = hung.part
+    first = found[0]
+    named = _named(first)
+    more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
-        why, note = "a `<replicate>` copies it", Note("here", linking.span(linking.base, hung.copied))
+        why = "a `<replicate>` copies it"
+        note = Note("here", linking.span(linking.base, hung.copied))
         help = "omit it (`drop`), or attach the part in the model with the `<replicate>`"
     else:
-        why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
+        why = "that body has no name"
+        note = Note("the body", linking.span(linking.base, hung.holder))
         help = 'name it, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
     what = f"{first.tag}{named} of `{part.called}` refers to the world, which becomes the body that carries the part"
-    span, subjects = linking.span(part.unit, first), (part.called,)
+    span = linking.span(part.unit, first)
+    subjects = (part.called,)
     linking.sink.error("attach-place", f"{what}: {why}{more}", span, notes=(note,), help=help, subjects=subjects)
 
 
@@ -235,7 +247,8 @@ def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
             element.set("anchor", _moved_pose(element, pose))
         return
     relative = numbers.read(str(element.get("relpose") or "")) or [0.0] * 7
-    point, turn = (relative[0], relative[1], relative[2]), relative[3:]
+    point = (relative[0], relative[1], relative[2])
+    turn = relative[3:]
     # MuJoCo 4.0 takes the pose at the reference where the quaternion of `relpose` is 0. Otherwise it holds the point of
     # the second body that `anchor` gives at the point of the first that `relpose` gives.
     if any(turn):
@@ -270,7 +283,8 @@ def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
             side = side_of_world(equality)
             if side is None or equality.get("body2" if side == "body1" else "body1") not in names:
                 continue
-            called, subjects = f"the {equality.tag} `{equality.get('name') or ''}`", (hung.part.called,)
+            called = f"the {equality.tag} `{equality.get('name') or ''}`"
+            subjects = (hung.part.called,)
             which = f"of a model that `{hung.part.called}` attaches itself"
             message = f"{called} {which} is about the world, and MuJoCo does not carry it along"
             help = "attach that model in a recipe, or remove the equality from it"
@@ -289,8 +303,13 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
             element.set("target", hung.name)
         if hung.pose.pos != (0.0, 0.0, 0.0) or not hung.name:
             at = "the origin of the world" if hung.name in ("", WORLD) else f"the body `{hung.name}`"
-            _warn(linking, hung.part, element, what=f"looks at {at}, and not at the origin of `{hung.part.called}`",
-                  help="add a body there in the part, and let it look at that")  # fmt: skip
+            _warn(
+                linking,
+                hung.part,
+                element,
+                what=f"looks at {at}, and not at the origin of `{hung.part.called}`",
+                help="add a body there in the part, and let it look at that",
+            )
 
 
 def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
@@ -303,7 +322,8 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
     turn = pose_in_world(hung.part.content, degrees, sequence).quat if free else (1.0, 0.0, 0.0, 0.0)
     if abs(turn[0]) == 1.0:
         return
-    unit, kind = linking.base, GRAMMAR.element("actuator/general")
+    unit = linking.base
+    kind = GRAMMAR.element("actuator/general")
     for actuator in free:
         gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
@@ -340,8 +360,13 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
             if dof == "radial"
             else f"is laid out along the axes of {around}, and not of"
         )
-        _warn(linking, hung.part, flex.element, what=f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
-              help="put it into a body of its own in the part: it is laid out by that")  # fmt: skip
+        _warn(
+            linking,
+            hung.part,
+            flex.element,
+            what=f'has `dof="{dof}"`: it {where} `{hung.part.called}`',
+            help="put it into a body of its own in the part: it is laid out by that",
+        )
 
 
 def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:

@@ -127,7 +127,8 @@ class JointUnactuated(Rule):
 
     @staticmethod
     def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        mujoco, model = scope.mujoco, scope.model
+        mujoco = scope.mujoco
+        model = scope.model
         single = (joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in (HINGE, SLIDE))
         joints = chosen(scope, "joint", settings, usual=single)
         moved = _moved(mujoco, model)
@@ -170,7 +171,8 @@ class KeyOutOfRange(Rule):
     def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
         from mjcompose.mujoco.index import index, ranged
 
-        keys, margin = keys_named(scope, settings["key"]), settings["margin"]
+        keys = keys_named(scope, settings["key"])
+        margin = settings["margin"]
         ignored = excepted(scope, KeyOutOfRange.kinds, settings)
         outside: list[str] = []
         count = 0
@@ -181,9 +183,11 @@ class KeyOutOfRange(Rule):
                     continue
                 count += 1
                 if not each.is_within(margin):
-                    (low, high), unit = each.range, f" {each.unit}" if each.kind == "joint" else ""
+                    (low, high) = each.range
+                    unit = f" {each.unit}" if each.kind == "joint" else ""
                     where = f"`{each.vector}` of {scope.called(each.kind, each.number)} in `{name}`"
-                    number, ends = f"{each.value:.6g}{unit}", f"{low:.6g} to {high:.6g}"
+                    number = f"{each.value:.6g}{unit}"
+                    ends = f"{low:.6g} to {high:.6g}"
                     outside.append(f"{where} is {number}, and its range is from {ends}")
         scope.found("values", count)
         ends = f", {margin:g} from both ends" if margin else ""
@@ -233,7 +237,8 @@ class ShapeOffMesh(Rule):
         for key, found in fitting.items():
             for at, glob in enumerate(settings[key]):
                 if not (fits := scope.fitting(glob, names)):
-                    message, known = f"nothing was made of a mesh `{glob}`", sorted(set(names))
+                    message = f"nothing was made of a mesh `{glob}`"
+                    known = sorted(set(names))
                     raise names_nothing(message, glob, "mesh", known=known, at=(key, at))
                 found |= fits
         meant = [each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]]
@@ -311,7 +316,8 @@ class ExceptedElements(CheckPart):
     words: Annotated[Mapping[str, Any], Rows(lambda: _EXCEPTED)] = Field({}, alias="<rules>")
 
 
-_Mapping, _List = Tag("<mapping>"), Tag("<list>")
+_Mapping = Tag("<mapping>")
+_List = Tag("<list>")
 _Rules = Expects("a list of rules", "[joint-unactuated]")
 _NeedsLimits = Hints({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"})
 _Listed = Annotated[tuple[Annotated[_WithoutSettings, _NeedsLimits], ...], Items(1), _Rules, _List]
@@ -343,7 +349,8 @@ class Lint(Check):
         return {code: RULES[code]() if code in RULES else None for code in codes}
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
-        selected, excepted = self.selected, self.excepted
+        selected = self.selected
+        excepted = self.excepted
         words = excepted.words if isinstance(excepted, ExceptedElements) else excepted or ()
         for index, word in enumerate(words):
             if word not in selected:

@@ -10,14 +10,21 @@ from lxml.etree import _Element as Node
 from mjcompose.lint.rule import Edit, Finding, Found, Subject, rule
 from mjcompose.tree.classes import class_in_force
 
-_DEEP, _RESTING = 2e-3, 5e-3
+_DEEP = 2e-3
+_RESTING = 5e-3
 _FINE = 1000
 _ICE = 0.02
 
 
-@rule("overlap", in_mujoco=True, profiles={
-    "robot-asset": "NVIDIA SimReady, BA.002: “collision meshes on non-adjacent links must not overlap or intersect”",
-})  # fmt: skip
+@rule(
+    "overlap",
+    in_mujoco=True,
+    profiles={
+        "robot-asset": (
+            "NVIDIA SimReady, BA.002: “collision meshes on non-adjacent links must not overlap or intersect”"
+        ),
+    },
+)
 def overlap(subject: Subject) -> Found:
     """Bodies that start inside each other."""
     model = subject.model
@@ -40,7 +47,8 @@ def overlap(subject: Subject) -> Found:
 
 
 def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
-    model, data = subject.model, subject.data
+    model = subject.model
+    data = subject.data
     has_key = False
     for row, name, at_key in subject.at_keys():
         node = subject.node("key", row)
@@ -48,13 +56,15 @@ def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
             has_key = True
             yield f"in {name}", at_key, node, True
     single = model.jnt_limited.astype(bool) & (model.jnt_type >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE))
-    at, (low, high) = data.qpos[model.jnt_qposadr[single]], model.jnt_range[single].T
+    at = data.qpos[model.jnt_qposadr[single]]
+    (low, high) = model.jnt_range[single].T
     if not has_key and ((low <= at) & (at <= high)).all():
         yield "in the reference configuration", data, None, False
 
 
 def _touching(subject: Subject, data: Any) -> Iterator[tuple[int, int, float]]:
-    weld, bodies = subject.model.body_weldid, subject.model.geom_bodyid
+    weld = subject.model.body_weldid
+    bodies = subject.model.geom_bodyid
     for contact in data.contact:
         one, other = map(int, contact.geom)
         if one >= 0 and other >= 0 and not contact.exclude and (weld[bodies[one]] or weld[bodies[other]]):
@@ -66,7 +76,8 @@ def plane_hidden(subject: Subject) -> Found:
     """A plane below another plane."""
     import numpy as np
 
-    model, data = subject.model, subject.data
+    model = subject.model
+    data = subject.data
     is_plane = model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
     collides = (model.geom_contype | model.geom_conaffinity) != 0
     planes = np.flatnonzero(is_plane & collides & (model.body_weldid[model.geom_bodyid] == 0)).tolist()
@@ -75,8 +86,10 @@ def plane_hidden(subject: Subject) -> Found:
             normal = data.geom_xmat[upper].reshape(3, 3)[:, 2]
             above = float(normal @ (data.geom_xpos[upper] - data.geom_xpos[lower]))
             is_parallel = float(normal @ data.geom_xmat[lower].reshape(3, 3)[:, 2]) > 1 - 1e-6
-            bits = all(getattr(model, name)[lower] == getattr(model, name)[upper]
-                       for name in ("geom_contype", "geom_conaffinity"))  # fmt: skip
+            bits = all(
+                getattr(model, name)[lower] == getattr(model, name)[upper]
+                for name in ("geom_contype", "geom_conaffinity")
+            )
             if is_parallel and bits and lower != upper and (above > 1e-6 or (abs(above) <= 1e-6 and lower > upper)):
                 at = "at the same height as" if abs(above) <= 1e-6 else f"{above:.4g} m below"
                 message = f"{subject.name('geom', lower)} is {at} {subject.name('geom', upper)}, an infinite plane"
@@ -154,7 +167,9 @@ def exclude_needless(subject: Subject) -> Found:
         return
     model = subject.model
     filters = not model.opt.disableflags & int(subject.mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
-    welded, parents, seen = model.body_weldid.tolist(), model.body_parentid.tolist(), set()
+    welded = model.body_weldid.tolist()
+    parents = model.body_parentid.tolist()
+    seen = set()
     for row, signature in enumerate(model.exclude_signature.tolist()):
         one, other = (welded[each] for each in (signature >> 16, signature & 0xFFFF))
         above = welded[parents[one]], welded[parents[other]]
@@ -184,7 +199,8 @@ def frictionless_foot(subject: Subject) -> Found:
         if not body or not ("foot" in words or "toe" in words):
             continue
         for floor in floors:
-            types, affinities = model.geom_contype, model.geom_conaffinity
+            types = model.geom_contype
+            affinities = model.geom_conaffinity
             if not (types[geom] & affinities[floor] or types[floor] & affinities[geom]):
                 continue
             first, last = sorted((geom, floor), key=lambda each: int(model.geom_priority[each]))

@@ -60,9 +60,12 @@ def unused_tendon(subject: Subject) -> Found:
     for row in range(model.ntendon):
         element = subject.node("tendon", row)
         exerts = (
-            model.tendon_limited[row] or model.tendon_stiffness[row].any() or model.tendon_damping[row].any()
-            or model.tendon_frictionloss[row] or model.tendon_armature[row]
-        )  # fmt: skip
+            model.tendon_limited[row]
+            or model.tendon_stiffness[row].any()
+            or model.tendon_damping[row].any()
+            or model.tendon_frictionloss[row]
+            or model.tendon_armature[row]
+        )
         if element is not None and not exerts and element.get("name") not in used:
             yield Finding(element, f"{subject.name('tendon', row)} exerts no force, and nothing refers to it", "name")
 
@@ -70,7 +73,8 @@ def unused_tendon(subject: Subject) -> Found:
 @rule("dead-actuator", in_mujoco=True)
 def dead_actuator(subject: Subject) -> Found:
     """An actuator that cannot exert a force."""
-    model, kinds = subject.model, subject.mujoco
+    model = subject.model
+    kinds = subject.mujoco
     user = {int(kinds.mjtGain.mjGAIN_USER), int(kinds.mjtGain.mjGAIN_MUSCLE)}
     for row in range(len(model.actuator_gaintype)):
         element = subject.node("actuator", row)

@@ -83,10 +83,11 @@ def same_file_twice(subject: Subject) -> Found:
             seen.add(real)
     for alike in sizes.values():
         first: dict[str, str] = {}
-        for element, attribute, real in alike if len(alike) > 1 else ():
-            if (other := first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)) != real:
-                message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
-                yield Finding(element, message, attribute)
+        if len(alike) > 1:
+            for element, attribute, real in alike:
+                if (other := first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)) != real:
+                    message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
+                    yield Finding(element, message, attribute)
 
 
 @rule("texture-too-large", in_files=True)
@@ -153,23 +154,35 @@ def floor_in_model(subject: Subject) -> Found:
 _SECTIONS = ("compiler", "option", "size", "asset", "default", "worldbody")
 
 
-@rule("section-order", usual=False, profiles={
-    "menagerie": "CONTRIBUTING, Code Style: compiler, asset and default first, then worldbody, actuators and others",
-})  # fmt: skip
+@rule(
+    "section-order",
+    usual=False,
+    profiles={
+        "menagerie": (
+            "CONTRIBUTING, Code Style: compiler, asset and default first, then worldbody, actuators and others"
+        ),
+    },
+)
 def section_order(subject: Subject) -> Found:
     """A model whose body tree comes before its settings, assets or classes."""
     body = next(filter(subject.is_own, subject.root.iterfind("worldbody")), None)
-    for element in body.itersiblings(*_SECTIONS[:-1]) if body is not None else ():
-        if subject.is_own(element):
-            yield Finding(
-                element, f"`<{element.tag}>` comes after `<worldbody>`", help="move it in front of the body tree"
-            )
-            return
+    if body is not None:
+        for element in body.itersiblings(*_SECTIONS[:-1]):
+            if subject.is_own(element):
+                yield Finding(
+                    element, f"`<{element.tag}>` comes after `<worldbody>`", help="move it in front of the body tree"
+                )
+                return
 
 
-@rule("indentation", in_files=True, usual=False, profiles={
-    "menagerie": "CONTRIBUTING, Code Style: use 2-space indentation",
-})  # fmt: skip
+@rule(
+    "indentation",
+    in_files=True,
+    usual=False,
+    profiles={
+        "menagerie": "CONTRIBUTING, Code Style: use 2-space indentation",
+    },
+)
 def indentation(subject: Subject) -> Found:
     """A file that is not indented by two spaces."""
     unit = subject.unit

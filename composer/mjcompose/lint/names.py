@@ -129,7 +129,11 @@ def side_mismatch(subject: Subject) -> Found:
         for top in subject.root.iterfind(section):
             for element in top.iterdescendants("*"):
                 side = side_of(str(element.get("name") or ""))
-                for attribute, namespace, target, _ in own_references(element, section) if side else ():
-                    if namespace in ("joint", "body", "site", "geom", "mesh") and side_of(target) not in (None, side):
-                        message = f"{subject.called(element)} refers to the {namespace} `{target}`"
-                        yield Finding(element, message, attribute)
+                if side:
+                    for attribute, namespace, target, _ in own_references(element, section):
+                        if namespace in ("joint", "body", "site", "geom", "mesh") and side_of(target) not in (
+                            None,
+                            side,
+                        ):
+                            message = f"{subject.called(element)} refers to the {namespace} `{target}`"
+                            yield Finding(element, message, attribute)

@@ -34,7 +34,8 @@ def key_does_not_hold(subject: Subject) -> Found:
     model = subject.model
     servos = position_servos(subject)
     for row, name, data in subject.at_keys():
-        element, away = subject.node("key", row), []
+        element = subject.node("key", row)
+        away = []
         geared = False
         if element is None:
             continue
@@ -66,7 +67,8 @@ def key_breaks_equality(subject: Subject) -> Found:
         if (element := subject.node("key", row)) is None or not data.ne:
             continue
         rows = data.efc_type[: data.nefc] == int(subject.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        ids, apart = data.efc_id[: data.nefc][rows], np.abs(data.efc_pos[: data.nefc][rows])
+        ids = data.efc_id[: data.nefc][rows]
+        apart = np.abs(data.efc_pos[: data.nefc][rows])
         for equality in dict.fromkeys(ids.tolist()):
             if (distance := float(apart[ids == equality].max())) > 0.01:
                 yield Finding(element, f"{name} breaks {subject.name('equality', equality)} by {distance:.3g}", "qpos")

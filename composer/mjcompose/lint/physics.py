@@ -17,13 +17,16 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.servos import Servos
     from mjcompose.mujoco.solids import Shapes
 
-_HEAVIEST, _DENSE = 22_590.0, 100_000.0
+_HEAVIEST = 22_590.0
+_DENSE = 100_000.0
 """The density of osmium, in kg/m³, and a density that is too high even for a geom that is too small."""
 _MARKER = 1e-6
 """The volume (m³) of a geom that only marks a place."""
 _BOXES = 0.1
 """A mesh fills more of its box than this."""
-_GYRATION, _OUTSIDE, _SMALL = 1.5, 1.0, 0.005
+_GYRATION = 1.5
+_OUTSIDE = 1.0
+_SMALL = 0.005
 _MUCH = 1.02
 _NEGLIGIBLE = 1e-6
 _MASS = "NVIDIA SimReady, RB.007 “Rigid Body Mass”: {}"
@@ -80,13 +83,18 @@ def density_impossible(subject: Subject) -> Found:
             yield Finding(subject.node("body", body), message, help="write the mass in kilograms")
 
 
-@rule("inertial-missing", usual=False, profiles={
-    "robot-asset": _MASS.format("“mass & their other inertial properties explicitly specified”"),
-})  # fmt: skip
+@rule(
+    "inertial-missing",
+    usual=False,
+    profiles={
+        "robot-asset": _MASS.format("“mass & their other inertial properties explicitly specified”"),
+    },
+)
 def inertial_missing(subject: Subject) -> Found:
     """A moving body whose mass nobody wrote."""
     for body in subject.each("body"):
-        geoms, joints = list(body.iterchildren("geom")), list(body.iterchildren("joint", "freejoint"))
+        geoms = list(body.iterchildren("geom"))
+        joints = list(body.iterchildren("joint", "freejoint"))
         is_given = any(subject.given(geom, name) is not None for geom in geoms for name in ("mass", "density"))
         if joints and geoms and not is_given and body.find("inertial") is None:
             message = f"{subject.called(body)} has no `<inertial>`, and none of its geoms has a `mass` or `density`"
@@ -110,8 +118,10 @@ def mass_guessed(subject: Subject) -> Found:
 
 def _moves(body: Node) -> bool:
     """Return whether a body, or a body that holds it, has a joint."""
-    return any(each.find("joint") is not None or each.find("freejoint") is not None
-               for each in (body, *body.iterancestors("body")))  # fmt: skip
+    return any(
+        each.find("joint") is not None or each.find("freejoint") is not None
+        for each in (body, *body.iterancestors("body"))
+    )
 
 
 @rule("inertial-ignored", in_mujoco=True)
@@ -137,7 +147,8 @@ def inertia_balanced(subject: Subject) -> Found:
     if balances != "true" or by_geoms == "true":
         return
     for element in subject.each("inertial"):
-        full, name = subject.numbers(element, "fullinertia"), "fullinertia"
+        full = subject.numbers(element, "fullinertia")
+        name = "fullinertia"
         moments = subject.numbers(element, "diaginertia")
         if full is not None and len(full) == 6:
             a, b, c, ab, ac, bc = full
@@ -146,7 +157,8 @@ def inertia_balanced(subject: Subject) -> Found:
             name = "diaginertia"
         low, middle, high = sorted(moments) if moments is not None and len(moments) == 3 else (0.0, 0.0, 0.0)
         if low + middle < high * (1 - 1e-6):
-            times, mean = f"{high / (low + middle):.3g} times the sum of the others", (low + middle + high) / 3
+            times = f"{high / (low + middle):.3g} times the sum of the others"
+            mean = (low + middle + high) / 3
             three = f"the principal moments {low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
             message = f"a body cannot have {three}: the largest is {times}, so MuJoCo replaces all three by {mean:.4g}"
             yield Finding(element, message, name, help="write the inertia of the CAD model")
@@ -155,7 +167,8 @@ def inertia_balanced(subject: Subject) -> Found:
 @rule("free-joint-damped")
 def free_joint_damped(subject: Subject) -> Found:
     """A free joint with the damping, armature, friction or stiffness of hinges."""
-    free, others = [], set()
+    free = []
+    others = set()
     for joint in subject.each("joint"):
         own = subject.classes.get(class_in_force(joint).name)
         found = {name: own.lookup("joint", name) for name in _RESISTING if joint.get(name) is None}
@@ -171,9 +184,13 @@ def free_joint_damped(subject: Subject) -> Found:
             yield Finding(joint, message, help="write `<freejoint/>`, which ignores the classes")
 
 
-@rule("timestep-too-long", in_mujoco=True, profiles={
-    "robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”"),
-})  # fmt: skip
+@rule(
+    "timestep-too-long",
+    in_mujoco=True,
+    profiles={
+        "robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”"),
+    },
+)
 def timestep_too_long(subject: Subject) -> Found:
     """A servo or spring that is too stiff for the time step."""
     servos = subject.servos
@@ -195,12 +212,17 @@ def _single(subject: Subject) -> Iterator[tuple[int, int]]:
     yield from ((joint, int(model.jnt_dofadr[joint])) for joint in (model.jnt_type >= SLIDE).nonzero()[0].tolist())
 
 
-@rule("servo-undamped", in_mujoco=True, profiles={
-    "robot-asset": _DRIVE.format("“include sufficient damping for stability”"),
-})  # fmt: skip
+@rule(
+    "servo-undamped",
+    in_mujoco=True,
+    profiles={
+        "robot-asset": _DRIVE.format("“include sufficient damping for stability”"),
+    },
+)
 def servo_undamped(subject: Subject) -> Found:
     """A position servo that nothing damps."""
-    model, servos = subject.model, subject.servos
+    model = subject.model
+    servos = subject.servos
     for joint, dof in _single(subject):
         stiff = [each for each in servos.of_dof(dof) if servos.gains(each)[0] > 0]
         own = slice(dof, dof + 1)
@@ -222,7 +244,8 @@ def friction_exceeds_motor(subject: Subject) -> Found:
     """A joint with more dry friction than its motors can overcome."""
     servos = subject.servos
     for joint, dof in _single(subject):
-        ends, friction = servos.strongest(dof), float(subject.model.dof_frictionloss[dof])
+        ends = servos.strongest(dof)
+        friction = float(subject.model.dof_frictionloss[dof])
         if ends is not None and friction > 0 and max(abs(each) for each in ends) <= friction:
             unit = _unit(subject, joint, per=False)
             most = f"its actuators give at most {max(abs(each) for each in ends):.4g} {unit}"
@@ -238,11 +261,13 @@ def motor_too_weak(subject: Subject) -> Found:
     seen: dict[int, Finding] = {}
     for _, name, data in subject.at_keys():
         servos = Servos(subject.mujoco, subject.model, data)
-        for joint, dof, needed, ends in _held(subject, data, servos) if not data.qvel.any() else ():
-            unit, node = _unit(subject, joint, per=False), subject.node("actuator", servos.of_dof(dof)[0])
-            given = f"its actuators give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
-            message = f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and {given}"
-            seen.setdefault(joint, Finding(node, message, help="raise the limit of the force"))
+        if not data.qvel.any():
+            for joint, dof, needed, ends in _held(subject, data, servos):
+                unit = _unit(subject, joint, per=False)
+                node = subject.node("actuator", servos.of_dof(dof)[0])
+                given = f"its actuators give {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+                message = f"holding {subject.name('joint', joint)} in {name} takes {needed:.4g} {unit}, and {given}"
+                seen.setdefault(joint, Finding(node, message, help="raise the limit of the force"))
     yield from seen.values()
 
 
@@ -252,7 +277,8 @@ def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, in
     floating = set(model.dof_treeid[model.jnt_dofadr[model.jnt_type < SLIDE]].tolist())
     touching = {int(model.body_treeid[model.geom_bodyid[geom]]) for geom in data.contact.geom.ravel() if geom >= 0}
     for joint, dof in _single(subject):
-        tree, at = int(model.dof_treeid[dof]), float(data.qpos[model.jnt_qposadr[joint]])
+        tree = int(model.dof_treeid[dof])
+        at = float(data.qpos[model.jnt_qposadr[joint]])
         low, high = map(float, model.jnt_range[joint])
         is_at_end = model.jnt_limited[joint] and not low + 1e-2 < at < high - 1e-2
         if is_at_end or tree in floating | touching | servos.coupled:
@@ -260,20 +286,29 @@ def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, in
         needed = float(data.qfrc_bias[dof] - data.qfrc_passive[dof])
         if model.jnt_actgravcomp[joint]:
             needed -= float(data.qfrc_gravcomp[dof])
-        friction, ends = float(model.dof_frictionloss[dof]), servos.strongest(dof)
+        friction = float(model.dof_frictionloss[dof])
+        ends = servos.strongest(dof)
         if ends is not None and not ends[0] * _MUCH - friction <= needed <= ends[1] * _MUCH + friction:
             yield joint, dof, needed, ends
 
 
-@rule("simulation-diverges", in_mujoco=True, profiles={
-    "menagerie": "CONTRIBUTING.md, section “Unit Tests”: a test “simulates each robot for a fixed duration of time and"
-    " checks that no simulation instabilities occur”",
-})  # fmt: skip
+@rule(
+    "simulation-diverges",
+    in_mujoco=True,
+    profiles={
+        "menagerie": (
+            "CONTRIBUTING.md, section “Unit Tests”: a test “simulates each robot for a fixed"
+            " duration of time and"
+            " checks that no simulation instabilities occur”"
+        ),
+    },
+)
 def simulation_diverges(subject: Subject) -> Found:
     """A simulation that diverges within a second."""
     from mjcompose.mujoco.controls import advance
 
-    mujoco, model = subject.mujoco, subject.model
+    mujoco = subject.mujoco
+    model = subject.model
     data = mujoco.MjData(model)
     has_key = model.nkey and (subject.node("key", 0) is not None or subject.roster.names["key"][0])
     if has_key:

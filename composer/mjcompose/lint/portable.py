@@ -15,9 +15,16 @@ if TYPE_CHECKING:
     from mjcompose.targets.target import Refusal
 
 _PROGRAMS = {
-    "mjx": "MJX, MuJoCo in JAX", "warp": "MuJoCo Warp", "drake": "Drake", "newton": "Newton",
-    "pinocchio": "Pinocchio", "pybullet": "PyBullet", "genesis": "Genesis", "isaac": "Isaac Sim", "urdf": "URDF",
-}  # fmt: skip
+    "mjx": "MJX, MuJoCo in JAX",
+    "warp": "MuJoCo Warp",
+    "drake": "Drake",
+    "newton": "Newton",
+    "pinocchio": "Pinocchio",
+    "pybullet": "PyBullet",
+    "genesis": "Genesis",
+    "isaac": "Isaac Sim",
+    "urdf": "URDF",
+}
 """By the target of mjcompose, the name in summaries."""
 
 
@@ -60,9 +67,11 @@ def _losses(subject: Subject, name: str) -> Found:
         rows.setdefault(kind, {})[row] = back[node]
     elements: dict[str, list[Node]] = {"geom": [], "joint": []}
     elements |= {
-        kind: [by_row[row] for row in range(subject.roster.count(kind))] if len(by_row) == subject.roster.count(kind)
-        else [] for kind, by_row in rows.items()
-    }  # fmt: skip
+        kind: [by_row[row] for row in range(subject.roster.count(kind))]
+        if len(by_row) == subject.roster.count(kind)
+        else []
+        for kind, by_row in rows.items()
+    }
     draft = Draft(subject.mujoco, subject.model, root, files={}, elements=elements)
     for limit in TARGETS[name].limits:
         if limit.outcome not in (Outcome.WRITTEN, Outcome.KEPT):

@@ -63,13 +63,15 @@ def key_out_of_range(subject: Subject) -> Found:
     made = next((each for each in subject.root.iterfind("size") if each.get("nkey")), None)
     for row in range(model.nkey):
         vectors = {"qpos": model.key_qpos[row], "ctrl": model.key_ctrl[row], "act": model.key_act[row]}
-        element, name = subject.node("key", row), subject.name("key", row)
+        element = subject.node("key", row)
+        name = subject.name("key", row)
         if element is None and (made is None or row > len(subject.root.findall("keyframe/key"))):
             continue  # of an attached model, or as empty as the one before
         for each in ranged(compiled, vectors):
             low, high = each.range
             if not each.is_within(-_ROUNDING * max(1.0, abs(high - low))):
-                of, ends = subject.name(each.kind, each.number), f"{low:.6g} to {high:.6g}"
+                of = subject.name(each.kind, each.number)
+                ends = f"{low:.6g} to {high:.6g}"
                 message = f"`{each.vector}` of {of} in {name} is {each.value:.6g}, and its range is from {ends}"
                 if element is None:
                     yield Finding(made, f"`nkey` makes empty keyframes: {message}", "nkey", help="remove `nkey`")
@@ -86,7 +88,8 @@ def reference_out_of_range(subject: Subject) -> Found:
     for row in range(model.njnt):
         if not model.jnt_limited[row] or int(model.jnt_type[row]) < SLIDE:
             continue
-        at, (low, high) = float(model.qpos0[model.jnt_qposadr[row]]), map(float, model.jnt_range[row])
+        at = float(model.qpos0[model.jnt_qposadr[row]])
+        (low, high) = map(float, model.jnt_range[row])
         if not low - _ROUNDING <= at <= high + _ROUNDING:
             unit = "rad" if int(model.jnt_type[row]) == HINGE else "m"
             ends = f"its range is from {low:.4g} to {high:.4g} {unit}"
@@ -103,7 +106,8 @@ def control_misses_range(subject: Subject) -> Found:
             continue
         low, high = sorted(float(each) / gear for each in model.actuator_ctrlrange[control])
         least, most = map(float, model.jnt_range[joint])
-        width, common = most - least, max(min(high, most) - max(low, least), 0.0)
+        width = most - least
+        common = max(min(high, most) - max(low, least), 0.0)
         if width <= 0 or common >= 0.8 * width:
             continue
         aim = f"the controls of {subject.name('actuator', row)} aim from {low:.4g} to {high:.4g}"
@@ -135,7 +139,8 @@ def sides_differ(subject: Subject) -> Found:
             if len(differing) > max(1, len(pairs) // 2):
                 continue  # the sides differ on purpose
             for left, right in differing:
-                here, there = subject.value(left, attribute) or "not set", subject.value(right, attribute) or "not set"
+                here = subject.value(left, attribute) or "not set"
+                there = subject.value(right, attribute) or "not set"
                 message = f"`{attribute}` of {subject.called(left)} is {here}, and of `{right.get('name')}` {there}"
                 yield Finding(left, message, attribute, help="give both sides the same numbers, if that is a slip")
 
@@ -149,11 +154,13 @@ def _sides(elements: list[Node]) -> list[tuple[Node, Node]]:
 
 def _is_alike(subject: Subject, left: Node, right: Node, attribute: str) -> bool:
     """Return whether two sides have the same numbers, or the numbers of a mirror image."""
-    here, there = subject.numbers(left, attribute), subject.numbers(right, attribute)
+    here = subject.numbers(left, attribute)
+    there = subject.numbers(right, attribute)
     if here is None or there is None or len(here) != len(there):
         return here is None and there is None
     if attribute == "gear":
-        here, there = list(map(abs, here)), list(map(abs, there))
+        here = list(map(abs, here))
+        there = list(map(abs, there))
     candidates = [there, [-each for each in reversed(there)]] if attribute in _MIRRORED else [there]
     return any(all(map(_is_close, here, each)) for each in candidates)
 
@@ -172,20 +179,26 @@ class JointServo(NamedTuple):
 
 
 def position_servos(subject: Subject) -> list[JointServo]:
-    model, mujoco = subject.model, subject.mujoco
+    model = subject.model
+    mujoco = subject.mujoco
     dynamics = mujoco.mjtDyn
     to_a_position = {int(dynamics.mjDYN_NONE), int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT)}
     found = []
     for row in range(len(model.actuator_gaintype)):
         joint = int(model.actuator_trnid[row, 0])
-        gain, bias = float(model.actuator_gainprm[row, 0]), float(model.actuator_biasprm[row, 1])
+        gain = float(model.actuator_gainprm[row, 0])
+        bias = float(model.actuator_biasprm[row, 1])
         gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start, 0])
         if (
-            int(model.actuator_trntype[row]) in ON_JOINTS and int(model.jnt_type[joint]) >= SLIDE
+            int(model.actuator_trntype[row]) in ON_JOINTS
+            and int(model.jnt_type[joint]) >= SLIDE
             and int(model.actuator_dyntype[row]) in to_a_position
             and int(model.actuator_biastype[row]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
-            and gain > 0 and abs(gain + bias) <= 1e-6 * gain and gear and not float(model.actuator_biasprm[row, 0])
-        ):  # fmt: skip
+            and gain > 0
+            and abs(gain + bias) <= 1e-6 * gain
+            and gear
+            and not float(model.actuator_biasprm[row, 0])
+        ):
             found.append(JointServo(row, joint, span(model, "ctrl", row).start, gear))
     return found
 
@@ -208,14 +221,17 @@ def solref_below_timestep(subject: Subject) -> Found:
 @rule("quat-not-unit", in_mujoco=True)
 def quat_not_unit(subject: Subject) -> Found:
     """A quaternion in a keyframe whose length is not 1."""
-    model, offsets = subject.model, {FREE: 3, BALL: 0}
-    types, starts = model.jnt_type.tolist(), model.jnt_qposadr.tolist()
+    model = subject.model
+    offsets = {FREE: 3, BALL: 0}
+    types = model.jnt_type.tolist()
+    starts = model.jnt_qposadr.tolist()
     quats = [(at, starts[at] + offsets[type]) for at, type in enumerate(types) if type in offsets]
     for element in subject.root.iterfind("keyframe/key"):
         written = [float(word) for word in (element.get("qpos") or "").split()]
-        for joint, start in quats if len(written) == model.nq else ():
-            length = sum(each * each for each in written[start : start + 4]) ** 0.5
-            if abs(length - 1) > _FAR_FROM_UNIT:
-                name = f"keyframe `{element.get('name')}`" if element.get("name") else "this keyframe"
-                message = f"the quaternion of {subject.name('joint', joint)} in {name} has the length {length:.4g}"
-                yield Finding(element, message, "qpos")
+        if len(written) == model.nq:
+            for joint, start in quats:
+                length = sum(each * each for each in written[start : start + 4]) ** 0.5
+                if abs(length - 1) > _FAR_FROM_UNIT:
+                    name = f"keyframe `{element.get('name')}`" if element.get("name") else "this keyframe"
+                    message = f"the quaternion of {subject.name('joint', joint)} in {name} has the length {length:.4g}"
+                    yield Finding(element, message, "qpos")

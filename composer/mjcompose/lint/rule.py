@@ -72,9 +72,13 @@ _RULES: dict[str, Rule] = {}
 
 
 def rule(
-    code: str, *, in_mujoco: bool = False, in_files: bool = False, usual: bool = True,
+    code: str,
+    *,
+    in_mujoco: bool = False,
+    in_files: bool = False,
+    usual: bool = True,
     profiles: Mapping[str, str] | None = None,
-) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:  # fmt: skip
+) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
     """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that require it."""
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
@@ -83,9 +87,15 @@ def rule(
         summary = (function.__doc__ or "").strip().rstrip(".")
         family = function.__module__.rpartition(".")[2]
         _RULES[code] = Rule(
-            code, family, function, summary=summary, in_mujoco=in_mujoco, in_files=in_files, usual=usual,
+            code,
+            family,
+            function,
+            summary=summary,
+            in_mujoco=in_mujoco,
+            in_files=in_files,
+            usual=usual,
             profiles=profiles or {},
-        )  # fmt: skip
+        )
         CODES[code] = summary[:1].lower() + summary[1:]
         RULES.add(code)
         return function
@@ -106,7 +116,8 @@ class UnknownRuleError(ValueError):
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         super().__init__(f"there is no rule or family `{name}`")
-        self.name, self.help = name, did_you_mean(name, known)
+        self.name = name
+        self.help = did_you_mean(name, known)
 
 
 def chosen(select: Collection[str] = (), ignore: Collection[str] = (), profile: str | None = None) -> list[Rule]:
@@ -137,7 +148,11 @@ class Subject:
     def __init__(
         self, root: Node, unit: Unit | None = None, mujoco: Any = None, model: Any = None, is_part: bool = True
     ) -> None:
-        self.root, self.unit, self.mujoco, self.model, self.is_part = root, unit, mujoco, model, is_part
+        self.root = root
+        self.unit = unit
+        self.mujoco = mujoco
+        self.model = model
+        self.is_part = is_part
 
     @cached_property
     def classes(self) -> Classes:
@@ -221,7 +236,8 @@ class Subject:
 
     def name(self, kind: str, row: int) -> str:
         """Return a compiled element in words: joint `elbow`, or geom #2 of body `hand`."""
-        described, word = self.roster.describe(kind, row), "keyframe" if kind == "key" else kind
+        described = self.roster.describe(kind, row)
+        word = "keyframe" if kind == "key" else kind
         return f"{word} `{described}`" if self.roster.names[kind][row] else f"{word} {described}"
 
     @cached_property

@@ -17,7 +17,8 @@ _DIGITS = 2e-3
 _DEGREES = 4 * math.pi
 _GRAVITY = 50.0
 _METERS = "ROS REP 103, “Units”: meter, kilogram, second; NVIDIA SimReady, robot profiles: `metersPerUnit = 1`"
-_LONGEST, _SHORTEST = 0.05, 1e-5
+_LONGEST = 0.05
+_SHORTEST = 1e-5
 
 
 def _ranges(subject: Subject, unit: str) -> Iterator[tuple[Node, list[float]]]:
@@ -48,7 +49,8 @@ def range_in_degrees(subject: Subject) -> Found:
             yield Finding(joint, message, "range", help="write the range in radians")
 
 
-_LEAST, _MOST = 50.0, 65.0
+_LEAST = 50.0
+_MOST = 65.0
 
 
 @rule("control-in-degrees", in_mujoco=True)
@@ -67,10 +69,8 @@ def control_in_degrees(subject: Subject) -> Found:
         if not reach or not (is_large or is_small):
             continue
         times = most / reach if is_large else reach / most
-        larger, smaller = (
-            f"the controls of {subject.name('actuator', row)}",
-            f"the range of {subject.name('joint', joint)}",
-        )
+        larger = f"the controls of {subject.name('actuator', row)}"
+        smaller = f"the range of {subject.name('joint', joint)}"
         larger, smaller = (larger, smaller) if is_large else (smaller, larger)
         message = f"{larger} {'reach' if is_large else 'reaches'} {times:.3g} times as far as {smaller}"
         one, other = ("controls", "range") if is_large else ("range", "controls")
@@ -108,9 +108,12 @@ def mesh_size(subject: Subject) -> Found:
     model = subject.model
     reach = float(np.linalg.norm(model.body_pos, axis=1).max(initial=0.0))
     for mesh in range(model.nmesh):
-        first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+        first = int(model.mesh_vertadr[mesh])
+        count = int(model.mesh_vertnum[mesh])
         size = float(np.linalg.norm(np.ptp(model.mesh_vert[first : first + count], axis=0)))
         scale = model.mesh_scale[mesh].tolist()
-        for doubt in doubts(Measured(size), reach) if size > 1 else ():
-            message, help = f"{subject.name('mesh', mesh)} {doubt.what}", doubt.advice(scale, 'scale="{}"')
-            yield Finding(subject.node("mesh", mesh), message, help=help)
+        if size > 1:
+            for doubt in doubts(Measured(size), reach):
+                message = f"{subject.name('mesh', mesh)} {doubt.what}"
+                help = doubt.advice(scale, 'scale="{}"')
+                yield Finding(subject.node("mesh", mesh), message, help=help)

@@ -38,13 +38,15 @@ class Offer(Struct, slots=False):
         return self.analysis.mapping if self.analysis.is_current else None
 
     def with_key(self, path: Steps, value: str) -> Change | None:
-        analysis, tree = self.analysis, self.tree
+        analysis = self.analysis
+        tree = self.tree
         return None if tree is None else with_key(tree, analysis.lines, analysis.file, path, value)
 
 
 def offer(offered: Offer) -> Iterator[Action]:
     """Yield, for each warning at the place, a change that adds its code to `allow`."""
-    tree, analysis = offered.tree, offered.analysis
+    tree = offered.tree
+    analysis = offered.analysis
     for diagnostic in offered.diagnostics:
         if diagnostic.severity is not Severity.ERROR and diagnostic.code != "unused-allow" and tree is not None:
             change = with_item(tree, analysis.lines, analysis.file, ALLOW, diagnostic.code)
@@ -58,29 +60,34 @@ _MOST = 3
 
 def offer_attach(offered: Offer) -> Iterator[Action]:
     """Yield an `attach` entry for the prefix of an unknown name. Models with a similar name come first."""
-    tree, analysis = offered.tree, offered.analysis
+    tree = offered.tree
+    analysis = offered.analysis
     attach = None if tree is None else find(tree, ("attach",))
     parts = attach.entries if isinstance(attach, Mapping) else {}
-    for diagnostic in offered.diagnostics if tree is not None else ():
-        for subject in sorted(diagnostic.subjects) if diagnostic.code in _CODES else ():
-            key, separator, _ = subject.partition(analysis.separator)
-            if not separator or not key.isidentifier() or key in parts:
-                continue
-            files = model_files(analysis.path.parent)
-            near = [f"./{each}" for each in files if key.lower() in Path(each).name.lower()]
-            for model in near[:_MOST] or ["./MODEL.xml"]:
-                change = offered.with_key(("attach", key), f"{{model: {word(model)}}}")
-                if change is not None:
-                    yield Action(f"attach `{key}`: `{model}`", (change,), diagnostic)
+    if tree is not None:
+        for diagnostic in offered.diagnostics:
+            if diagnostic.code in _CODES:
+                for subject in sorted(diagnostic.subjects):
+                    key, separator, _ = subject.partition(analysis.separator)
+                    if not separator or not key.isidentifier() or key in parts:
+                        continue
+                    files = model_files(analysis.path.parent)
+                    near = [f"./{each}" for each in files if key.lower() in Path(each).name.lower()]
+                    for model in near[:_MOST] or ["./MODEL.xml"]:
+                        change = offered.with_key(("attach", key), f"{{model: {word(model)}}}")
+                        if change is not None:
+                            yield Action(f"attach `{key}`: `{model}`", (change,), diagnostic)
 
 
 def offer_fixes(offered: Offer) -> Iterator[Action]:
-    text, file = offered.analysis.text, offered.analysis.file
+    text = offered.analysis.text
+    file = offered.analysis.file
     for diagnostic in offered.diagnostics:
         place = place_of(diagnostic)
         edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
         if edit is not None:
-            (line, column), (end_line, end_column) = position(text, edit.start), position(text, edit.end)
+            (line, column) = position(text, edit.start)
+            (end_line, end_column) = position(text, edit.end)
             change = Change(Span(file, line, column, end_line=end_line, end_column=end_column), edit.text)
             title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
             yield Action(title, (change,), diagnostic, is_preferred=True)
@@ -128,7 +135,8 @@ def _settings(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str,
 
 def offer_ignore(offered: Offer) -> Iterator[Action]:
     """Yield, for each finding of a rule in a model, a comment that ignores it."""
-    lines, file = offered.question.lines, offered.analysis.file
+    lines = offered.question.lines
+    file = offered.analysis.file
     for diagnostic in offered.diagnostics:
         span = diagnostic.span
         if diagnostic.code in rules() and span is not None and span.file == file:
@@ -151,15 +159,21 @@ def offer_units(offered: Offer) -> Iterator[Action]:
             text = f"{angle.in_unit(other):.10g}{other}"
             yield Action(f"write it as `{text}`", (Change(question.word, text),), kind="refactor.rewrite")
     for diagnostic in offered.diagnostics:
-        for unit in _OTHER if diagnostic.code == "bare-angle" else ():
-            if Angle.read(f"{written}{unit}") is not None:
-                change = Change(question.word, f"{written}{unit}")
-                yield Action(f"it is in {unit}: `{written}{unit}`", (change,), diagnostic)
+        if diagnostic.code == "bare-angle":
+            for unit in _OTHER:
+                if Angle.read(f"{written}{unit}") is not None:
+                    change = Change(question.word, f"{written}{unit}")
+                    yield Action(f"it is in {unit}: `{written}{unit}`", (change,), diagnostic)
 
 
 OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
-    offer_fixes, offer_near, offer_settle, offer_attach, offer_units, offer,
-)  # fmt: skip
+    offer_fixes,
+    offer_near,
+    offer_settle,
+    offer_attach,
+    offer_units,
+    offer,
+)
 
 
 def actions(offered: Offer) -> list[Action]:

@@ -94,7 +94,8 @@ def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
     >>> column_of("🤖: x", 2), column_of("ab", 9)
     (1, 2)
     """
-    size, passed = _UNITS[encoding], 0
+    size = _UNITS[encoding]
+    passed = 0
     for column, character in enumerate(line):
         if passed >= count:
             return column
@@ -118,7 +119,8 @@ def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
 
 def span_after(span: Span, lines: Entries[int, int]) -> Span | None:
     """Return a place in a later text, given the `lines` from `moved`; None for a line that may have changed."""
-    line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
+    line = lines.get(span.line - 1)
+    end = None if span.end_line is None else lines.get(span.end_line - 1)
     if line is None or (span.end_line is not None and end is None):
         return None
     return replace(span, line=line + 1, end_line=None if end is None else end + 1)
@@ -248,13 +250,17 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
     """
     places = [place for place in plan.walk() if place.model is not None and place.part]
     parts = sorted(((place.prefix, place.part) for place in places), key=lambda each: -len(each[0]))
-    keys = {each.part: source_key(each.model, each.is_fixed_in_world) for each in places
-            if isinstance(each.model, Source)}  # fmt: skip
+    keys = {
+        each.part: source_key(each.model, each.is_fixed_in_world) for each in places if isinstance(each.model, Source)
+    }
     sources = {part: library[key] for part, key in keys.items() if key in library}
     there = set() if composed is None else set(map(_identity, composed.walk()))
     roots = [] if root is None else [(root, "")]
-    roots += [(sources[each.part].root, each.prefix) for each in places
-              if each.part in sources and _identity(each) not in there]  # fmt: skip
+    roots += [
+        (sources[each.part].root, each.prefix)
+        for each in places
+        if each.part in sources and _identity(each) not in there
+    ]
     known = _by_namespace(each for root, prefix in roots for each in _of_root(root, prefix, parts))
     return Names(known, plan.part_names, sources, {place.part: place.prefix for place in places})
 
@@ -322,7 +328,9 @@ def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
     at = cursor.line
     if at >= len(lines):
         return
-    line, before, after = lines[at], lines[:at], lines[at + 1 :]
+    line = lines[at]
+    before = lines[:at]
+    after = lines[at + 1 :]
     if cursor.in_flow:
         for head in (line, line[: cursor.end], line[: cursor.start].rstrip().rstrip(",:")):
             yield "\n".join([*before, head + cursor.quote * (head.count(cursor.quote) % 2) + _closers(head), *after])

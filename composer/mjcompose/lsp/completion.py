@@ -40,9 +40,11 @@ def offer(question: Question) -> Iterator[Item]:
 
 _NAME = re.compile(r"[A-Za-z_]\w*\Z")
 _IN_EDITS = {
-    "value": "the current value, after defaults", "name": "the name of the element",
-    "parent": "the name of its parent", "index": "its number among the selected elements, from 0",
-}  # fmt: skip
+    "value": "the current value, after defaults",
+    "name": "the name of the element",
+    "parent": "the name of its parent",
+    "index": "its number among the selected elements, from 0",
+}
 
 
 def begun(question: Question) -> str | None:
@@ -128,7 +130,8 @@ def offer_keys(question: Question) -> Iterator[Item]:
         if key.name in written and key.name != cursor.whole:
             continue
         detail, rank = ("required", 10) if key.required else ("", 20 + min(at, 20))
-        insert, again = _insert(key, question), not _is_collection(key)
+        insert = _insert(key, question)
+        again = not _is_collection(key)
         yield Item(key.name, "key", detail, doc=key.doc, rank=rank, insert=insert, again=again)
 
 
@@ -154,7 +157,8 @@ def _is_collection(key: Key) -> bool:
 
 def offer_names(question: Question) -> Iterator[Item]:
     """Yield the names that fit at the cursor. Names of the most likely kind come first."""
-    cursor, analysis = question.cursor, question.analysis
+    cursor = question.cursor
+    analysis = question.analysis
     wanted_names: list[tuple[Wanted, bool]] = []
     if cursor.role in ("key", "either") and (key := wanted_key(cursor.path)) is not None:
         wanted_names.append((key, True))
@@ -163,7 +167,8 @@ def offer_names(question: Question) -> Iterator[Item]:
     for wanted, is_key in wanted_names:
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
             colon = ": " if is_key and not cursor.has_colon else ""
-            insert, nearness = known.name + colon if colon else "", min(at, 9000) / 10000
+            insert = known.name + colon if colon else ""
+            nearness = min(at, 9000) / 10000
             yield Item(known.name, known.namespace, known.detail, rank=rank + nearness, insert=insert)
 
 
@@ -172,7 +177,8 @@ def offer_parameters(question: Question) -> Iterator[Item]:
     cursor = question.cursor
     if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
         for each in found.values():
-            insert, again = each.name + ("" if cursor.has_colon else ": "), bool(each.values)
+            insert = each.name + ("" if cursor.has_colon else ": ")
+            again = bool(each.values)
             yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=15, insert=insert, again=again)
     if cursor.role in ("value", "either") and cursor.path:
         path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
@@ -211,9 +217,10 @@ def offer_references(question: Question) -> Iterator[Item]:
         kind = FORMATS[PathlibPath(reference).suffix.lower()]
         if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
             yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
-    for form in () if only_recipes else _SCHEMES:
-        if scheme := form.scheme:
-            yield Item(f"{scheme}:", "scheme", form.example, doc=form.meaning, rank=30, again=scheme == "menagerie")
+    if not (only_recipes):
+        for form in _SCHEMES:
+            if scheme := form.scheme:
+                yield Item(f"{scheme}:", "scheme", form.example, doc=form.meaning, rank=30, again=scheme == "menagerie")
 
 
 def _robots(word: str) -> Iterator[Item]:
@@ -233,7 +240,8 @@ def _robots(word: str) -> Iterator[Item]:
 
 
 def offer_selectors(question: Question) -> Iterator[Item]:
-    analysis, wanted = question.analysis, wanted_as_value(question)
+    analysis = question.analysis
+    wanted = wanted_as_value(question)
     if wanted is None or not wanted.pattern:
         return
     found = [known for _, known in fitting(wanted, analysis.names, analysis.plan)]
@@ -261,8 +269,14 @@ def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
 Offer = Callable[[Question], Iterator[Item]]
 _OPENING = ("*", "&", "!", "|", ">", "%", "@", "`", '"', "'", "#", "?", "{", "}", "[", "]", ",", ":", "-")
 OFFERS: tuple[Offer, ...] = (
-    offer_names, offer_parameters, offer_repeated, offer_references, offer_selectors, offer, offer_keys,
-)  # fmt: skip
+    offer_names,
+    offer_parameters,
+    offer_repeated,
+    offer_references,
+    offer_selectors,
+    offer,
+    offer_keys,
+)
 
 
 def complete(question: Question) -> Completion:

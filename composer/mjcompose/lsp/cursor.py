@@ -113,7 +113,8 @@ class _Scan:
         self.leave(indent)
         top = self.stack[-1] if self.stack else None
         if top is not None and top.is_list and top.indent == indent:
-            top.step, top.has_value = (top.step + 1 if isinstance(top.step, int) else 0), False
+            top.step = top.step + 1 if isinstance(top.step, int) else 0
+            top.has_value = False
         else:
             self.stack.append(_Frame(indent, True, 0))
 
@@ -123,7 +124,8 @@ class _Scan:
             self.stack.pop()
         if not self.stack or self.stack[-1].indent < indent:
             self.stack.append(_Frame(indent, False))
-        self.stack[-1].step, self.stack[-1].has_value = key, False
+        self.stack[-1].step = key
+        self.stack[-1].has_value = False
         self.stack[-1].keys.append(key)
 
     def leave(self, indent: int) -> None:
@@ -148,7 +150,8 @@ class _Scan:
 
         Return the column at which its last word begins, without the quote, and the quote if it is still open.
         """
-        begin, quote = at, ""
+        begin = at
+        quote = ""
         indent = self.stack[-1].indent if self.stack else 0
         while at < len(text):
             character = text[at]
@@ -158,7 +161,8 @@ class _Scan:
                 elif character == quote:
                     quote = ""
             elif character in "\"'" and not text[begin:at].strip():
-                quote, begin = character, at
+                quote = character
+                begin = at
             elif character == "#" and (at == 0 or text[at - 1].isspace()):
                 return len(text), ""
             elif character in _CLOSING:
@@ -259,9 +263,16 @@ class _Scan:
         top = self.stack[-1] if self.stack else None
         keys = tuple(top.keys) if top is not None and role == "key" and not top.is_list else ()
         return Cursor(
-            self.path(role == "key"), role, text[start:column], line=line, start=start, end=end, quote=quote,
-            whole=text[start:end], written=keys,
-        )  # fmt: skip
+            self.path(role == "key"),
+            role,
+            text[start:column],
+            line=line,
+            start=start,
+            end=end,
+            quote=quote,
+            whole=text[start:end],
+            written=keys,
+        )
 
     def path(self, of_mapping: bool = False) -> Path:
         """Return the path of the next value, or of the mapping to which the next key belongs."""

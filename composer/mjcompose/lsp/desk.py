@@ -70,12 +70,13 @@ def by_file(
 def uses_of(analysis: Analysis) -> dict[str, Span]:
     """Return the first place of each file of a model that the recipe names."""
     first: dict[Path, Span] = {}
-    for place in analysis.plan.walk() if analysis.plan is not None else ():
-        path = getattr(place.model, "path", None)
-        if path is None or path in first or place.span is None or place.span.file != analysis.file:
-            continue
-        if (now := analysis.now(place.span, analysis.plan_of)) is not None:
-            first[path] = now
+    if analysis.plan is not None:
+        for place in analysis.plan.walk():
+            path = getattr(place.model, "path", None)
+            if path is None or path in first or place.span is None or place.span.file != analysis.file:
+                continue
+            if (now := analysis.now(place.span, analysis.plan_of)) is not None:
+                first[path] = now
     found: dict[str, Span] = {}
     for path, span in first.items():
         found.setdefault(shown(path, analysis.folder), span)
@@ -115,9 +116,12 @@ class Workspace:
         if len(text) > _MOST_TEXT:
             size = f"{len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
             warning = Diagnostic(
-                "yaml-too-large", f"the recipe has {size}", Span(shown(path, self.folder), 1, 1),
-                severity=Severity.WARNING, help="`mjcompose check` shows them",
-            )  # fmt: skip
+                "yaml-too-large",
+                f"the recipe has {size}",
+                Span(shown(path, self.folder), 1, 1),
+                severity=Severity.WARNING,
+                help="`mjcompose check` shows them",
+            )
             return Analysis(path, self.folder, text, found=(warning,))
         self.shelf.refresh(texts)
         whole = _with(texts, path, text)
@@ -129,7 +133,8 @@ class Workspace:
     def _analysed(self, path: Path, text: str, whole: Mapping[str, bytes], before: Analysis) -> Analysis:
         context = _offline(self.folder)
         tree = load(text, shown(path, self.folder), Sink())
-        plan, model = None, None
+        plan = None
+        model = None
         try:
             plan = plan_what_remains(path, context)
             composed = None if plan is None else self._composed(plan, context, self.shelf.library)
@@ -140,15 +145,20 @@ class Workspace:
         if plan is not None:
             acknowledge(plan, context.sink, context.shown, whole=False)
         return replace(
-            Analysis(path, self.folder, text), tree=tree or before.tree, plan=plan or before.plan,
-            model=model or before.model, traced=before.traced if model is None else None,
+            Analysis(path, self.folder, text),
+            tree=tree or before.tree,
+            plan=plan or before.plan,
+            model=model or before.model,
+            traced=before.traced if model is None else None,
             tree_of=text if tree is not None else before.tree_of,
             plan_of=text if plan is not None else before.plan_of,
-            model_of=text if model is not None else before.model_of, is_current=tree is not None,
-            is_composed=model is not None, found=tuple(context.sink.sorted()),
+            model_of=text if model is not None else before.model_of,
+            is_current=tree is not None,
+            is_composed=model is not None,
+            found=tuple(context.sink.sorted()),
             files=self._files(plan, model, context) | (before.files if model is None else frozenset()),
             library=dict(self.shelf.library),
-        )  # fmt: skip
+        )
 
     def traced(self, analysis: Analysis) -> Analysis:
         """Return an analysis that knows where elements come from, by composing the same plan and sources again."""
@@ -156,7 +166,8 @@ class Workspace:
         if model is None or analysis.traced is not None:
             return analysis
         if self._latest is None or self._latest[0] is not analysis:
-            watch, again = Trace(), None
+            watch = Trace()
+            again = None
             with unsaved(model.texts), suppress(TooManyFaults):
                 again = self._composed(model.plan, _offline(self.folder), dict(model.library), watch)
             whole = analysis
@@ -170,10 +181,14 @@ class Workspace:
         self, plan: Plan, context: Context, library: Library, watch: Watch = nobody
     ) -> tuple[Unit, dict[Node, str]] | None:
         composer = Composer(
-            context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
+            context,
+            measure_with(context, session=self._session),
+            self._session,
+            watch=watch,
+            library=library,
             # An edit selects the assets of each copy, before copies share them.
             options=ComposeOptions(checks_sources=True, notes_parts=True, makes_shapes=False, shares_assets=False),
-        )  # fmt: skip
+        )
         composed = composer.compose(plan)
         return None if composed is None else (composed.model, composer.parts)
 
@@ -204,7 +219,9 @@ class Workspace:
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> ModelAnalysis:
         """Return the analysis of an MJCF file. If it cannot be read at all, use the model of `before`."""
-        sink, file, content = Sink(), shown(path, self.folder), text.encode("utf-8", "replace")
+        sink = Sink()
+        file = shown(path, self.folder)
+        content = text.encode("utf-8", "replace")
         with unsaved(texts):
             unit, nodes = read_model(path, text, self.folder)
             if root_of(text) == "mujocoinclude":  # a piece of other models
@@ -217,9 +234,16 @@ class Workspace:
         files = () if unit is None else (each.path for each in unit.origins.texts.values() if each.path is not None)
         is_current = not any(each.code == "xml-syntax" for each in found)
         return ModelAnalysis(
-            path, self.folder, text, found=found, files=frozenset(files), is_current=is_current, model_of=text,
-            unit=unit, nodes=nodes,
-        )  # fmt: skip
+            path,
+            self.folder,
+            text,
+            found=found,
+            files=frozenset(files),
+            is_current=is_current,
+            model_of=text,
+            unit=unit,
+            nodes=nodes,
+        )
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         """Return the findings about a recipe, built with MuJoCo as `check` does."""
@@ -330,8 +354,10 @@ class Desk:
     ) -> None:
         self.folder = folder
         self.documents: dict[Path, Document] = {}
-        self.workspace, self.verifier = Workspace(folder), Workspace(folder, remembers=True)
-        self._publish, self._log = publish, log
+        self.workspace = Workspace(folder)
+        self.verifier = Workspace(folder, remembers=True)
+        self._publish = publish
+        self._log = log
         self._analysing = ThreadPoolExecutor(1, "analysis")
         self._verifying = ThreadPoolExecutor(1, "verification")
         self._glancing = ThreadPoolExecutor(1, "glance")
@@ -343,7 +369,9 @@ class Desk:
 
     def change(self, path: Path, text: str, version: int | None = None) -> None:
         document = self.documents[path]
-        document.text, document.version, document.count = text, version, document.count + 1
+        document.text = text
+        document.version = version
+        document.count = document.count + 1
         if document.kind == "":
             document.kind = kind_of(path, text)
         self._touched(path)
@@ -438,7 +466,10 @@ class Desk:
     async def _glance(self, document: Document) -> None:
         """Report the certain faults of the newest text, as long as it is not analyzed."""
         while document.glanced < document.count and self.documents.get(document.path) is document:
-            count, text, version, whole = document.count, document.text, document.version, document.whole
+            count = document.count
+            text = document.text
+            version = document.version
+            whole = document.whole
             if whole is None:
                 return
             try:
@@ -456,13 +487,16 @@ class Desk:
         while document.done < document.count and self.documents.get(document.path) is document:
             if document.is_touched_again():
                 break
-            count, text, version = document.count, document.text, document.version
+            count = document.count
+            text = document.text
+            version = document.version
             try:
                 if document.kind:
                     await self._analyze(document, text)
             except Exception:
                 self._log(traceback.format_exc())
-            document.done, document.seen = count, version
+            document.done = count
+            document.seen = version
             if document.is_touched_again():
                 document.glanced = 0
                 self._glance_at(document)
@@ -483,7 +517,9 @@ class Desk:
 
     async def _verify(self, document: Document) -> None:
         """Build a recipe with MuJoCo, or lint a model. The result is dropped if the text changes in the meantime."""
-        analysis, count, texts = document.analysis, document.count, self.texts(document.path)
+        analysis = document.analysis
+        count = document.count
+        texts = self.texts(document.path)
         is_model = isinstance(analysis, ModelAnalysis) and root_of(document.text) == "mujoco"
         if analysis is None or not (analysis.is_composed or is_model) or _has_errors(analysis.found):
             return
@@ -498,7 +534,8 @@ class Desk:
             self._log(traceback.format_exc())
             return
         if document.count == count and self.documents.get(document.path) is document:
-            document.verified, document.verified_lines = found, analysis.lines
+            document.verified = found
+            document.verified_lines = analysis.lines
             self._report_found(document)
 
     def _report_found(self, document: Document) -> None:

@@ -53,9 +53,14 @@ def glance(text: str, before: Analysis) -> Analysis:
         tree = None
         found = too_many.sink.sorted()
     glanced = replace(
-        before, text=text, tree=before.tree if tree is None else tree, found=tuple(found), is_current=tree is not None,
-        is_composed=False, tree_of=before.tree_of if tree is None else text,
-    )  # fmt: skip
+        before,
+        text=text,
+        tree=before.tree if tree is None else tree,
+        found=tuple(found),
+        is_current=tree is not None,
+        is_composed=False,
+        tree_of=before.tree_of if tree is None else text,
+    )
     if "names" in vars(before):  # the model is the same
         vars(glanced)["names"] = before.names
     return glanced
@@ -118,7 +123,8 @@ def carried(found: Iterable[Diagnostic], file: str, old: Items[str], new: Items[
 
     kept = []
     for each in found:
-        span, fix = there(each.span), each.fix
+        span = there(each.span)
+        fix = each.fix
         if fix is not None and fix.span is not None:
             fix = replace(fix, span=there(fix.span))
             if fix.span is None:

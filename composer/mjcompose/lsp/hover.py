@@ -59,7 +59,8 @@ def show(question: Question) -> Hover | None:
 def describe(known: Known, analysis: Analysis) -> str:
     """Return an element in Markdown: its kind, facts with their units, and its `explain` lines."""
     lines = [f"**{known.tag} `{known.name}`**", ""]
-    traced, node = analysis.traced, known.node
+    traced = analysis.traced
+    node = known.node
     composed = traced is not None and node is not None and node in traced.watch.lives
     lines += [f"- {fact}" for fact in _facts(known, traced if composed else None)]
     if traced is not None and composed and node is not None:
@@ -129,7 +130,8 @@ _EXPRESSION_MOST = 12
 
 def show_expression(question: Question) -> Hover | None:
     """Return the value of the text with `${…}` at the cursor, or None."""
-    text, path = question.cursor.whole, place_of(question)
+    text = question.cursor.whole
+    path = place_of(question)
     if not is_template(text) or not isinstance(question.tree, Located):
         return None
     values = values_of(text, question.tree, path)
@@ -145,7 +147,8 @@ def show_expression(question: Question) -> Hover | None:
             lines += _table(f"`{reading}`", {name: with_units(value) for name, value in rows.items()})
     if len(lines) == 2:
         return None
-    declared, used = settables(question.data), dict.fromkeys(name for name, _, _ in names_in(text))
+    declared = settables(question.data)
+    used = dict.fromkeys(name for name, _, _ in names_in(text))
     about = _settable_lines(declared[name] for name in used if name in declared)
     return Hover("\n".join([*lines, "", *about]), question.word)
 

@@ -15,9 +15,13 @@ from mjcompose.tree.grammar import GRAMMAR, ElementType
 Schema = dict[str, Any]
 _ELEMENT = re.compile(r"(?:element|named|variant|settable|scalable)\.(.+)")
 _TYPES: dict[str, tuple[type, ...]] = {
-    "object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,), "number": (int, float),
+    "object": (dict,),
+    "array": (list,),
+    "string": (str,),
+    "boolean": (bool,),
+    "number": (int, float),
     "integer": (int,),
-}  # fmt: skip
+}
 _MOST = 400  # the most schemas for one place: they refer to one another
 
 
@@ -131,9 +135,11 @@ def _step(form: Form, step: str | int) -> Iterator[Form]:
 
 def _spread(form: Form, data: Any) -> Iterator[Form]:
     """Yield a form and everything that it refers to, without the alternatives that the data excludes."""
-    waiting, count = [form], 0
+    waiting = [form]
+    count = 0
     while waiting and count < _MOST:
-        each, count = waiting.pop(0), count + 1
+        each = waiting.pop(0)
+        count = count + 1
         yield each
         schema = each.schema
         if (target := schema.get("$ref")) is not None:

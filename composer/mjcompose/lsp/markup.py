@@ -54,13 +54,15 @@ def repaired(text: str) -> str:
 
 
 def _start_tag(text: str, piece: Piece) -> str:
-    part, names = text[piece.start : piece.end], set()
+    part = text[piece.start : piece.end]
+    names = set()
     for at, each in enumerate(piece.attributes):
         end = piece.attributes[at + 1].at if at + 1 < len(piece.attributes) else piece.end
         is_whole = each.value is not None and text[each.end : each.end + 1] == text[each.start - 1]
         if not is_whole or each.name in names:
             end = end if end < piece.end else max(each.end + is_whole, each.at + len(each.name))
-            low, high = each.at - piece.start, end - piece.start
+            low = each.at - piece.start
+            high = end - piece.start
             part = part[:low] + _blank(part[low:high]) + part[high:]
         names.add(each.name)
     if piece.complete:
@@ -137,7 +139,8 @@ class ModelQuestion(Question, slots=False):
     @cached_property
     def node(self) -> Node | None:
         """The element whose start tag the cursor is in, as the analysis has it."""
-        at, nodes = self._there[2], self.analysis.nodes
+        at = self._there[2]
+        nodes = self.analysis.nodes
         is_there = self.piece is not None and at < len(nodes) and nodes[at].tag == self.piece.tag
         return nodes[at] if is_there else None
 
@@ -185,7 +188,9 @@ class ModelQuestion(Question, slots=False):
 
 def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
     """Return the cursor, the start tag that it is in, and the number of earlier start tags."""
-    offset, tags, count = question.offset, list[str](), 0
+    offset = question.offset
+    tags: list[str] = []
+    count = 0
     for piece in pieces(question.text):
         is_inside = piece.start < offset < piece.end or (offset == piece.end and piece.end == len(question.text))
         is_open = piece.kind == "start" and not piece.complete and piece.start < offset <= piece.end
@@ -212,12 +217,16 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
 
 
 def _in_tag(question: ModelQuestion, piece: Piece, tags: list[str]) -> tuple[Cursor, Piece]:
-    offset, text, name_end = question.offset, question.text, piece.start + 1 + len(piece.tag)
+    offset = question.offset
+    text = question.text
+    name_end = piece.start + 1 + len(piece.tag)
     if offset <= name_end:
         return _cursor(question, tags, "tag", start=piece.start + 1, end=name_end), piece
-    inner, written = [*tags, piece.tag], tuple(each.name for each in piece.attributes)
+    inner = [*tags, piece.tag]
+    written = tuple(each.name for each in piece.attributes)
     for each in piece.attributes:
-        name_end, path = each.at + len(each.name), [*inner, each.name]
+        name_end = each.at + len(each.name)
+        path = [*inner, each.name]
         if each.at <= offset <= name_end:
             cursor = _cursor(question, inner, "key", start=each.at, end=name_end)
             return replace(cursor, written=written, has_colon=text[name_end:].lstrip().startswith("=")), piece
@@ -237,9 +246,14 @@ def _cursor(question: ModelQuestion, path: Sequence[str], role: Role, start: int
     line, first = question.at_offset(start)
     text = question.text
     return Cursor(
-        tuple(path), role, text[start : question.offset], line=line, start=first, end=first + end - start,
+        tuple(path),
+        role,
+        text[start : question.offset],
+        line=line,
+        start=first,
+        end=first + end - start,
         whole=text[start:end],
-    )  # fmt: skip
+    )
 
 
 def read_unit(data: bytes, file: str, folder: Path) -> Unit | None:
@@ -251,7 +265,8 @@ def read_unit(data: bytes, file: str, folder: Path) -> Unit | None:
     read_from(unit, data)
     unit.origins.texts[file].path = folder / Path(file).name
     if root.tag == "mujocoinclude":
-        tags, sections = {str(each.tag) for each in root.iterchildren("*")}, GRAMMAR.root.children
+        tags = {str(each.tag) for each in root.iterchildren("*")}
+        sections = GRAMMAR.root.children
         root.tag = "mujoco"
         if not tags <= set(sections):
             tag = next((each for each in ("worldbody", *sections) if tags <= set(GRAMMAR.within(each))), "worldbody")

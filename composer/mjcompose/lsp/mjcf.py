@@ -37,7 +37,8 @@ INCLUDE = "puts the children of another file's root here"
 
 def offer_tags(question: ModelQuestion) -> Iterator[Item]:
     """Yield the elements that can be at the cursor; in an end tag, the open element."""
-    role, path = question.cursor.role, question.path
+    role = question.cursor.role
+    path = question.path
     if role == "end" and path:
         rest = question.text[question.offset :].lstrip("abcdefghijklmnopqrstuvwxyz")
         yield Item(str(path[-1]), "element", insert=str(path[-1]) + ("" if rest.startswith(">") else ">"))
@@ -54,22 +55,28 @@ def offer_tags(question: ModelQuestion) -> Iterator[Item]:
 
 def offer_attributes(question: ModelQuestion) -> Iterator[Item]:
     """Yield the attributes that the element at the cursor does not have yet. Required ones come first."""
-    cursor, kind = question.cursor, question.element
+    cursor = question.cursor
+    kind = question.element
     if cursor.role != "key" or kind is None:
         return
     for name, at in attribute_order(kind).items():
         attribute = kind.attributes[name]
         if name not in cursor.written or name == cursor.whole:
             yield Item(
-                name, "key", _form(attribute), doc=attribute.doc, rank=(10 if attribute.required else 20) + at / 1000,
+                name,
+                "key",
+                _form(attribute),
+                doc=attribute.doc,
+                rank=(10 if attribute.required else 20) + at / 1000,
                 insert=name if cursor.has_colon else f'{name}="$0"',
                 again=bool(attribute.keywords or attribute.is_reference),
-            )  # fmt: skip
+            )
 
 
 def offer_values(question: ModelQuestion) -> Iterator[Item]:
     """Yield keywords, names, files, and the default of the attribute at the cursor."""
-    cursor, attribute = question.cursor, question.attribute
+    cursor = question.cursor
+    attribute = question.attribute
     if cursor.role != "value":
         return
     around = "" if cursor.quote else '"'
@@ -93,18 +100,22 @@ _FILES_MOST = 2000
 
 def _folder(question: ModelQuestion) -> Path | None:
     """Return the folder of the files that the value at the cursor can name, or None if it names no file."""
-    attribute, unit, path = question.attribute, question.analysis.unit, question.analysis.path
+    attribute = question.attribute
+    unit = question.analysis.unit
+    path = question.analysis.path
     is_include = question.cursor.role == "value" and question.path[-2:] == ("include", "file")
     if not is_include and (attribute is None or attribute.type != "file"):
         return None
     if unit is None or attribute is None or attribute.folder not in ("mesh", "texture"):
         return path.parent if unit is None or is_include else unit.directory
-    is_mesh, settings = attribute.folder == "mesh", unit.settings
+    is_mesh = attribute.folder == "mesh"
+    settings = unit.settings
     return unit.directory / (settings.mesh_folder if is_mesh else settings.texture_folder)
 
 
 def _files(question: ModelQuestion) -> Iterator[str]:
-    folder, above = _folder(question), question.cursor.word.rpartition("/")[0]
+    folder = _folder(question)
+    above = question.cursor.word.rpartition("/")[0]
     if folder is None or question.cursor.role != "value" or is_absolute(above) or not os.path.isdir(folder / above):
         return
     for entry in sorted((folder / above).iterdir())[:_FILES_MOST]:
@@ -122,7 +133,8 @@ def file_at(question: ModelQuestion) -> Iterator[Span]:
 
 def _form(attribute: Attribute) -> str:
     """Return a line about an attribute: its type, its length, and MuJoCo's default."""
-    low, high = attribute.min_length, attribute.max_length
+    low = attribute.min_length
+    high = attribute.max_length
     between = f"{low}" if low == high else f"{low}…{'' if high is None else high}"
     count = f"({between})" if attribute.is_number and between != "1" else ""
     default = f", default {text}" if (text := default_text(attribute)) is not None else ""
@@ -139,13 +151,15 @@ def _versions(kind: ElementType | Attribute) -> str:
 
 def show_attribute(question: ModelQuestion) -> Hover | None:
     """Return the words of the reference about an attribute, the value in effect, and the class that gives it."""
-    attribute, kind = question.attribute, question.element
+    attribute = question.attribute
+    kind = question.element
     if attribute is None or kind is None or not question.cursor.whole:
         return None
     facts = ", ".join(filter(None, (_form(attribute), _versions(attribute))))
     keywords = f"\n\none of {', '.join(f'`{each}`' for each in attribute.keywords)}" if attribute.keywords else ""
     lines = [f"**`{attribute.name}`** of `<{kind.tag}>`: {facts}", "", f"{attribute.doc}{keywords}", ""]
-    node, unit = question.node, question.analysis.unit
+    node = question.node
+    unit = question.analysis.unit
     if node is not None and unit is not None and (kind.takes_class or attribute.name in node.attrib):
         lines += effect(node, kind, attribute, unit=unit)
     return Hover("\n".join(lines), question.word)
@@ -177,7 +191,8 @@ def show_element(question: ModelQuestion) -> Hover | None:
     if kind is None:
         return None
     about = f"**`<{kind.tag}>`** {_versions(kind)}\n\n{kind.doc}\n"
-    unit, node = question.analysis.unit, question.node
+    unit = question.analysis.unit
+    node = question.node
     facts = [] if unit is None or node is None else list(settings(node, unit))
     return Hover("\n".join([about, *facts]), question.word)
 
@@ -213,7 +228,8 @@ def _items(node: Node, attribute: str, name: str, unit: Unit) -> Iterator[Span]:
     if str(node.get(attribute)) == name:
         yield whole
         return
-    file, line = unit.origins.owner(node, unit.file), line_of(node)
+    file = unit.origins.owner(node, unit.file)
+    line = line_of(node)
     text = unit.origins.text(file) if isinstance(file, str) else None
     for at, item in enumerate(str(node.get(attribute)).split()):
         if item == name and text is not None and line is not None:
@@ -249,7 +265,8 @@ def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]
         raise Refused(f"`{new}` cannot be the name of an element")
     every: dict[Change, None] = {}
     for unit, prefix in ((own, ""), *others):
-        there, now = replace(known, name=prefix + known.name), prefix + new
+        there = replace(known, name=prefix + known.name)
+        now = prefix + new
         changes = _changes(there, now, unit)
         if changes and not _means_the_same(there, now, unit, changes=changes):
             raise Refused(f"`{known.name}` cannot be renamed: other names in `{unit.file}` would change")
@@ -258,7 +275,8 @@ def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]
 
 
 def _changes(known: Known, new: str, unit: Unit) -> list[Change]:
-    index, old = NameIndex.of(unit.root), known.name
+    index = NameIndex.of(unit.root)
+    old = known.name
     node = index.find(known.namespace, old)
     if index.find(known.namespace, new) is not None:
         raise Refused(f"there is a {known.namespace} `{new}` already, in `{unit.file}`")
@@ -293,7 +311,8 @@ def _spans(text: str, file: str) -> Callable[[int, int], Span]:
     lines = [0, *(found.end() for found in re.finditer("\n", text))]
 
     def span(start: int, end: int) -> Span:
-        first, last = bisect_right(lines, start), bisect_right(lines, end)
+        first = bisect_right(lines, start)
+        last = bisect_right(lines, end)
         return Span(file, first, start - lines[first - 1] + 1, end_line=last, end_column=end - lines[last - 1] + 1)
 
     return span
@@ -307,7 +326,8 @@ def symbols(text: str, analysis: ModelAnalysis) -> list[Symbol]:
         named = {each.name: each.value for each in piece.attributes if each.value}
         keys = ("class",) if piece.tag == "default" else _NAMING
         name = next((each for key in keys if (each := named.get(key))), "")
-        kind, tag = "element" if waiting[1:] else "section", span(piece.start + 1, piece.start + 1 + len(piece.tag))
+        kind = "element" if waiting[1:] else "section"
+        tag = span(piece.start + 1, piece.start + 1 + len(piece.tag))
         return Symbol(
             name or piece.tag, kind, tag, whole=span(piece.start, end), detail=piece.tag if name else "", children=below
         )
@@ -323,7 +343,8 @@ def symbols(text: str, analysis: ModelAnalysis) -> list[Symbol]:
         elif piece.kind == "end" and any(each.tag == piece.tag for each in waiting):
             tag = ""
             while tag != piece.tag:
-                opened, below = waiting.pop(), tuple(found.pop())
+                opened = waiting.pop()
+                below = tuple(found.pop())
                 tag = opened.tag
                 found[-1].append(symbol(opened, piece.end, below))
     for opened in reversed(waiting):

@@ -50,7 +50,8 @@ def _declared(question: Question) -> Iterator[Span]:
     if step is not None and step.span.turn is not None:
         yield from analysis.all_now([step.span], analysis.tree_of)
         return
-    tree, paths = analysis.mapping, [] if at is None else [at]
+    tree = analysis.mapping
+    paths = [] if at is None else [at]
     if (parameter := subject.parameter_at(question)) is not None:
         name, nested = parameter
         tree = tree if nested is None else subject.nested_document(nested, question)
@@ -196,7 +197,8 @@ def formatted(text: str, file: str) -> list[Change]:
     result = layout(text.encode("utf-8", "replace"), file, Sink())
     if result is None:
         return []
-    before, after = _LINE.findall(text), _LINE.findall(result.decode("utf-8"))
+    before = _LINE.findall(text)
+    after = _LINE.findall(result.decode("utf-8"))
     steps = difflib.SequenceMatcher(None, before, after, False).get_opcodes()
     changed = (rows for kind, *rows in steps if kind != "equal")
     return [Change(_span(file, first, last, text), "".join(after[low:high])) for first, last, low, high in changed]
@@ -219,15 +221,17 @@ def lenses(analysis: Analysis) -> list[Lens]:
     top = next((name for name in ("recipe", "extends") if tree is not None and name in tree.entries), None)
     if tree is None or top is None:
         return []
-    lenses, path = [], str(analysis.path)
+    lenses = []
+    path = str(analysis.path)
     for at in analysis.all_now([locate(tree, (top,), key=True)], analysis.tree_of):
         lenses += [Lens(at, command, f"mjcompose.{command}", (path,)) for command in COMMANDS]
     places = [locate(tree, ("matrix",), key=True)] if "matrix" in tree.entries else []
     for at in analysis.all_now(places, analysis.tree_of):
         named = find(tree, ("name",))
         for cell in cells(tree, named.text if isinstance(named, Scalar) else analysis.path.stem, Sink())[:_LENSES_MOST]:
-            lenses += [Lens(at, f"{command} {cell.name}", f"mjcompose.{command}", (path, cell.name))
-                       for command in COMMANDS]  # fmt: skip
+            lenses += [
+                Lens(at, f"{command} {cell.name}", f"mjcompose.{command}", (path, cell.name)) for command in COMMANDS
+            ]
     return lenses
 
 
@@ -310,15 +314,17 @@ def _symbols(node: Node, depth: int, analysis: Analysis) -> Iterator[Symbol]:
     elif isinstance(node, Sequence):
         items = ((index, item) for index, item in enumerate(node.items) if not isinstance(item, Scalar))
         entries += [(_label(item, index), "element", item.span, item) for index, item in items]
-    for name, kind, place, value in entries if depth < _DEPTH else ():
-        span, whole = (analysis.now(each, analysis.tree_of) for each in (place, _around(place, value)))
-        if span is not None:
-            below = tuple(_symbols(value, depth + 1, analysis))
-            yield Symbol(name, kind, span, whole=whole or span, detail=_detail(value), children=below)
+    if depth < _DEPTH:
+        for name, kind, place, value in entries:
+            span, whole = (analysis.now(each, analysis.tree_of) for each in (place, _around(place, value)))
+            if span is not None:
+                below = tuple(_symbols(value, depth + 1, analysis))
+                yield Symbol(name, kind, span, whole=whole or span, detail=_detail(value), children=below)
 
 
 def _around(first: Span, node: Node) -> Span:
-    line, column = first.end_line or first.line, first.end_column or first.column
+    line = first.end_line or first.line
+    column = first.end_column or first.column
     for span in spans(node):
         end = span.end_line or span.line, span.end_column or span.column
         if span.file == first.file and end > (line, column):

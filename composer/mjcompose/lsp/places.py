@@ -53,11 +53,14 @@ def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Nod
     selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
     if selector is None:
         return None
-    own, model = own_part(without_variant(path)), analysis.model
+    own = own_part(without_variant(path))
+    model = analysis.model
     if own:
-        unit, separator = analysis.names.sources.get(part_called(own, analysis.plan)), "/"
+        unit = analysis.names.sources.get(part_called(own, analysis.plan))
+        separator = "/"
     else:
-        unit, separator = None if model is None else model.unit, analysis.separator
+        unit = None if model is None else model.unit
+        separator = analysis.separator
     parts = model.parts if model is not None and not own else {}
     try:
         return None if unit is None else Selection(unit.root, unit.classes, separator, parts).of(selector)
@@ -71,7 +74,9 @@ def label(node: Node) -> str:
 
 
 ANY = "*"
-PART, KEY, DATASHEET = "part", "key", "datasheet"
+PART = "part"
+KEY = "key"
+DATASHEET = "datasheet"
 
 
 class Wanted(Struct):

@@ -31,7 +31,9 @@ from mjcompose.text.node import Change
 _LENGTH = b"content-length"
 _MOST_LINE = 1 << 16
 _MOST = 1 << 26
-PARSE_ERROR, INVALID_REQUEST, INVALID_PARAMS = -32700, -32600, -32602
+PARSE_ERROR = -32700
+INVALID_REQUEST = -32600
+INVALID_PARAMS = -32602
 
 Structure = Callable[[bytes], object]
 Answer = Callable[[Any, int, str], None]
@@ -45,7 +47,9 @@ class Frames:
     """
 
     def __init__(self, stream: BinaryIO, structure: Structure, answer: Answer) -> None:
-        self._stream, self._structure, self._answer = stream, structure, answer
+        self._stream = stream
+        self._structure = structure
+        self._answer = answer
         self._head: list[bytes] = []
         self._body = b""
         self._is_shut = False
@@ -94,7 +98,8 @@ class Frames:
             shown = ", ".join(each.decode("ascii", "replace")[:40] for each in found[:3])
             wrong = f"`{shown}` is not the length of a message"
             self._answer(None, PARSE_ERROR, wrong if found else "a message has no `Content-Length`")
-            found, is_head = [], False
+            found = []
+            is_head = False
         return None
 
     def _is_valid(self, body: bytes) -> bool:
@@ -135,17 +140,37 @@ _SEVERITIES = {
 }
 _K = lsp.CompletionItemKind
 _KINDS = {
-    "key": _K.Property, "element": _K.Struct, "word": _K.EnumMember, "part": _K.Module, "file": _K.File,
+    "key": _K.Property,
+    "element": _K.Struct,
+    "word": _K.EnumMember,
+    "part": _K.Module,
+    "file": _K.File,
     "model": _K.Module,
-    "scheme": _K.Folder, "parameter": _K.Variable, "variant": _K.Enum, "function": _K.Function,
-    "constant": _K.Constant, "pattern": _K.Operator, "site": _K.Reference, "frame": _K.Reference, "body": _K.Struct,
-    "joint": _K.Field, "geom": _K.Value, "actuator": _K.Event, "sensor": _K.Event, "default": _K.Class,
-    "material": _K.Color, "texture": _K.Color,
-}  # fmt: skip
+    "scheme": _K.Folder,
+    "parameter": _K.Variable,
+    "variant": _K.Enum,
+    "function": _K.Function,
+    "constant": _K.Constant,
+    "pattern": _K.Operator,
+    "site": _K.Reference,
+    "frame": _K.Reference,
+    "body": _K.Struct,
+    "joint": _K.Field,
+    "geom": _K.Value,
+    "actuator": _K.Event,
+    "sensor": _K.Event,
+    "default": _K.Class,
+    "material": _K.Color,
+    "texture": _K.Color,
+}
 _S = lsp.SymbolKind
 _SYMBOLS = {
-    "section": _S.Namespace, "part": _S.Module, "list": _S.Array, "value": _S.Property, "element": _S.Object,
-}  # fmt: skip
+    "section": _S.Namespace,
+    "part": _S.Module,
+    "list": _S.Array,
+    "value": _S.Property,
+    "element": _S.Object,
+}
 
 
 _WORD = re.compile(r"\S+|\s")
@@ -160,7 +185,10 @@ class Converter:
     def __init__(
         self, encoding: str, folder: Path, lines: Callable[[Path], list[str]], uri: Callable[[Path], str]
     ) -> None:
-        self.encoding, self.folder, self._lines, self._uri = encoding, folder, lines, uri
+        self.encoding = encoding
+        self.folder = folder
+        self._lines = lines
+        self._uri = uri
         self.takes_snippets = False
 
     def path(self, span: Span) -> Path:
@@ -177,7 +205,8 @@ class Converter:
         start = min(span.column - 1, len(text)) if span.line - 1 == line else len(text)
         if span.end_line is None or span.end_column is None:
             word = _WORD.match(text, start)
-            last, end = line, len(text) if word is None else word.end()
+            last = line
+            end = len(text) if word is None else word.end()
         else:
             last = min(max(span.end_line - 1, line), len(lines) - 1)
             end = min(span.end_column - 1, len(lines[last]))
@@ -205,9 +234,14 @@ class Converter:
         related = [lsp.DiagnosticRelatedInformation(self.location(at), message) for at, message in notes]
         url = address(found.code)
         return lsp.Diagnostic(
-            place, _words(found), _SEVERITIES[found.severity], found.code, source="mjcompose",
-            related_information=related or None, code_description=None if url is None else lsp.CodeDescription(url),
-        )  # fmt: skip
+            place,
+            _words(found),
+            _SEVERITIES[found.severity],
+            found.code,
+            source="mjcompose",
+            related_information=related or None,
+            code_description=None if url is None else lsp.CodeDescription(url),
+        )
 
     def completion(self, found: analysis.Completion) -> lsp.CompletionList:
         return lsp.CompletionList(False, [self._item(each, found, at) for at, each in enumerate(found.items)])
@@ -220,11 +254,17 @@ class Converter:
         edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
         return lsp.CompletionItem(
-            item.label, kind=_KINDS.get(item.kind, _K.Text), detail=item.detail or None,
+            item.label,
+            kind=_KINDS.get(item.kind, _K.Text),
+            detail=item.detail or None,
             documentation=_markup(item.doc) if item.doc else None,
-            sort_text=f"{at:05}", text_edit=edit, filter_text=item.label,
-            insert_text_mode=lsp.InsertTextMode.AsIs, command=again, insert_text_format=form,
-        )  # fmt: skip
+            sort_text=f"{at:05}",
+            text_edit=edit,
+            filter_text=item.label,
+            insert_text_mode=lsp.InsertTextMode.AsIs,
+            command=again,
+            insert_text_format=form,
+        )
 
     def hover(self, found: analysis.Hover) -> lsp.Hover:
         place = None if found.span is None else self.range(found.span)
@@ -242,15 +282,22 @@ class Converter:
     def action(self, found: analysis.Action, path: Path) -> lsp.CodeAction:
         about = None if found.diagnostic is None else [self.diagnostic(found.diagnostic, path)]
         return lsp.CodeAction(
-            found.title, found.kind, about, is_preferred=found.is_preferred or None,
+            found.title,
+            found.kind,
+            about,
+            is_preferred=found.is_preferred or None,
             edit=self.edit(found.changes),
-        )  # fmt: skip
+        )
 
     def symbol(self, found: analysis.Symbol) -> lsp.DocumentSymbol:
         return lsp.DocumentSymbol(
-            found.name or "?", _SYMBOLS.get(found.kind, _S.Property), self.range(found.whole), self.range(found.span),
-            found.detail or None, children=[self.symbol(each) for each in found.children] or None,
-        )  # fmt: skip
+            found.name or "?",
+            _SYMBOLS.get(found.kind, _S.Property),
+            self.range(found.whole),
+            self.range(found.span),
+            found.detail or None,
+            children=[self.symbol(each) for each in found.children] or None,
+        )
 
     def hint(self, found: analysis.Hint) -> lsp.InlayHint:
         return lsp.InlayHint(self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None)
@@ -333,9 +380,11 @@ class Errands:
         if words[0] == "build":
             (self.folder / "build").mkdir(exist_ok=True)
         return Process(
-            own_command(*words), stdout=PIPE, stderr=STDOUT,
+            own_command(*words),
+            stdout=PIPE,
+            stderr=STDOUT,
             folder=WorkFolder(self.folder, "messages name recipes from the folder of the editor"),
-        )  # fmt: skip
+        )
 
     def end(self) -> None:
         for process in self._views.values():

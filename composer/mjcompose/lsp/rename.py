@@ -80,7 +80,8 @@ def _fits(step: str, name: str) -> bool:
     found = _CHOICE.search(step)
     if found is None:
         return fnmatchcase(name, step.replace("[", "[[]"))
-    head, tail = step[: found.start()], step[found.end() :]
+    head = step[: found.start()]
+    tail = step[found.end() :]
     return any(_fits(head + option + tail, name) for option in found[1].split(","))
 
 
@@ -91,7 +92,8 @@ def renameable(question: Question) -> Span | None:
     """Return the word at the cursor that can be renamed: a part, a parameter of this recipe, or a name in MJCF."""
     if isinstance(question, ModelQuestion):
         return mjcf.renameable(question)
-    at, parameter = _part_at(question), subject.parameter_at(question)
+    at = _part_at(question)
+    parameter = subject.parameter_at(question)
     if not question.analysis.is_current:
         return None
     if at is not None:
@@ -110,7 +112,8 @@ def _part_at(question: Question) -> Path | None:
 
 
 def _at_cursor(uses: Iterable[Span], question: Question) -> Span | None:
-    line, column = question.line + 1, question.column + 1
+    line = question.line + 1
+    column = question.column + 1
     return next((at for at in uses if at.line == line and at.column <= column <= (at.end_column or 0)), None)
 
 
@@ -124,7 +127,8 @@ def rename(
     """
     if isinstance(question, ModelQuestion):
         return _rename_in_model(question, new, others, models=models)
-    at, parameter = _part_at(question), subject.parameter_at(question)
+    at = _part_at(question)
+    parameter = subject.parameter_at(question)
     if renameable(question) is None:
         raise Refused(
             "only parts, parameters, variants and names of `for` can be renamed, if the recipe has no YAML errors"
@@ -153,7 +157,8 @@ def _rename_in_model(
                 continue
             final = replace(known, name=other.names.prefixes.get(part, "") + known.name)
             for use in subject.uses_in(other.tree):
-                there, text = name_there(final, use, other), use.text
+                there = name_there(final, use, other)
+                text = use.text
                 if there is None or known.namespace not in use.wanted.namespaces or use.wanted.part is not None:
                     continue
                 now = there.removesuffix(known.name) + new
@@ -203,7 +208,8 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
 
 def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
     """Yield the changes in one recipe that includes this one as the part `outer`, with names after `prefix`."""
-    tree, separator = analysis.mapping, analysis.separator
+    tree = analysis.mapping
+    separator = analysis.separator
     if tree is None:
         return
     has_names = True
@@ -213,7 +219,8 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
             yield _written(locate(tree, ("attach", old), key=True), new, analysis)
         has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
     for use in subject.uses_in(tree):
-        pattern, changed = use.wanted.pattern, None
+        pattern = use.wanted.pattern
+        changed = None
         own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
         if PART in use.wanted.namespaces:
             above = f"{outer}/" if outer else ""
@@ -233,9 +240,11 @@ def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
     for number, line in enumerate(node.text.split("\n")):
         for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
             if node.block is not None:
-                row, column = node.block[0] + number, node.block[1] + found.start()
+                row = node.block[0] + number
+                column = node.block[1] + found.start()
             elif number == 0 and node.span.end_line == node.span.line:
-                row, column = node.span.line, node.span.column + (0 if node.plain else 1) + found.start()
+                row = node.span.line
+                column = node.span.column + (0 if node.plain else 1) + found.start()
             else:
                 raise NotSure(old)
             yield Change(Span(node.span.file, row, column, end_line=row, end_column=column + len(old)), new)
@@ -287,11 +296,12 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
 
 
 def _extended_with(path: Path, analysis: Analysis) -> str | None:
-    for source, _ in analysis.plan.extended if analysis.plan is not None else ():
-        try:
-            tree = load(read_regular(source.path), source.path.name, Sink())
-        except OSError:
-            continue
-        if tree is not None and find(tree, path) is not None:
-            return source.path.name
+    if analysis.plan is not None:
+        for source, _ in analysis.plan.extended:
+            try:
+                tree = load(read_regular(source.path), source.path.name, Sink())
+            except OSError:
+                continue
+            if tree is not None and find(tree, path) is not None:
+                return source.path.name
     return None

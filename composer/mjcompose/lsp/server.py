@@ -111,7 +111,8 @@ class Server(LanguageServer):
     ) -> Question:
         """Return the question about a position in a recipe, or about the position in `params`. Raises NotOpen."""
         analysis = await self.analysis(params, newest, traced=traced)
-        lines, at = self.document(params).lines, position or params.position
+        lines = self.document(params).lines
+        at = position or params.position
         if isinstance(analysis, ModelAnalysis):
             return ModelQuestion(analysis, lines, at.line, column=self.converter.column(lines, at))
         return Question(analysis, lines, at.line, column=self.converter.column(lines, at))
@@ -221,7 +222,8 @@ async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Locatio
 @_feature(lsp.TEXT_DOCUMENT_REFERENCES)
 async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
     path = own.path(params.text_document.uri)
-    question, is_model = await own.question(params, traced=True), own.desk.is_model(path)
+    question = await own.question(params, traced=True)
+    is_model = own.desk.is_model(path)
     models = await own.desk.models_including(path) if is_model else []
     found = navigation.references(question, params.context.include_declaration, models)
     if is_model:
@@ -271,7 +273,8 @@ async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.Foldin
 
 @_feature(lsp.TEXT_DOCUMENT_INLAY_HINT)
 async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint]:
-    first, last = params.range.start.line + 1, params.range.end.line + 1
+    first = params.range.start.line + 1
+    last = params.range.end.line + 1
     found = navigation.hints(await own.analysis(params))
     return [own.converter.hint(each) for each in found if first <= each.span.line <= last]
 
@@ -293,7 +296,9 @@ async def colored(own: Server, params: lsp.DocumentColorParams) -> list[lsp.Colo
 @_feature(lsp.TEXT_DOCUMENT_COLOR_PRESENTATION)
 async def presented(own: Server, params: lsp.ColorPresentationParams) -> list[lsp.ColorPresentation]:
     """Return a color as MJCF writes it, with an opacity if the old or the new color has one."""
-    lines, place, color = own.document(params).lines, params.range, params.color
+    lines = own.document(params).lines
+    place = params.range
+    color = params.color
     start, end = (own.converter.column(lines, each) for each in (place.start, place.end))
     has_four = len(lines[place.start.line][start:end].split()) == 4 or color.alpha < 1
     numbers = [color.red, color.green, color.blue, *([color.alpha] if has_four else [])]

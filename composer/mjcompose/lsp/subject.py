@@ -58,10 +58,12 @@ def formed(tree: Node | None) -> Iterator[Formed]:
 
 def _below(at: Formed) -> Iterator[Formed]:
     yield at
-    node, data = at.node, at.data
+    node = at.node
+    data = at.data
     if isinstance(node, Sequence):
         for index, item in enumerate(node.items):
-            forms, above = forms_below(at.forms, index, data[index]), [*at.forms, *at.above]
+            forms = forms_below(at.forms, index, data[index])
+            above = [*at.forms, *at.above]
             inner = Formed((*at.path, index), None, item, data=data[index], forms=forms, above=above, around=at.around)
             yield from _below(inner)
     elif isinstance(node, Mapping):
@@ -102,10 +104,12 @@ def settables(data: Any) -> dict[str, Settable]:
     found: dict[str, Settable] = {}
     for name, written in _entries(data, "params"):
         entry = written if isinstance(written, dict) else {"default": written}
-        choices, default = entry.get("choices"), entry.get("default")
+        choices = entry.get("choices")
+        default = entry.get("default")
         values = tuple(map(text, choices)) if isinstance(choices, list) else ()
         values = ("true", "false") if isinstance(default, bool) else values
-        unit, doc = text(entry.get("unit")), text(entry.get("doc"))
+        unit = text(entry.get("unit"))
+        doc = text(entry.get("doc"))
         found[name] = Settable(name, "parameter", text(default), values, unit, doc)
     for name, written in _entries(data, "variants"):
         values = tuple(written) if isinstance(written, dict) else ()
@@ -212,7 +216,8 @@ def turn_names(tree: Node | None, path: Path) -> Iterator[TurnName]:
 
 def turn_name_at(question: Question, tree: Node | None) -> TurnName | None:
     """Return the name of a `for` at the cursor: where `for` declares it, or where an expression uses it."""
-    cursor, path = question.cursor, place_of(question)
+    cursor = question.cursor
+    path = place_of(question)
     if cursor.role != "value" and path[-2:-1] == (FOR,):
         declared = turn_names(tree, path[:-2])
         return next((each for each in declared if each.path == path[:-2] and each.key.name == path[-1]), None)
@@ -250,12 +255,14 @@ def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
         begin = node.span.column + (0 if node.plain else 1)
         width = (node.span.end_column or node.span.column) - node.span.column
         has_escapes = width not in (len(node.text), len(node.text) + 2)  # their length in the file is not known
-        for name, start, end in [] if has_escapes else names_in(node.text):
-            yield name, replace(node.span, column=begin + start, end_column=begin + end)
+        if not (has_escapes):
+            for name, start, end in names_in(node.text):
+                yield name, replace(node.span, column=begin + start, end_column=begin + end)
         return
     line, column = node.block
     for name, start, end in names_in(node.text):
-        above, last = node.text[:start].count("\n"), start - (node.text.rfind("\n", 0, start) + 1)
+        above = node.text[:start].count("\n")
+        last = start - (node.text.rfind("\n", 0, start) + 1)
         row = line + above
         yield name, Span(node.span.file, row, column + last, end_line=row, end_column=column + last + end - start)
 
@@ -278,7 +285,9 @@ def wanted_at(question: Question) -> Wanted | None:
 
 def named_at(question: Question) -> list[Known]:
     """Return the elements that the name at the cursor refers to, of the most likely kind. A pattern refers to none."""
-    wanted, name, analysis = wanted_at(question), question.cursor.whole.strip(), question.analysis
+    wanted = wanted_at(question)
+    name = question.cursor.whole.strip()
+    analysis = question.analysis
     if wanted is None or not name:
         return []
     found = [(rank, each) for rank, each in fitting(wanted, analysis.names, analysis.plan) if each.name == name]
@@ -288,7 +297,8 @@ def named_at(question: Question) -> list[Known]:
 
 def part_named_at(question: Question) -> Path | None:
     """Return the path of the part that the cursor names: at its key, or where another entry refers to it."""
-    cursor, plan = question.cursor, question.analysis.plan
+    cursor = question.cursor
+    plan = question.analysis.plan
     if cursor.role in ("key", "either") and cursor.path == ("attach",) and cursor.whole:
         return ("attach", cursor.whole)
     wanted = wanted_at(question)
@@ -304,7 +314,8 @@ def declared_by(node: Element) -> str:
 
 
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
-    node, traced = known.node, analysis.traced
+    node = known.node
+    traced = analysis.traced
     if node is None:
         return
     if traced is not None and node in traced.watch.lives:

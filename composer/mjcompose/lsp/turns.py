@@ -47,11 +47,12 @@ def readings_in(text: str, scope: Map[str, Value]) -> Iterator[tuple[str, Map[st
     except ExpressionError:
         return
     for piece in pieces:
-        for tree in [] if isinstance(piece, str) else _items(piece.tree):
-            first, last = tree.at
-            values = {label: value for label, value in _read(tree, scope) if label}
-            if values and not isinstance(piece, str):
-                yield text[piece.start + first : piece.start + last], values
+        if not (isinstance(piece, str)):
+            for tree in _items(piece.tree):
+                first, last = tree.at
+                values = {label: value for label, value in _read(tree, scope) if label}
+                if values and not isinstance(piece, str):
+                    yield text[piece.start + first : piece.start + last], values
 
 
 def _items(tree: Expression) -> Iterator[Item]:

@@ -48,12 +48,34 @@ from mjcompose.tree.names import SEPARATOR as PREFIX_SEPARATOR
 register(ViewClasses(element=Element, root=RootElement, frame=AttachmentFrame, several=ElementList))
 
 __all__ = [
-    "PREFIX_SEPARATOR", "Asset", "AttachmentFrame", "Binding", "Element", "ElementList", "MjcfAttributeError",
-    "MjcfError", "MjcfFileError", "MjcfFileNotFoundError", "MjcfKeyError", "MjcfWarning", "Physics", "RootElement",
-    "commit_defaults", "elements", "export_with_assets", "export_with_assets_as_zip", "from_file", "from_path",
-    "from_spec", "from_xml_string", "from_zip", "get_attachment_frame", "get_frame_freejoint", "get_frame_joints",
+    "PREFIX_SEPARATOR",
+    "Asset",
+    "AttachmentFrame",
+    "Binding",
+    "Element",
+    "ElementList",
+    "MjcfAttributeError",
+    "MjcfError",
+    "MjcfFileError",
+    "MjcfFileNotFoundError",
+    "MjcfKeyError",
+    "MjcfWarning",
+    "Physics",
+    "RootElement",
+    "commit_defaults",
+    "elements",
+    "export_with_assets",
+    "export_with_assets_as_zip",
+    "from_file",
+    "from_path",
+    "from_spec",
+    "from_xml_string",
+    "from_zip",
+    "get_attachment_frame",
+    "get_frame_freejoint",
+    "get_frame_joints",
     "get_freejoint",
-]  # fmt: skip
+]
 
 
 def __dir__() -> list[str]:

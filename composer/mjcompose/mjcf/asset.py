@@ -230,9 +230,13 @@ class Asset:
     __slots__ = ("_data", "_model", "extension", "path", "prefix")
 
     def __init__(
-        self, contents: bytes | None = None, extension: str = "", prefix: str = "asset", *,
+        self,
+        contents: bytes | None = None,
+        extension: str = "",
+        prefix: str = "asset",
+        *,
         path: str | os.PathLike[str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Make an asset from either `contents` or `path`. The file at a path is read when `contents` is accessed."""
         if (contents is None) == (path is None):
             raise failure("wrong-type", "an `Asset` takes either `contents` or a `path`")
@@ -240,7 +244,8 @@ class Asset:
         self._model: Model | None = None
         if path is not None:
             self.path: Path | None = as_path("path", path)
-            self.extension, self.prefix = self.path.suffix, stem(self.path.name)
+            self.extension = self.path.suffix
+            self.prefix = stem(self.path.name)
             return
         if not isinstance(contents, bytes):
             raise wrong_argument("contents", "bytes", type(contents).__name__)
@@ -248,7 +253,9 @@ class Asset:
             raise wrong_argument("extension", "a suffix such as `.stl`", extension)
         if not (isinstance(prefix, str) and re.fullmatch(r"[^/\\]+", prefix)):
             raise wrong_argument("prefix", "the name of a file without folders", prefix)
-        self.path, self.extension, self.prefix = None, extension, prefix
+        self.path = None
+        self.extension = extension
+        self.prefix = prefix
 
     @property
     def contents(self) -> bytes:

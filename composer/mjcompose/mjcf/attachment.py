@@ -81,7 +81,8 @@ class AttachmentFrame(Element):
 
     def _check_body_name(self) -> None:
         """Raise `MjcfError` if another body already has the prefix as its name, which the frame needs as a body."""
-        attachment, model = self._attachment, self._model
+        attachment = self._attachment
+        model = self._model
         name = attachment.child.prefix
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
         if taken is not None:
@@ -158,7 +159,8 @@ def get_freejoint(body: Element) -> Element | None:
     >>> mjcf.get_freejoint(mug) is free
     True
     """
-    model, classes = checked(body)._model, Classes(body._model.unit.root)
+    model = checked(body)._model
+    classes = Classes(body._model.unit.root)
     for joint in through_frames(body._node):
         is_free = joint.tag == "joint" and classes.effective(joint, childclass_of(joint), "type") == "free"
         if joint.tag == "freejoint" or is_free:

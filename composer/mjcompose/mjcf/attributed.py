@@ -307,7 +307,8 @@ class Attributed:
         raise failure("wrong-type", message, help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`")
 
     if not TYPE_CHECKING:  # a checker knows the names of each kind of element: see `elements.pyi`
-        __getattr__, __setattr__ = _member, _set_member
+        __getattr__ = _member
+        __setattr__ = _set_member
 
     def __delattr__(self, name: str) -> None:
         setattr(self, name, None)

@@ -121,7 +121,8 @@ def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
     simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
     if simple.any():
         # Its part of the mass matrix has only the diagonal. MuJoCo 4.0 refuses `mj_setConst` after such a change.
-        row, name = int(rows[simple][0]), array.removeprefix("body_")
+        row = int(rows[simple][0])
+        name = array.removeprefix("body_")
         message = f"`{name}` of the body `{model.body(row).name or row}` cannot be changed after compiling"
         notes = (Note("MuJoCo compiled it as a simple body, whose part of the mass matrix is a diagonal"),)
         raise failure("not-supported", message, notes=notes, help="compile it with `simple='false'` on the body")
@@ -147,7 +148,8 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
     @classmethod
     def of(cls, view: NDArray[Any], model: Model, array: str) -> Posed:
         posed = view.view(cls)
-        posed.model, posed.array = model, array
+        posed.model = model
+        posed.array = array
         return posed
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
@@ -373,7 +375,8 @@ class Binding:
 
     def _cannot_take(self, name: str, value: object, of: Array | None = None) -> Exception:
         has = self._read(name, fields(self._kind)[name]) if of is None else of
-        got, what = None, f"`{name}` of {self._labelled()}"
+        got = None
+        what = f"`{name}` of {self._labelled()}"
         with suppress(TypeError, ValueError):
             got = np.asarray(value, dtype=has.dtype) if value is not None else None
         if got is None:
@@ -382,7 +385,8 @@ class Binding:
 
     def _unknown(self, name: str) -> Exception:
         notes = (Note("fields that exist: " + ", ".join(_shortest(self._kind))),)
-        message, help = f"a compiled {self._kind} has no field `{name}`", did_you_mean(name, sorted(fields(self._kind)))
+        message = f"a compiled {self._kind} has no field `{name}`"
+        help = did_you_mean(name, sorted(fields(self._kind)))
         return failure("unknown-attribute", message, notes=notes, help=help, kind=MjcfAttributeError)
 
 
@@ -432,7 +436,8 @@ class _FieldView:
     __slots__ = ("field", "name")
 
     def __init__(self, name: str, field: Field) -> None:
-        self.name, self.field = name, field
+        self.name = name
+        self.field = field
 
     def __get__(self, binding: Binding | None, owner: type[Binding]) -> Any:
         return self if binding is None else binding._read(self.name, self.field)

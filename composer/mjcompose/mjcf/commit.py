@@ -37,7 +37,8 @@ _PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "a
 
 def is_plain(found: DefaultClass, node: Node) -> bool:
     """Return whether the attributes that a class sets for an actuator can be written onto it unchanged."""
-    tag, shared = str(node.tag), OF_ALL & kind_of(node).attributes.keys()
+    tag = str(node.tag)
+    shared = OF_ALL & kind_of(node).attributes.keys()
     return all(
         tag in _PLAIN if each.tag == tag else each.tag == _GENERAL and shared.issuperset(map(str, each.keys()))
         for each in _written_elements(found)
@@ -130,7 +131,8 @@ _OF_ATTRIBUTE = "rgb"
 
 def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
     """Write onto a material the textures of its class for the roles that the material itself does not set."""
-    own, given = _by_role(node), dict[str, str]()
+    own = _by_role(node)
+    given: dict[str, str] = {}
     for here in reversed(list(found.line())):
         for element in here.elements.get("material", ()):
             given |= _by_role(element)
@@ -309,7 +311,8 @@ def _completed(attribute: Attribute, own: str, inherited: str) -> str:
         return "" if _counts_empty(attribute) else inherited
     if not attribute.is_number or attribute.max_length in (None, 1) or attribute.name in _NEVER_COMPLETED:
         return own
-    items, more = own.split(), inherited.split()
+    items = own.split()
+    more = inherited.split()
     return own if len(items) >= len(more) else " ".join([*items, *more[len(items) :]])
 
 

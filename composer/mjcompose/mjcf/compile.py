@@ -83,9 +83,11 @@ class ScatteredRows(Struct, Generic[_Number], eq=False):
 
     @classmethod
     def of(
-        cls, array: NDArray[_Number], index: NDArray[np.intp],
+        cls,
+        array: NDArray[_Number],
+        index: NDArray[np.intp],
         before: Callable[[NDArray[np.intp]], None] = lambda rows: None,
-    ) -> ScatteredRows[_Number]:  # fmt: skip
+    ) -> ScatteredRows[_Number]:
         return cls(array.view(Scattered), index, array.ndim == 1, before=before)
 
     def read(self) -> Scattered:

@@ -92,9 +92,12 @@ class Edit(Struct, frozen=False):
 
 
 def check(
-    model: Model, kind: ElementType, values: Mapping[str, object], node: Node | None = None,
+    model: Model,
+    kind: ElementType,
+    values: Mapping[str, object],
+    node: Node | None = None,
     frame: Attachment | None = None,
-) -> Edit:  # fmt: skip
+) -> Edit:
     """Check the values, and return the edit that sets them on `node`, or on a new element if `node` is None.
 
     `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
@@ -133,7 +136,8 @@ def check(
     _check_name(model, kind, edit, node=node, frame=frame)
     naming = naming_attribute(kind)
     if node is not None and frame is None and naming is not None and naming.declares == "body":
-        before, new = model.declared(node), edit.texts.get(naming.name)
+        before = model.declared(node)
+        new = edit.texts.get(naming.name)
         if before and new and before[1] != new:
             edit.skins = skins_after_renaming(model, before[1], new)
     return edit
@@ -263,7 +267,8 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
 def check_lists(renaming: Renaming[Model]) -> None:
     """Raise `MjcfError` if a new name contains a space and would have to be in a list of names."""
     for reference, new in renaming.unlistable():
-        here, user = reference.model, reference.node
+        here = reference.model
+        user = reference.node
         notes = (Note("the list is here", here.span(user)),)
         raise failure("wrong-type", unlistable_message(reference, new, describe(here, user)), notes=notes)
 
@@ -273,7 +278,8 @@ def _bad_value(
 ) -> MjcfError:
     what = f"`<{kind.tag}>`" + (f" `{name}`" if isinstance(name, str) else "")
     what = what if node is None else describe(model, node)
-    refusal, help = fault.refusal, None
+    refusal = fault.refusal
+    help = None
     code = "wrong-length" if refusal.is_length else "wrong-type"
     if attribute.type in ("keyword", "keywords"):
         code = "wrong-keyword"

@@ -180,7 +180,8 @@ class Element(NodeView):
         >>> model.find('joint', 'slide') is None
         True
         """
-        model, node = self._model, self._node
+        model = self._model
+        node = self._node
         if type(name) is str and type(tag) is str and node is model.unit.root:
             known: Element | None = traversal.cached_element(model, tag, name)
             if known is not None:
@@ -221,7 +222,8 @@ class Element(NodeView):
         >>> arm.enter_scope('gripper') is gripper
         True
         """
-        model, prefix = self._alive()._model, as_name("prefix", prefix)
+        model = self._alive()._model
+        prefix = as_name("prefix", prefix)
         found = traversal.find_attached(model, prefix if prefix.endswith(SEPARATOR) else prefix + SEPARATOR)
         return None if found is None else cast(RootElement, view(found, found.unit.root))
 

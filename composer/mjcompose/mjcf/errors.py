@@ -45,14 +45,21 @@ class MjcfWarning(UserWarning):
 
 
 _OF_CODES: dict[str, type[MjcfError]] = {
-    "file-not-found": MjcfFileNotFoundError, "file-unreadable": MjcfFileError, "asset-missing": MjcfFileNotFoundError,
-}  # fmt: skip
+    "file-not-found": MjcfFileNotFoundError,
+    "file-unreadable": MjcfFileError,
+    "asset-missing": MjcfFileNotFoundError,
+}
 
 
 def failure(
-    code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (), help: str | None = None,
+    code: str,
+    message: str,
+    span: Span | None = None,
+    *,
+    notes: Iterable[Note] = (),
+    help: str | None = None,
     kind: type[MjcfError] | None = None,
-) -> MjcfError:  # fmt: skip
+) -> MjcfError:
     """Return an exception for one error, by default at the line of the caller's program."""
     return error_of(Diagnostic(code, message, span or call_site(), notes=tuple(notes), help=help), kind)
 

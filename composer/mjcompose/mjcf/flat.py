@@ -74,7 +74,8 @@ def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
     for path in dict.fromkeys(use.path for use in files):
         folder, _, base = path.rpartition("/")
         start, suffix = posixpath.splitext(base)
-        number, name = 1, base
+        number = 1
+        name = base
         while taken.setdefault(name.lower(), path) != path:
             number += 1
             name = f"{start}-{number}{suffix}"
@@ -101,7 +102,8 @@ def _is_model(use: FileUse) -> bool:
 
 def _with_file_names(model: FileUse, names: Mapping[str, str]) -> FileUse:
     """Return the sub-model with the new names of its files, which are relative to its own folder."""
-    start, folder = f"{posixpath.dirname(model.path)}/", f"{model.path.removesuffix('.xml')}/"
+    start = f"{posixpath.dirname(model.path)}/"
+    folder = f"{model.path.removesuffix('.xml')}/"
     changed = {
         path.removeprefix(start): name.removeprefix(start)
         for path, name in names.items()
@@ -135,7 +137,8 @@ def relocated_text(model: Model, label: str) -> str | None:
     files = _plain_files(unit)
     if files is None or next(empty_elements(unit), None) is not None:
         return None
-    text, (moving, staying) = to_text(unit.root), files
+    text = to_text(unit.root)
+    (moving, staying) = files
     if moving and (staying or text.count(_FILE) != moving):
         return None
     return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/") if moving else text)
@@ -206,9 +209,11 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
     if len(users) > _SHOWN:
         notes.append(Note(f"and {len(users) - _SHOWN} more"))
     first = users[0][0]
-    outside, inner = model, name
+    outside = model
+    inner = name
     while inner.startswith(UP) and outside.hung is not None:
-        outside, inner = outside.hung.parent, inner[len(UP) :]
+        outside = outside.hung.parent
+        inner = inner[len(UP) :]
     help = "`../` is the model that this one is attached to" if name.startswith(UP) else None
     if namespace == "body" and any(not rest for _, rest in outside.split(inner)):
         help = "the attachment frame is a body only once it has a joint"
@@ -341,7 +346,8 @@ def _state(model: Model, conflict: Policy) -> list[object] | None:
     state: list[object] = [conflict]
     folders: dict[str, Path] = {}
     for each in model.composition():
-        unit, root = each.unit, each.unit.root
+        unit = each.unit
+        root = each.unit.root
         # Files of one path are the same where links say so, and a skin is read to give its bodies other names.
         if folders.setdefault(label(each), unit.directory) != unit.directory or unit.contents:
             return None

@@ -166,7 +166,8 @@ def _element(root: Attributed, prefix: str | None, place: int) -> Any:
 def take_model(model: Model, source: Unit, element: Node) -> None:
     """Let a moved `<model>` name the same file. A file in memory is copied with its folder, to which it may refer."""
     file = join("", str(element.get("file")))
-    beside, (stem, suffix) = posixpath.dirname(file), posixpath.splitext(file)
+    beside = posixpath.dirname(file)
+    (stem, suffix) = posixpath.splitext(file)
     in_memory = isinstance(source.contents.get(file), bytes)
     theirs: dict[str, bytes | Path] = {file: source.source_of(file)}
     if in_memory:
@@ -186,7 +187,8 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
 
 def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
     """Return whether none of these paths is used by a different file."""
-    directory, known = str(model.unit.directory), dict(model.unit.contents)
+    directory = str(model.unit.directory)
+    known = dict(model.unit.contents)
     there = {path: Path(join(directory, path)) for path in files}
     held = {path: known.get(path, at if os.path.exists(at) else files[path]) for path, at in there.items()}
     return held == files
@@ -285,7 +287,8 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
         if path[0] in _READ_BY and both_have_elements:
             if path == ("compiler",):
                 default = getattr(Settings(), attribute, None)
-                one, other = default if one is None else one, default if other is None else other
+                one = default if one is None else one
+                other = default if other is None else other
         elif one is None or other is None:
             continue
         if (one is not other) if one is None or other is None else not _equal(one, other):
@@ -293,7 +296,8 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
 
 
 def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
-    top, prefix = model.top, model.full_prefix
+    top = model.top
+    prefix = model.full_prefix
     for namespace, names in source.names.declared.items():
         for name, node in names.items():
             if (taken := top.lookup(namespace, prefix + name)) is not None:

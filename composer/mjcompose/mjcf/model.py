@@ -75,7 +75,8 @@ class Attachment(Struct, frozen=False, eq=False):
 
     def names(self) -> Iterator[tuple[str, str]]:
         """Yield the namespace and the name of everything in the child, as the parent names it."""
-        child, prefix = self.child, self.child.prefix
+        child = self.child
+        prefix = self.child.prefix
         yield "body", prefix
         yield "default", prefix
         yield from (("joint", prefix + str(joint.get("name") or "")) for joint in self.frame)
@@ -136,10 +137,12 @@ class Model:
 
     def ways_up(self) -> Iterator[tuple[Model, str]]:
         """Yield this model and the models above it, each with the prefix that this model's names have there."""
-        model, prefix = self, ""
+        model = self
+        prefix = ""
         yield model, prefix
         while model.hung is not None:
-            model, prefix = model.hung.parent, model.prefix + prefix
+            prefix = model.prefix + prefix
+            model = model.hung.parent
             yield model, prefix
 
     def levels(self) -> Iterator[tuple[Model, str]]:
@@ -344,7 +347,8 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
     attached = [each for each in model.attachments.values() if each.host is node]
     written = ((escape(str(name)), escape(str(value))) for name, value in node.items())
     attributes = "".join(f' {name}=<span style="color: #067d17">"{value}"</span>' for name, value in written)
-    weight, end = "font-weight: bold; " * (node.tag in (ROOT, "body")), "" if children or attached else "/"
+    weight = "font-weight: bold; " * (node.tag in (ROOT, "body"))
+    end = "" if children or attached else "/"
     name = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
     tag = f"&lt;{name}{attributes}{end}&gt;"
     if not children and not attached:

@@ -92,7 +92,8 @@ def check_tree(unit: Unit, sink: Sink) -> None:
         if tag not in GRAMMAR.root.children:
             _unknown_element(unit, section, GRAMMAR.root, sink=sink)
             continue
-        table, namespaces = _table(tag), _namespaces(tag)
+        table = _table(tag)
+        namespaces = _namespaces(tag)
         _check_attributes(unit, section, GRAMMAR.section(tag), sink=sink)
         for parent in section.iter("*"):
             allowed = table.get(parent.tag) if len(parent) else None
@@ -123,17 +124,21 @@ def _check_names(unit: Unit, sink: Sink) -> None:
     first: dict[tuple[str, str], Node] = {}
     for section in unit.root.iterchildren("*"):
         namespaces = _namespaces(str(section.tag))
-        for node in section.iterdescendants(*namespaces) if namespaces else ():
-            attribute, namespace = namespaces[str(node.tag)]
-            name = own_name(node, attribute)
-            if name and first.setdefault((namespace, name), node) is not node:
-                code, kind = "name-clash", namespace
-                if namespace == "default":
-                    code, kind = "class-clash", "default class"
-                span = unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file")
-                notes = (Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),)
-                message, help = f"another {kind} is already called `{name}`", "give one of the two another name"
-                sink.error(code, message, span, notes=notes, help=help)
+        if namespaces:
+            for node in section.iterdescendants(*namespaces):
+                attribute, namespace = namespaces[str(node.tag)]
+                name = own_name(node, attribute)
+                if name and first.setdefault((namespace, name), node) is not node:
+                    code = "name-clash"
+                    kind = namespace
+                    if namespace == "default":
+                        code = "class-clash"
+                        kind = "default class"
+                    span = unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file")
+                    notes = (Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),)
+                    message = f"another {kind} is already called `{name}`"
+                    help = "give one of the two another name"
+                    sink.error(code, message, span, notes=notes, help=help)
 
 
 def one_of_each_section(unit: Unit) -> None:
@@ -148,9 +153,11 @@ def one_of_each_section(unit: Unit) -> None:
             if child not in unit.origins.owners:
                 unit.origins.own(child, owner)
         # MuJoCo lets `memory` override the older size settings, but refuses both in one element.
-        for there, here in ((first[tag], section), (section, first[tag])) if tag == "size" else ():
-            for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
-                here.attrib.pop(name, "")
+        if tag == "size":
+            for there, here in ((first[tag], section), (section, first[tag])):
+                if there.get("memory"):
+                    for name in INSTEAD_OF_MEMORY:
+                        here.attrib.pop(name, "")
         _merge_sections(first[tag], section, GRAMMAR.section(tag))
         unit.root.remove(section)
 
@@ -193,7 +200,8 @@ def _kind(section: str, tag: str) -> ElementType:
 
 
 def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
-    tag, span = str(node.tag), unit.origins.span(node, unit.file)
+    tag = str(node.tag)
+    span = unit.origins.span(node, unit.file)
     if (other := of_other_version(node, None, unit.file)) is not None:
         sink.add(replace(other, span=span))
         return
@@ -257,10 +265,14 @@ class Mounting(Struct, frozen=False):
             copied = self.copy(attachment.child)
             place = self._place(attachment, host, unit, prefix=prefix, own=own)
             part = Part(
-                copied, prefix + attachment.child.prefix, place, keyframes="prefix",
-                mocap=attachment.frame.get("mocap") == "true", span=model.span(attachment.frame),
+                copied,
+                prefix + attachment.child.prefix,
+                place,
+                keyframes="prefix",
+                mocap=attachment.frame.get("mocap") == "true",
+                span=model.span(attachment.frame),
                 outward=_outward_names(attachment.child, self.model),
-            )  # fmt: skip
+            )
             mounted = _Mounted(attachment, part, unit, parent_prefix=prefix, host=host)
             self.mounted.append(mounted)
             self._mount(attachment.child, copied, part.prefix, own=mounted)
@@ -315,13 +327,16 @@ class Mounting(Struct, frozen=False):
 def _outward_names(model: Model, top: Model) -> dict[str, str]:
     """Return the final names of a model's references to the models above it and next to it."""
     found: dict[str, str] = {}
-    for uses in model.names.uses.values() if model.names.leads_out else ():
-        for name in uses:
-            here, rest = model, name
-            while rest.startswith(UP) and here is not top and here.hung is not None:
-                here, rest = here.hung.parent, rest[len(UP) :]
-            if here is not model:
-                found[name] = str(top.prefix_of(here)) + rest
+    if model.names.leads_out:
+        for uses in model.names.uses.values():
+            for name in uses:
+                here = model
+                rest = name
+                while rest.startswith(UP) and here is not top and here.hung is not None:
+                    here = here.hung.parent
+                    rest = rest[len(UP) :]
+                if here is not model:
+                    found[name] = str(top.prefix_of(here)) + rest
     return found
 
 
@@ -337,7 +352,8 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
 
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
     """Return a joint of an attachment frame for the flat model. It has the default classes of the parent."""
-    part, unit = mounted.part, mounted.parent_unit
+    part = mounted.part
+    unit = mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
     attributes["name"] = part.prefix + attributes.get("name", "")
     if joint.tag == "freejoint":

@@ -88,7 +88,8 @@ def attach(model: Model, host: Node, child: Model) -> Node:
 def set_model_name(model: Model, name: str | None) -> None:
     """Rename a model. If it is attached, update the references from the models above to the new prefix."""
     text = edit.check(model, kind_of(model.unit.root), {"model": name}).texts["model"]
-    attachment, old = model.hung, model.prefix
+    attachment = model.hung
+    old = model.prefix
     if attachment is not None:
         _check_prefix(attachment.parent, model, name or model.unit.label, itself=model)
         new = (text or model.unit.label) + SEPARATOR
@@ -125,7 +126,8 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                     between = child.hung.find(namespace, rest)
                     found = None if between is None else Target(child.hung.parent, between)
                 if found is not None:
-                    one, other = here.span(node), found.model.span(found.node)
+                    one = here.span(node)
+                    other = found.model.span(found.node)
                     message = f"there is a {namespace} `{known}` in `{here.name}`, which would have two"
                     help = "rename one of the two, or rename the model: `other.model = '…'`"
                     notes = (Note("one is here", one), Note("the other is here", other))
@@ -218,7 +220,8 @@ class NodeView(Attributed):
 
     def __dir__(self) -> list[str]:
         kind = self._kind
-        attributes, children = map(spoken, kind.attributes), map(spoken, kind.children)
+        attributes = map(spoken, kind.attributes)
+        children = map(spoken, kind.children)
         found = {*super().__dir__(), *attributes, *children}
         return sorted(found if kind.path in HOSTS else found - {"attach"})
 

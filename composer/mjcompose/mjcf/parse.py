@@ -67,10 +67,13 @@ def from_path(
 
 @short_traceback
 def from_xml_string(
-    xml_string: str | bytes, *, assets: Mapping[str, bytes] | None = None,
-    base_dir: str | os.PathLike[str] | None = None, escape_separators: bool = False,
+    xml_string: str | bytes,
+    *,
+    assets: Mapping[str, bytes] | None = None,
+    base_dir: str | os.PathLike[str] | None = None,
+    escape_separators: bool = False,
     confine_to: Folders | None = None,
-) -> RootElement:  # fmt: skip
+) -> RootElement:
     """Read a model from MJCF text.
 
     `assets` has the bytes of files by their path in the model (including the folder that the compiler sets) or by
@@ -154,10 +157,14 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
 
     def parse(sink: Sink) -> Unit | None:
         unit = parse_text(
-            bundle.files[bundle.model], sink, file=f"{archive}/{bundle.model}", directory=archive / folder,
-            label=label, contents=Files(files),
+            bundle.files[bundle.model],
+            sink,
+            file=f"{archive}/{bundle.model}",
+            directory=archive / folder,
+            label=label,
+            contents=Files(files),
             door=Door.of((archive,), f"the zip `{archive}`, which may read only itself"),
-        )  # fmt: skip
+        )
         if unit is not None:
             all_admitted(unit, sink)
         return unit
@@ -182,9 +189,12 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
 
 @short_traceback
 def export_with_assets(
-    model: RootElement, out_dir: str | os.PathLike[str], model_filename: str = "model.xml", *,
+    model: RootElement,
+    out_dir: str | os.PathLike[str],
+    model_filename: str = "model.xml",
+    *,
     conflict: Policy = "error",
-) -> None:  # fmt: skip
+) -> None:
     """Write the model as `model_filename`, and its files below `assets/`, into the folder `out_dir`.
 
     The files of each model are in a folder named after the model. Files with equal bytes are stored once, and the same
@@ -216,9 +226,12 @@ def export_with_assets(
 
 @short_traceback
 def export_with_assets_as_zip(
-    model: RootElement, zip_path: str | os.PathLike[str], model_filename: str = "model.xml", *,
+    model: RootElement,
+    zip_path: str | os.PathLike[str],
+    model_filename: str = "model.xml",
+    *,
     conflict: Policy = "error",
-) -> None:  # fmt: skip
+) -> None:
     """Write the model and its files into a zip file, which MuJoCo can open directly (`MjSpec.from_zip`, MJZ).
 
     The bytes do not depend on the time, the path or the operating system. MuJoCo looks in the zip for `model.xml` or
@@ -309,9 +322,11 @@ def from_spec(spec: Any) -> RootElement:
 
 def _text(compiled: Any) -> str:
     """Return the XML that MuJoCo writes for a spec: with all digits if possible, else compiled, with six digits."""
-    compiler, why = compiled.compiler, "this MuJoCo cannot write more: 3.16 can"
+    compiler = compiled.compiler
+    why = "this MuJoCo cannot write more: 3.16 can"
     if hasattr(compiler, "savecompiled"):
-        compiler.savecompiled, compiler.savecanonical = False, True
+        compiler.savecompiled = False
+        compiler.savecanonical = True
         try:
             return str(compiled.to_xml())
         except (ValueError, engine().FatalError) as error:

@@ -52,7 +52,8 @@ class Rendering:
                 raise failure("out-of-range", f"`{what}` is a number of pixels, got `{number}`")
         if self._renderer is None or self._size != (height, width):
             self.close()
-            self._renderer, self._size = _renderer(model, height, width), (height, width)
+            self._renderer = _renderer(model, height, width)
+            self._size = (height, width)
         self._renderer.update_scene(data, camera)
         picture: NDArray[np.uint8] = self._renderer.render()
         return picture.copy()
@@ -67,7 +68,8 @@ def _renderer(model: Any, height: int, width: int) -> Any:
     """Return MuJoCo's renderer. It ignores the model's image size, which only describes its author's window."""
     limits = model.vis.global_
     kept = limits.offwidth, limits.offheight
-    limits.offwidth, limits.offheight = max(kept[0], width), max(kept[1], height)
+    limits.offwidth = max(kept[0], width)
+    limits.offheight = max(kept[1], height)
     try:
         return engine().Renderer(model, height, width)
     except Exception as error:
@@ -96,8 +98,17 @@ class Physics:
     0.04
     """
 
-    __slots__ = ("__weakref__", "_bindings", "_data", "_model", "_of_tree", "_rendering", "_roster", "_snapshots",
-                 "legacy_step")  # fmt: skip
+    __slots__ = (
+        "__weakref__",
+        "_bindings",
+        "_data",
+        "_model",
+        "_of_tree",
+        "_rendering",
+        "_roster",
+        "_snapshots",
+        "legacy_step",
+    )
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
         """Make physics of an `MjModel`, and of its `MjData` if one is given. Neither is copied."""
@@ -158,7 +169,8 @@ class Physics:
         binary = file.suffix.lower() == ".mjb"
         if not binary:
             # Refuse files that the model may not read. MuJoCo reports all other faults.
-            found, aside = Sink(), Sink()
+            found = Sink()
+            aside = Sink()
             if (unit := parse_file(file, aside, door=door_of(confine_to))) is not None:
                 all_admitted(unit, found)
             for each in aside.errors:
@@ -321,7 +333,8 @@ class Physics:
 
     def _found(self, element: NodeView, kind: str) -> int:
         """Return the row of an element in the arrays of its kind."""
-        node, model = element._node, element._model
+        node = element._node
+        model = element._model
         taken = next((each for each in self._snapshots if node in each.known or model in each.models), None)
         if taken is None and not self._of_tree:
             taken = snapshot(model.top, self._roster)
@@ -332,7 +345,8 @@ class Physics:
         raise self._not_found(element, kind, taken)
 
     def _not_found(self, element: NodeView, kind: str, taken: Snapshot | None) -> MjcfError:
-        what, help = element._described(), None
+        what = element._described()
+        help = None
         notes: tuple[Note, ...] = ()
         if taken is None:
             message = f"{what} is of the model `{element._model.name}`, which was not compiled here"
@@ -404,7 +418,8 @@ def _restored(data: Any, legacy_step: bool = False) -> Physics:
 
 def page_with_picture(model: Model) -> str:
     """Return HTML of a model's tree, with a picture if OpenGL is available and the model compiles."""
-    tree, image = page(model, model.unit.root), picture(model)
+    tree = page(model, model.unit.root)
+    image = picture(model)
     if image is None:
         return tree
     data = base64.b64encode(image).decode()

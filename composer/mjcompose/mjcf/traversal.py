@@ -43,9 +43,10 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
         yield from _frame_content(model.attachment_of(frame), query, immediate=True)
         return
     section = section_of(node)
-    for child in node.iterchildren(*query.tags) if query.tags else ():
-        if query.takes(section, str(node.tag), str(child.tag)):
-            yield Target(model, child)
+    if query.tags:
+        for child in node.iterchildren(*query.tags):
+            if query.takes(section, str(node.tag), str(child.tag)):
+                yield Target(model, child)
     for attachment in model.attachments.values():
         if attachment.container is node:
             if not attachment.is_body:
@@ -102,17 +103,19 @@ def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) ->
 
 def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Target]:
     """Yield the matches below a node, without those in attached models. This takes one pass in lxml."""
-    for each in node.iterdescendants(*query.tags) if query.tags else ():
-        parent = each.getparent()
-        if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
-            yield Target(model, each)
+    if query.tags:
+        for each in node.iterdescendants(*query.tags):
+            parent = each.getparent()
+            if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
+                yield Target(model, each)
 
 
 class _World:
     """Matches in the body tree of one model, with attached models at their places."""
 
     def __init__(self, model: Model, query: Query) -> None:
-        self.model, self.query = model, query
+        self.model = model
+        self.query = query
         self.hanging: dict[Node, list[Attachment]] = {}
         self.leads_there: set[Node] = set()
         for attachment in model.attachments.values():
@@ -137,9 +140,10 @@ class _World:
 
 def _frame_content(attachment: Attachment, query: Query, *, immediate: bool = False) -> Iterator[Target]:
     """Yield the matches among the joints of a frame, then those in the worldbody of the child, or at its top level."""
-    for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
-        if query.takes(WORLD_SECTION, "body", str(joint.tag)):
-            yield Target(attachment.parent, joint)
+    if query.tags:
+        for joint in attachment.frame.iterchildren(*query.tags):
+            if query.takes(WORLD_SECTION, "body", str(joint.tag)):
+                yield Target(attachment.parent, joint)
     child = attachment.child
     yield from _top_level(child, query) if immediate else _in_section(child, WORLD_SECTION, query, itself=False)
 

@@ -63,12 +63,13 @@ def encode(attribute: Attribute, value: object) -> str:
         text = "" if fault else to_text(attribute, value)
     if fault is not None:
         raise BadValue(fault)
-    for item in items(text) if attribute.is_number else ():
-        number = parse_real(item) or 0.0
-        if math.isnan(number):
-            raise BadValue("expects numbers, got `nan`")
-        if math.isinf(number) and attribute.name in _FINITE:
-            raise BadValue(f"expects finite numbers, got `{item}`")
+    if attribute.is_number:
+        for item in items(text):
+            number = parse_real(item) or 0.0
+            if math.isnan(number):
+                raise BadValue("expects numbers, got `nan`")
+            if math.isinf(number) and attribute.name in _FINITE:
+                raise BadValue(f"expects finite numbers, got `{item}`")
     if unwritable := NOT_XML.search(text):
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
     return text
@@ -180,7 +181,8 @@ def name_for(
     if declared is None and target not in given:
         given[target] = _free_name(target, str(kind.family), given)
     own = given[target] if declared is None else declared[1]
-    way, got = model.prefix_of(target.model), f"got {describe_target(target)}"
+    way = model.prefix_of(target.model)
+    got = f"got {describe_target(target)}"
     if way is None and attribute.type != "references" and namespace != "default" and own != WORLD:
         return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
     if way is None:
@@ -194,7 +196,8 @@ def name_for(
 
 
 def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
-    model, taken = target.model, set(given.values())
+    model = target.model
+    taken = set(given.values())
     names = (f"unnamed_{namespace}_{number}" for number in count(len(model.names.declared.get(namespace, ()))))
     return next(
         each for each in names if each not in taken and model.top.lookup(namespace, model.full_prefix + each) is None

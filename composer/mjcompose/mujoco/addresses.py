@@ -18,7 +18,8 @@ from mjcompose.mujoco.arrays import ARRAYS, FREE, JOINT_TYPES, about
 from mjcompose.mujoco.attributes import KIND_OF, Model
 from mjcompose.mujoco.references import WRAPS_A_GEOM, Array, twists
 
-_CORNERS, _EDGES = {1: 2, 2: 3, 3: 4}, {1: 1, 2: 3, 3: 6}
+_CORNERS = {1: 2, 2: 3, 3: 4}
+_EDGES = {1: 1, 2: 3, 3: 6}
 """Numbers of an element of a flex, by its dimension."""
 
 Shape = tuple[int, ...]
@@ -112,7 +113,8 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
     "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
     "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
     "skin": {
-        **_each("skin", "vert"), "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
+        **_each("skin", "vert"),
+        "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
         **_each("skin", "face bone"),
     },
     "flex": {
@@ -125,7 +127,7 @@ RUNS: Mapping[str, Mapping[str, Run]] = {
     "numeric": {"nnumericdata": Run("numeric_adr", counted("numeric_size"))},
     "tuple": {"ntupledata": Run("tuple_adr", counted("tuple_size"))},
     "plugin": {"npluginstate": Run("plugin_stateadr", counted("plugin_statenum"))},
-}  # fmt: skip
+}
 """By kind, and by the size that an array has rows for."""
 
 VECTORS: Mapping[str, tuple[str, str]] = {
@@ -155,10 +157,12 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
 _TO_THE_NEXT: Mapping[str, Run] = {
     own: Run(own, _up_to_the_next(own, size, own))
     for own, size in (
-        ("flex_stiffnessadr", "nflexstiffness"), ("flex_bendingadr", "nflexbending"),
-        ("flex_texcoordadr", "nflextexcoord"), ("plugin_attradr", "npluginattr"),
+        ("flex_stiffnessadr", "nflexstiffness"),
+        ("flex_bendingadr", "nflexbending"),
+        ("flex_texcoordadr", "nflextexcoord"),
+        ("plugin_attradr", "npluginattr"),
     )
-}  # fmt: skip
+}
 """By the array of addresses: data without a count, which an element lacks if its address is negative."""
 
 _COUNTED: Mapping[str, Run] = {

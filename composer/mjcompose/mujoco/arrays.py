@@ -13,7 +13,9 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 
-ANGLE, LENGTH, QUATERNION = "rad", "m", "quaternion"
+ANGLE = "rad"
+LENGTH = "m"
+QUATERNION = "quaternion"
 
 FREE, BALL, SLIDE, HINGE = range(4)
 """The values of `jnt_type`."""
@@ -171,8 +173,10 @@ _BETWEEN_VERSIONS = {
     "joints": "follows from joints, bodies and constraints, which are compared",
     "triangles": "made of the triangles of a mesh, which are compared",
     "vertices": "made of the vertices and elements of a flex, which are compared",
-    "storage": "how a texture is stored", "by name": "compared by name", "unread": "read by nothing",
-}  # fmt: skip
+    "storage": "how a texture is stored",
+    "by name": "compared by name",
+    "unread": "read by nothing",
+}
 """Traits of arrays that are not compared between versions of MuJoCo, and why."""
 
 SWITCH, COMPUTED, HULL, MEASURED, PLACED, REWRITTEN, UNSAID = (
@@ -539,14 +543,21 @@ def _info(array: str, line: str = "", rank: int = _UNRANKED) -> ArrayInfo:
     unit, _, angular = units.partition("; ")
     plain = array.partition("_")[2] or array
     return ArrayInfo(
-        array, known, treatment=Treatment(treatment), single=Treatment(*single or (treatment,)),
-        reason=reason, rows=rows,
+        array,
+        known,
+        treatment=Treatment(treatment),
+        single=Treatment(*single or (treatment,)),
+        reason=reason,
+        rows=rows,
         version=next((reason for each, reason in _BETWEEN_VERSIONS.items() if each in known), ""),
         neutral=tuple(map(float, neutral.split())),
         enumeration=next((each for each in known if each.startswith("mjt")), ""),
-        words=words or plain.replace("_", " "), unit=unit, angular=angular,
-        attributes=tuple(attributes.split()) if words else (plain,), rank=rank if words else _UNRANKED,
-    )  # fmt: skip
+        words=words or plain.replace("_", " "),
+        unit=unit,
+        angular=angular,
+        attributes=tuple(attributes.split()) if words else (plain,),
+        rank=rank if words else _UNRANKED,
+    )
 
 
 @cache
@@ -592,9 +603,12 @@ def unit(field: str, form: str) -> str:
 
 # Sensors whose tag differs from the name in MuJoCo's enumeration.
 _TAGS = {
-    "geomdist": "distance", "geomnormal": "normal", "geomfromto": "fromto", "jointactfrc": "jointactuatorfrc",
+    "geomdist": "distance",
+    "geomnormal": "normal",
+    "geomfromto": "fromto",
+    "jointactfrc": "jointactuatorfrc",
     "tendonactfrc": "tendonactuatorfrc",
-}  # fmt: skip
+}
 
 
 @cache

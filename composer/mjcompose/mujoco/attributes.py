@@ -51,8 +51,11 @@ KINDS: dict[str, Kind] = {
 
 KIND_OF: dict[str, str] = {
     **{kind.arrays: word for word, kind in KINDS.items()},
-    "dof": "joint", "qpos0": "joint", "qpos": "joint", "wrap": "tendon",
-}  # fmt: skip
+    "dof": "joint",
+    "qpos0": "joint",
+    "qpos": "joint",
+    "wrap": "tendon",
+}
 """The kind of element that an array is about, by the word before the first underscore of its name."""
 
 _XBODY = 2
@@ -205,7 +208,9 @@ _BECOMES = {
     "scale": f"{_MESH} {_GAINS}",
     **dict.fromkeys(
         "kp kv ki dampratio timeconst diameter area bias force lmin lmax vmax fpmax fvmax inheritrange gainprm"
-        " biasprm dynprm gaintype biastype dyntype ctrlrange".split(), _GAINS),
+        " biasprm dynprm gaintype biastype dyntype ctrlrange".split(),
+        _GAINS,
+    ),
     **dict.fromkeys("limited range".split(), "range limited lengthrange"),
     **dict.fromkeys("ref springref".split(), "qpos0 qpos_spring spring"),
     **dict.fromkeys("stiffness springdamper".split(), "stiffness stiffnesspoly"),
@@ -215,10 +220,16 @@ _BECOMES = {
     **dict.fromkeys("solimplimit solimpfriction".split(), "solimp"),
     **dict.fromkeys("fluidshape fluidcoef".split(), "fluid"),
     **dict.fromkeys("focal principal sensorsize".split(), "intrinsic fovy sensorsize"),
-    "damping": "damping dampingpoly", "active": "active0", "condim": "condim dim", "actuatorgravcomp": "actgravcomp",
-    "forcerange": "forcerange forcelimited", "actrange": "actrange actlimited", "material": "matid rgba",
-    "target": "targetbodyid mode", "texture": "texid",
-}  # fmt: skip
+    "damping": "damping dampingpoly",
+    "active": "active0",
+    "condim": "condim dim",
+    "actuatorgravcomp": "actgravcomp",
+    "forcerange": "forcerange forcelimited",
+    "actrange": "actrange actlimited",
+    "material": "matid rgba",
+    "target": "targetbodyid mode",
+    "texture": "texid",
+}
 # The kind of a tag's elements, if it is another word.
 _KINDS = {
     "freejoint": "joint",
@@ -226,8 +237,10 @@ _KINDS = {
     **dict.fromkeys(("connect", "weld", "flex", "flexvert", "flexstrain"), "equality"),
     **dict.fromkeys(
         "general motor position velocity intvelocity damper cylinder muscle adhesion plugin dcmotor pid"
-        " orientation".split(), "actuator"),
-}  # fmt: skip
+        " orientation".split(),
+        "actuator",
+    ),
+}
 # Kinds that are affected too: a mesh shapes geoms, geoms give a body its inertia.
 _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inertial": ["body"]}
 

@@ -54,7 +54,8 @@ def main() -> None:
         _say(answers, {"missing": f"{type(error).__name__}: {error}" if str(error) else type(error).__name__})
         return
     _say(answers, {"mujoco": mujoco.__version__})
-    log_read, index = 0, None
+    log_read = 0
+    index = None
     kept: dict[str, Any] = {}
     for line in sys.stdin:
         _set_cpu_limit(settings["seconds"])
@@ -65,7 +66,8 @@ def main() -> None:
         logged, log_read = _read_log(log_read)
         answer["warnings"] = [str(entry.message) for entry in python_warnings] + logged
         if answer.get("index") is not None:  # the parent keeps it, and gets None for the same one
-            same, index = answer["index"] == index, answer["index"]
+            same = answer["index"] == index
+            index = answer["index"]
             answer["index"] = None if same else index
         _say(answers, answer)
 

@@ -10,11 +10,16 @@ import numpy as np
 
 from mjcompose.mujoco.addresses import Run, counted
 
-ADJACENT, TOUCHING, NEVER = "adjacent", "touching", "never"
+ADJACENT = "adjacent"
+TOUCHING = "touching"
+NEVER = "never"
 _CLOSE = 1e-9
-_NEAR, _FAR = 0.002, 10.0
+_NEAR = 0.002
+_FAR = 10.0
 """Two bodies that come so near can touch: limits are soft, and a search takes steps."""
-_STARTS, _ROUNDS, _STEPS = 3, 3, 7
+_STARTS = 3
+_ROUNDS = 3
+_STEPS = 7
 _CURLS = 40
 _MOST_POSES = 500_000
 """The number of poses of one search, a few seconds: a chain of N bodies has N² / 2 pairs with N / 3 joints each."""
@@ -101,14 +106,15 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> dict[str, Any]:
     left = {pair for pair in rest - jaws if pair not in found and branches.is_tied(pair, sliding=False)}
     apart = {pair for pair in left if branches.least_distance(pair) > _NEAR}
     left -= apart
-    for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
-        touched = _touched(mujoco, model, pose).keys()
-        left -= touched
-        for pair in closing - touched:
-            del found[pair]
-        closing &= touched
-        if not (left or closing):
-            break
+    if left or closing:
+        for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]):
+            touched = _touched(mujoco, model, pose).keys()
+            left -= touched
+            for pair in closing - touched:
+                del found[pair]
+            closing &= touched
+            if not (left or closing):
+                break
     search = _Search(mujoco, model, asked["seed"], branches=branches)
     apart |= search.apart(left)
     found |= dict.fromkeys(apart, (NEVER, ""))
@@ -275,9 +281,12 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     moved = {int(model.dof_jntid[dof]) for dof in data.moment_colind[: int(data.moment_rownnz.sum())]}
-    coupled, kinds = [], mujoco.mjtEq
+    coupled = []
+    kinds = mujoco.mjtEq
     for each in range(model.neq):
-        one, other, kind = int(model.eq_obj1id[each]), int(model.eq_obj2id[each]), int(model.eq_type[each])
+        one = int(model.eq_obj1id[each])
+        other = int(model.eq_obj2id[each])
+        kind = int(model.eq_type[each])
         if kind == int(kinds.mjEQ_JOINT) and other >= 0:
             coupled.append({one, other})
         elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
@@ -319,8 +328,9 @@ class _Search:
     def apart(self, pairs: Collection[Pair]) -> set[Pair]:
         """Return the pairs that the search does not bring together."""
         left = set(pairs)
-        for pose in self._curled() if left else ():
-            left -= _touched(self.mujoco, self.model, pose).keys()
+        if left:
+            for pose in self._curled():
+                left -= _touched(self.mujoco, self.model, pose).keys()
         apart = set()
         for pair in sorted(left):
             if pair not in left:
@@ -360,8 +370,9 @@ class _Search:
         ]
         best = _FAR
         for start in range(_STARTS):
-            for at, low, high in joints if start else ():
-                self.data.qpos[at] = low + self.random.random() * (high - low)
+            if start:
+                for at, low, high in joints:
+                    self.data.qpos[at] = low + self.random.random() * (high - low)
             best = min(best, self._descend(geoms, joints))
             if best <= _NEAR:
                 break
@@ -415,10 +426,13 @@ def _chain(model: Any, body: int) -> Iterator[int]:
 
 
 def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
-    random, data, kinds = np.random.Generator(np.random.PCG64(seed)), mujoco.MjData(model), mujoco.mjtJoint
+    random = np.random.Generator(np.random.PCG64(seed))
+    data = mujoco.MjData(model)
+    kinds = mujoco.mjtJoint
     for _ in range(count):
         for joint in range(model.njnt):
-            type, at = int(model.jnt_type[joint]), int(model.jnt_qposadr[joint])
+            type = int(model.jnt_type[joint])
+            at = int(model.jnt_qposadr[joint])
             if type == int(kinds.mjJNT_BALL):
                 turn = random.standard_normal(4)
                 data.qpos[at : at + 4] = turn / np.linalg.norm(turn)

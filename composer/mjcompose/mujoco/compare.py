@@ -80,8 +80,10 @@ def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal
             rows = [[i for i, _ in pairs], [j for _, j in pairs]]
             yield from _unequal_rows(matching, rules, kind, pairs=pairs, rows=rows)
             yield from _unequal_runs(matching, rules, kind)
-    alone, composed = matching.alone.model, matching.composed.model
-    pairs, rows = [], [[], []]
+    alone = matching.alone.model
+    composed = matching.composed.model
+    pairs = []
+    rows = [[], []]
     for index, target in matching.pairs("joint"):
         if int(alone.jnt_type[index]) == int(composed.jnt_type[target]):
             rows[0] += (own := span(alone, "qvel", index))
@@ -103,9 +105,11 @@ def _unequal_rows(
         if treatment in _NOT_ROWS or name not in composed:
             continue
         theirs = composed[name]
-        expected, actual = rules.expected(name, pairs, mine=array[rows[0]], theirs=theirs), theirs[rows[1]]
+        expected = rules.expected(name, pairs, mine=array[rows[0]], theirs=theirs)
+        actual = theirs[rows[1]]
         if treatment is Treatment.PRESENT:
-            expected, actual = np.not_equal(expected, -1), np.not_equal(actual, -1)
+            expected = np.not_equal(expected, -1)
+            actual = np.not_equal(actual, -1)
         elif treatment is Treatment.USER:
             expected, actual = same_width(expected, actual)
         if not expected.size:
@@ -113,15 +117,21 @@ def _unequal_rows(
         different = unequal(expected, actual, rules.bound(treatment))
         wrong = np.flatnonzero(different.reshape(len(expected), -1).any(axis=1))
         for at in sorted({bisect_right(starts, row) - 1 for row in wrong.tolist()}):
-            pair, first = pairs[starts[at]], starts[at]
+            pair = pairs[starts[at]]
+            first = starts[at]
             if rules.ignores(kind, name, pair[0]) or rules.excuses(treatment, kind, name, pair=pair):
                 continue
             end = starts[at + 1] if at + 1 < len(starts) else len(pairs)
             own: Any = slice(first, end) if group == DOF else first
             yield Unequal(
-                kind, *pair, array=name, treatment=treatment, expected=expected[own], actual=actual[own],
+                kind,
+                *pair,
+                array=name,
+                treatment=treatment,
+                expected=expected[own],
+                actual=actual[own],
                 different=different[own],
-            )  # fmt: skip
+            )
 
 
 def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator[Unequal]:
@@ -140,9 +150,15 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
                 if not different.any():
                     continue
             yield Unequal(
-                kind, index, target, array=name, treatment=Treatment.DATA, expected=mine, actual=other,
+                kind,
+                index,
+                target,
+                array=name,
+                treatment=Treatment.DATA,
+                expected=mine,
+                actual=other,
                 different=different,
-            )  # fmt: skip
+            )
 
 
 _VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
@@ -224,9 +240,13 @@ class Roots(StrEnum):
 
 
 def key_differences(
-    matching: Correspondence, transform: Pose | None, keys: Keys, roots: Roots, tolerance: float = 0.0,
+    matching: Correspondence,
+    transform: Pose | None,
+    keys: Keys,
+    roots: Roots,
+    tolerance: float = 0.0,
     replaced: Collection[str] = (),
-) -> list[Difference]:  # fmt: skip
+) -> list[Difference]:
     """Return the differences between keys for the part's own joints, actuators and mocap bodies.
 
     ``transform`` is the pose of the part's world in the composition's; None or the identity moves nothing. Keys of
@@ -246,18 +266,21 @@ def key_differences(
         there = matching.composed.describe("key", target)
         pairs = list(_entries(matching, key, target, moved=moved))
         if keys is Keys.PREFIX:
-            alone, composed = matching.alone.model, matching.composed.model
+            alone = matching.alone.model
+            composed = matching.composed.model
             pairs.append(("key_time", alone.key_time[key : key + 1], composed.key_time[target : target + 1], 0.0))
         for field, mine, theirs, bound in pairs:
             if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
-                expected, actual = tuple(mine.tolist()), tuple(theirs.tolist())
+                expected = tuple(mine.tolist())
+                actual = tuple(theirs.tolist())
                 found.append(Difference("key", there, field, expected=expected, actual=actual))
     return found
 
 
 def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
     """Yield keys of the part and of the composition; unnamed keys are matched by order."""
-    alone, composed = matching.alone, matching.composed
+    alone = matching.alone
+    composed = matching.composed
     given = matching.renamed.get("key", {})
     unnamed: list[int] = []
     taken: set[int] = set()
@@ -291,11 +314,13 @@ def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose
 
 def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
     yield from _of_joints(matching, key, target, moved=moved)
-    alone, composed = matching.alone.model, matching.composed.model
+    alone = matching.alone.model
+    composed = matching.composed.model
     for actuator, there in matching.pairs("actuator"):
         name = matching.composed.describe("actuator", there)
         for vector in ("ctrl", "act"):
-            mine, theirs = _entry(alone, vector, key, index=actuator), _entry(composed, vector, target, index=there)
+            mine = _entry(alone, vector, key, index=actuator)
+            theirs = _entry(composed, vector, target, index=there)
             yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for kind in ("tendon", "flex"):
         for index, there in matching.pairs(kind):
@@ -304,13 +329,16 @@ def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None
 
 
 def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
-    alone, composed = matching.alone.model, matching.composed.model
+    alone = matching.alone.model
+    composed = matching.composed.model
     for joint, there in matching.pairs("joint"):
         if alone.jnt_type[joint] != composed.jnt_type[there]:
             continue
         name = matching.composed.describe("joint", there)
-        mine_q, theirs_q = _entry(alone, "qpos", key, index=joint), _entry(composed, "qpos", target, index=there)
-        mine_v, theirs_v = _entry(alone, "qvel", key, index=joint), _entry(composed, "qvel", target, index=there)
+        mine_q = _entry(alone, "qpos", key, index=joint)
+        theirs_q = _entry(composed, "qpos", target, index=there)
+        mine_v = _entry(alone, "qvel", key, index=joint)
+        theirs_v = _entry(composed, "qvel", target, index=there)
         bound = 0.0
         if int(alone.jnt_type[joint]) == FREE and moved is not None:
             # Its linear velocity is in the frame of the world, and its angular velocity in the frame of the body.
@@ -322,12 +350,15 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
 
 
 def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
-    alone, composed = matching.alone.model, matching.composed.model
+    alone = matching.alone.model
+    composed = matching.composed.model
     for body, there in matching.pairs("body"):
         if alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
             continue
         name = matching.composed.describe("body", there)
-        mine, theirs, bound = _mocap(alone, key, body), _mocap(composed, target, there), 0.0
+        mine = _mocap(alone, key, body)
+        theirs = _mocap(composed, target, there)
+        bound = 0.0
         if moved is not None:
             mine, theirs, bound = *_moved(mine, theirs, moved), ROUNDING
         yield f"key_mpos of `{name}`", mine[:3], theirs[:3], bound
@@ -345,14 +376,17 @@ def _cut(model: Model, vector: str, key: int, rows: range) -> Array:
 
 def _mocap(model: Model, key: int, body: int) -> Array:
     at = int(model.body_mocapid[body])
-    pos, quat = model.key_mpos[key, 3 * at : 3 * at + 3], model.key_mquat[key, 4 * at : 4 * at + 4]
+    pos = model.key_mpos[key, 3 * at : 3 * at + 3]
+    quat = model.key_mquat[key, 4 * at : 4 * at + 4]
     return np.concatenate([pos, quat])
 
 
 def _plastic(matching: Correspondence, kind: str, key: int, target: int, index: int, there: int) -> Iterator[Entry]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
-    alone, composed, run = matching.alone.model, matching.composed.model, RUNS[kind]["nplastic"]
+    alone = matching.alone.model
+    composed = matching.composed.model
+    run = RUNS[kind]["nplastic"]
     mine = _cut(alone, "plastic", key, rows=run.rows(alone, index))
     theirs = _cut(composed, "plastic", target, rows=run.rows(composed, there))
     if mine.size or theirs.size:
@@ -394,10 +428,13 @@ def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]
     if unlike:
         return {"unlike": unlike}
     reference = {
-        "qpos": whole.qpos0.tolist(), "qvel": [0.0] * whole.nv, "act": [0.0] * whole.na, "ctrl": [0.0] * whole.nu,
+        "qpos": whole.qpos0.tolist(),
+        "qvel": [0.0] * whole.nv,
+        "act": [0.0] * whole.na,
+        "ctrl": [0.0] * whole.nu,
         "mpos": whole.body_pos[_mocaps(whole)].ravel().tolist(),
         "mquat": whole.body_quat[_mocaps(whole)].ravel().tolist(),
-    }  # fmt: skip
+    }
     held = []
     if asked["held"]:
         from mjcompose.mujoco.controls import hold  # few keys hold a pose

@@ -22,7 +22,9 @@ from mjcompose.mujoco.arrays import ANGLE, JOINT_TYPES, LENGTH
 from mjcompose.mujoco.attributes import Model, names
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON
 
-FIXED, NO_BIAS, AFFINE = 0, 0, 1
+FIXED = 0
+NO_BIAS = 0
+AFFINE = 1
 """The first is a value of `actuator_gaintype`, the others are values of `actuator_biastype`."""
 
 GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
@@ -45,7 +47,8 @@ def servo(model: Model, actuator: int) -> dict[str, float] | None:
     """
     if is_by_plugin(model, actuator):
         return None
-    gain, bias = float(model.actuator_gainprm[actuator, 0]), model.actuator_biasprm[actuator, :3].tolist()
+    gain = float(model.actuator_gainprm[actuator, 0])
+    bias = model.actuator_biasprm[actuator, :3].tolist()
     kinds = int(model.actuator_gaintype[actuator]), int(model.actuator_biastype[actuator])
     if kinds == (FIXED, NO_BIAS):
         return {"gain": gain}
@@ -60,15 +63,41 @@ FORCES = {ANGLE: "N m", LENGTH: "N"}
 """The unit of the force along a coordinate with that unit."""
 
 _SENSORS = {
-    "touch": "N", "accelerometer": "m/s^2", "velocimeter": "m/s", "gyro": "rad/s", "force": "N",
-    "torque": "N m", "camprojection": "px", "tendonpos": "m", "tendonvel": "m/s", "tendonactuatorfrc": "N",
-    "ballquat": "quaternion", "ballangvel": "rad/s", "tendonlimitpos": "m", "tendonlimitvel": "m/s",
-    "tendonlimitfrc": "N", "framepos": "m", "framequat": "quaternion", "framexaxis": "1", "frameyaxis": "1",
-    "framezaxis": "1", "framelinvel": "m/s", "frameangvel": "rad/s", "framelinacc": "m/s^2",
-    "frameangacc": "rad/s^2", "subtreecom": "m", "subtreelinvel": "m/s", "subtreeangmom": "kg m^2/s",
-    "insidesite": "1", "distance": "m", "normal": "1", "fromto": "m", "e_potential": "J", "e_kinetic": "J",
+    "touch": "N",
+    "accelerometer": "m/s^2",
+    "velocimeter": "m/s",
+    "gyro": "rad/s",
+    "force": "N",
+    "torque": "N m",
+    "camprojection": "px",
+    "tendonpos": "m",
+    "tendonvel": "m/s",
+    "tendonactuatorfrc": "N",
+    "ballquat": "quaternion",
+    "ballangvel": "rad/s",
+    "tendonlimitpos": "m",
+    "tendonlimitvel": "m/s",
+    "tendonlimitfrc": "N",
+    "framepos": "m",
+    "framequat": "quaternion",
+    "framexaxis": "1",
+    "frameyaxis": "1",
+    "framezaxis": "1",
+    "framelinvel": "m/s",
+    "frameangvel": "rad/s",
+    "framelinacc": "m/s^2",
+    "frameangacc": "rad/s^2",
+    "subtreecom": "m",
+    "subtreelinvel": "m/s",
+    "subtreeangmom": "kg m^2/s",
+    "insidesite": "1",
+    "distance": "m",
+    "normal": "1",
+    "fromto": "m",
+    "e_potential": "J",
+    "e_kinetic": "J",
     "clock": "s",
-}  # fmt: skip
+}
 _OF_JOINTS = {"pos": "{}", "vel": "{}/s", "frc": None}
 """The quantities that sensors of joints and actuators measure, by the suffix of their tag."""
 
@@ -87,7 +116,8 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
 
 def of_transmission(model: Model, row: int) -> str | None:
     """Return the unit of an actuator's length: its coordinate's, unless a gear scales it."""
-    kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
+    kind = int(model.actuator_trntype[row])
+    target = int(model.actuator_trnid[row, 0])
     scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start]
     if abs(scale) != 1 or any(others):
         return None
@@ -101,7 +131,8 @@ def of_control(model: Model, mujoco: Any, row: int) -> str | None:
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
         return "1"
-    about, gains = of_transmission(model, row), servo(model, row)
+    about = of_transmission(model, row)
+    gains = servo(model, row)
     if about is None or gains is None or dynamics >= int(mujoco.mjtDyn.mjDYN_USER):
         return None
     rate = "/s" if dynamics == int(mujoco.mjtDyn.mjDYN_INTEGRATOR) else ""
@@ -126,7 +157,8 @@ class Divergence:
     """Reads the warnings that MuJoCo has counted since the simulation began."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
-        self.model, kinds = model, mujoco.mjtWarning
+        self.model = model
+        kinds = mujoco.mjtWarning
         self._warnings = {row: data.warning[int(getattr(kinds, f"mjWARN_BAD{row[0]}"))] for row in _WARNINGS}
 
     def __bool__(self) -> bool:
@@ -146,7 +178,8 @@ def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0
     """Step until `end` s after `begun`, for at most `most` s of real time. Return the reason if it stops early."""
     if not model.opt.timestep > 0:
         return "the timestep of the model is 0, so no time passes"
-    divergence, latest = Divergence(mujoco, model, data), time.monotonic() + most
+    divergence = Divergence(mujoco, model, data)
+    latest = time.monotonic() + most
     for _ in range(steps_in(model, end - (data.time - begun)) + 1):
         if data.time - begun >= end or time.monotonic() > latest:
             break
@@ -157,7 +190,9 @@ def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0
     return None
 
 
-_CLOSE, _NOISE, _DIGITS = 1e-6, 1e-9, 12
+_CLOSE = 1e-6
+_NOISE = 1e-9
+_DIGITS = 12
 _POSITION = 1  # the first bit of `actuator_ctrlspec`
 _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a voltage, or a form of rotation
 
@@ -176,7 +211,8 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     data.qvel[:] = data.qacc[:] = 0
     mujoco.mj_fwdPosition(model, data)
     laws = [_Law(mujoco, model, data, index=index) for index in range(len(model.actuator_gaintype))]
-    forces, left = np.zeros(len(laws)), 0.0
+    forces = np.zeros(len(laws))
+    left = 0.0
     balancing = [law for law in laws if law.gain and law.control in question["forces"]]
     if balancing:
         _rest(model, data, [law for law in laws if law.control in question["positions"]])
@@ -194,21 +230,32 @@ class _Law:
     """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, index: int) -> None:
-        gains, biases, dynamics = mujoco.mjtGain, mujoco.mjtBias, mujoco.mjtDyn
-        self.index, self.controls, self.states = index, span(model, "ctrl", index), span(model, "act", index)
+        gains = mujoco.mjtGain
+        biases = mujoco.mjtBias
+        dynamics = mujoco.mjtDyn
+        self.index = index
+        self.controls = span(model, "ctrl", index)
+        self.states = span(model, "act", index)
         self.control = self.controls.start if self.controls else -1
         self.length = float(data.actuator_length[RUNS["actuator"]["nout"].rows(model, index).start])
         gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
-        gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
+        gainprm = model.actuator_gainprm[index]
+        biasprm = model.actuator_biasprm[index]
         by_plugin = is_by_plugin(model, index)
         self.spec = 0
         if hasattr(model, "actuator_ctrlspec") and gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
             self.spec = int(model.actuator_ctrlspec[index]) & _SETPOINTS
         self.integrates = dynamic == int(dynamics.mjDYN_INTEGRATOR)
         self.filters = dynamic in (int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT))
-        is_affine = not by_plugin and gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE)) and bias in (
-            int(biases.mjBIAS_NONE), int(biases.mjBIAS_AFFINE),
-        )  # fmt: skip
+        is_affine = (
+            not by_plugin
+            and gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE))
+            and bias
+            in (
+                int(biases.mjBIAS_NONE),
+                int(biases.mjBIAS_AFFINE),
+            )
+        )
         plain = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters
         self.gain = self.bias = 0.0
         if is_affine and plain:
@@ -274,7 +321,8 @@ def sparse_arms(model: Model, data: Any) -> list[dict[int, float]]:
 def _moments(mujoco: Any, model: Model, data: Any) -> np.ndarray:
     """Return the moment arms of all outputs, shape (outputs, nv)."""
     found = np.zeros((len(data.moment_rownnz), model.nv))
-    moments, columns = data.actuator_moment.ravel(), data.moment_colind.ravel()
+    moments = data.actuator_moment.ravel()
+    columns = data.moment_colind.ravel()
     mujoco.mju_sparse2dense(found, moments, data.moment_rownnz, data.moment_rowadr, columns)
     return found
 

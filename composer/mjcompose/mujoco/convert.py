@@ -42,10 +42,17 @@ class Converted(Struct):
 
 
 def convert_urdf(
-    path: Path, packages: Mapping[str, Path], *, door: Door, is_fixed: bool = True, text: str | None = None,
-    made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
+    path: Path,
+    packages: Mapping[str, Path],
+    *,
+    door: Door,
+    is_fixed: bool = True,
+    text: str | None = None,
+    made: Mapping[str, Path] | None = None,
+    massless: Sequence[str] = (),
+    shells: Collection[str] = (),
     session: Session,
-) -> Converted:  # fmt: skip
+) -> Converted:
     """Convert a file. `packages` has the folders for `package://NAME`, and `door` limits the files that it may read.
 
     `text`, if given, replaces the file's own content. `made` has the generated meshes by their names in the text, which
@@ -59,10 +66,14 @@ def convert_urdf(
     admit, before MuJoCo opens any mesh, but not for other faults of the file.
     """
     argument = {
-        "path": str(path.absolute()), "is_fixed": is_fixed, "text": text, "massless": list(massless),
+        "path": str(path.absolute()),
+        "is_fixed": is_fixed,
+        "text": text,
+        "massless": list(massless),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
-        "shells": sorted(shells), "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
-    }  # fmt: skip
+        "shells": sorted(shells),
+        "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
+    }
     read = call(session, read_meshes, (), argument=argument)
     found: dict[str, Any] = read.value if read.ok else {"meshes": [], "folder": ""}
     for file in found["meshes"]:  # Refused has the path that MuJoCo uses
@@ -72,10 +83,13 @@ def convert_urdf(
     converted = call(session, convert, (), argument=argument) if read.ok and not found["error"] else read
     error = converted.value["error"] if converted.ok else converted.error
     return Converted(
-        converted.value.get("text") if converted.ok else None, tuple(found["meshes"]), found["folder"],
+        converted.value.get("text") if converted.ok else None,
+        tuple(found["meshes"]),
+        found["folder"],
         warnings=tuple(without_folder(text, path.parent) for text in read.warnings),
-        error=error and without_folder(error, path.parent), crash=converted.crash,
-    )  # fmt: skip
+        error=error and without_folder(error, path.parent),
+        crash=converted.crash,
+    )
 
 
 def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
@@ -84,8 +98,13 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
         spec = _read(mujoco, argument)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         return {"error": str(error).strip() or type(error).__name__, "meshes": [], "folder": ""}
-    return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir,
-            "strippath": bool(spec.strippath), "made": list(argument["made"].values())}  # fmt: skip
+    return {
+        "error": None,
+        "meshes": [mesh.file for mesh in spec.meshes],
+        "folder": spec.meshdir,
+        "strippath": bool(spec.strippath),
+        "made": list(argument["made"].values()),
+    }
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
@@ -100,7 +119,9 @@ def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
-    path, text, made = Path(argument["path"]), argument["text"], argument["made"]
+    path = Path(argument["path"])
+    text = argument["text"]
+    made = argument["made"]
     if path.suffix == ".urdf" and text is None:
         spec = mujoco.MjSpec.from_file(argument["path"])
     else:  # MuJoCo only recognizes that suffix
@@ -135,8 +156,9 @@ def _saved(mujoco: Any, spec: Any, is_fixed: bool) -> str:
         return _saved_as_compiled(mujoco, spec, is_fixed)
     for body in spec.bodies[1:]:
         body.add_frame(name=body.name)  # moves along with the body, whatever happens to it
-    for root in () if is_fixed else spec.worldbody.bodies:
-        root.fuse = 0
+    if not (is_fixed):
+        for root in spec.worldbody.bodies:
+            root.fuse = 0
     if compiler.discardvisual:
         spec.discard_visual()
     if compiler.fusestatic:

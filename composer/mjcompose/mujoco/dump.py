@@ -15,11 +15,30 @@ from typing import Any
 from xml.etree import ElementTree
 
 _COUNTS = {
-    "body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "camera": "ncam", "light": "nlight",
-    "flex": "nflex", "mesh": "nmesh", "skin": "nskin", "hfield": "nhfield", "texture": "ntex", "material": "nmat",
-    "pair": "npair", "exclude": "nexclude", "equality": "neq", "tendon": "ntendon", "actuator": ("nactuator", "nu"),
-    "sensor": "nsensor", "numeric": "nnumeric", "text": "ntext", "tuple": "ntuple", "key": "nkey", "plugin": "nplugin",
-}  # fmt: skip
+    "body": "nbody",
+    "joint": "njnt",
+    "geom": "ngeom",
+    "site": "nsite",
+    "camera": "ncam",
+    "light": "nlight",
+    "flex": "nflex",
+    "mesh": "nmesh",
+    "skin": "nskin",
+    "hfield": "nhfield",
+    "texture": "ntex",
+    "material": "nmat",
+    "pair": "npair",
+    "exclude": "nexclude",
+    "equality": "neq",
+    "tendon": "ntendon",
+    "actuator": ("nactuator", "nu"),
+    "sensor": "nsensor",
+    "numeric": "nnumeric",
+    "text": "ntext",
+    "tuple": "ntuple",
+    "key": "nkey",
+    "plugin": "nplugin",
+}
 
 
 def main() -> None:
@@ -82,7 +101,8 @@ def _names(model: Any, mujoco: Any) -> dict[str, Any]:
 def _words(model: Any, mujoco: Any) -> dict[str, Any]:
     """Flags and kinds by their names, because their numbers differ between versions."""
     found: dict[str, Any] = {"flags": {}}
-    off, on = int(model.opt.disableflags), int(model.opt.enableflags)
+    off = int(model.opt.disableflags)
+    on = int(model.opt.enableflags)
     for prefix, kind, bits in (("mjDSBL_", "mjtDisableBit", ~off), ("mjENBL_", "mjtEnableBit", on)):
         for name in dir(getattr(mujoco, kind)):
             if name.startswith(prefix):
@@ -92,8 +112,11 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
         value = getattr(model.opt, array[4:]) if array.startswith("opt.") else getattr(model, array, None)
         if value is None or not hasattr(mujoco, kind):
             continue
-        meant = {int(getattr(getattr(mujoco, kind), name)): name for name in dir(getattr(mujoco, kind))
-                 if name.startswith("mj")}  # fmt: skip
+        meant = {
+            int(getattr(getattr(mujoco, kind), name)): name
+            for name in dir(getattr(mujoco, kind))
+            if name.startswith("mj")
+        }
         flat = value.ravel() if hasattr(value, "ravel") else [value]
         found[array] = [meant.get(int(each), str(int(each))) for each in flat]
     return found
@@ -109,18 +132,36 @@ def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
 
 
 _KINDS = {
-    "jnt_type": "mjtJoint", "geom_type": "mjtGeom", "site_type": "mjtGeom", "cam_mode": "mjtCamLight",
-    "light_mode": "mjtCamLight", "light_type": "mjtLightType", "tex_type": "mjtTexture", "eq_type": "mjtEq",
-    "eq_objtype": "mjtObj", "wrap_type": "mjtWrap", "actuator_trntype": "mjtTrn", "actuator_dyntype": "mjtDyn",
-    "actuator_gaintype": "mjtGain", "actuator_biastype": "mjtBias", "sensor_type": "mjtSensor",
-    "sensor_datatype": "mjtDataType", "sensor_needstage": "mjtStage", "sensor_objtype": "mjtObj",
-    "sensor_reftype": "mjtObj", "tuple_objtype": "mjtObj", "opt.integrator": "mjtIntegrator",
-    "opt.cone": "mjtCone", "opt.jacobian": "mjtJacobian", "opt.solver": "mjtSolver",
-}  # fmt: skip
+    "jnt_type": "mjtJoint",
+    "geom_type": "mjtGeom",
+    "site_type": "mjtGeom",
+    "cam_mode": "mjtCamLight",
+    "light_mode": "mjtCamLight",
+    "light_type": "mjtLightType",
+    "tex_type": "mjtTexture",
+    "eq_type": "mjtEq",
+    "eq_objtype": "mjtObj",
+    "wrap_type": "mjtWrap",
+    "actuator_trntype": "mjtTrn",
+    "actuator_dyntype": "mjtDyn",
+    "actuator_gaintype": "mjtGain",
+    "actuator_biastype": "mjtBias",
+    "sensor_type": "mjtSensor",
+    "sensor_datatype": "mjtDataType",
+    "sensor_needstage": "mjtStage",
+    "sensor_objtype": "mjtObj",
+    "sensor_reftype": "mjtObj",
+    "tuple_objtype": "mjtObj",
+    "opt.integrator": "mjtIntegrator",
+    "opt.cone": "mjtCone",
+    "opt.jacobian": "mjtJacobian",
+    "opt.solver": "mjtSolver",
+}
 
 
 _FRAMES = 50
-_STEP, _LIFT = 0.1, 0.05
+_STEP = 0.1
+_LIFT = 0.05
 """The step of a control, as a share of its range or in its own unit, and the height of a drop in meters."""
 _MOST_STEPS = 1_000_000
 
@@ -129,7 +170,8 @@ def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]
     """Return the arrays of all trials, and note their names; none if the key does not exist."""
     arrays: dict[str, Any] = {}
     said["keys"] = [_name(mujoco, model, "KEY", number=n) for n in range(model.nkey)]
-    said["trials"], said["diverged"] = [], []
+    said["trials"] = []
+    said["diverged"] = []
     if asked["key"] is not None and asked["key"] not in said["keys"]:
         return arrays
     for name, data in _trials(mujoco, model, asked, keys=said["keys"]):
@@ -140,8 +182,10 @@ def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]
         for kind, each in zip(("qpos", "xpos"), zip(*rows, strict=True), strict=True):
             arrays[f"{kind}-{len(said['trials'])}"] = each
         said["trials"].append(name)
-    said["joints"] = [[_name(mujoco, model, "JOINT", number=n), int(model.jnt_type[n]), int(model.jnt_qposadr[n])]
-                      for n in range(model.njnt)]  # fmt: skip
+    said["joints"] = [
+        [_name(mujoco, model, "JOINT", number=n), int(model.jnt_type[n]), int(model.jnt_qposadr[n])]
+        for n in range(model.njnt)
+    ]
     said["bodies"] = [_name(mujoco, model, "BODY", number=n) for n in range(model.nbody)]
     arrays["inertias"] = [[model.body_mass[n], *model.body_inertia[n], *model.body_ipos[n]] for n in range(model.nbody)]
     return arrays
@@ -164,7 +208,8 @@ def _trials(mujoco: Any, model: Any, asked: dict[str, Any], keys: list[str]) -> 
         if trial == "step":
             if not len(data.ctrl):
                 continue
-            limited, ends = model.actuator_ctrllimited, model.actuator_ctrlrange
+            limited = model.actuator_ctrllimited
+            ends = model.actuator_ctrlrange
             width = [high - low if on else 1.0 for on, (low, high) in zip(limited, ends, strict=True)]
             data.ctrl[: len(width)] += [_STEP * each for each in width]
         if trial == "drop":

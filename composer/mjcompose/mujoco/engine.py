@@ -82,9 +82,10 @@ class Request(Struct):
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
         """Return a line of JSON with absolute paths. `step` limits the forward step, in seconds, if it is not 0."""
         paths = {
-            "folder": str(self.folder.absolute()), "mjb": self.mjb and str(self.mjb.absolute()),
+            "folder": str(self.folder.absolute()),
+            "mjb": self.mjb and str(self.mjb.absolute()),
             "arrays_file": str(arrays_file),
-        }  # fmt: skip
+        }
         return json.dumps({**asdict(self), **paths, "step": step}, ensure_ascii=False)
 
 
@@ -151,7 +152,8 @@ class Session:
 
     def __init__(self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False) -> None:
         self.limits = limits or Limits()
-        self.rendering, self.remembers = rendering, remembers
+        self.rendering = rendering
+        self.remembers = remembers
         self.no_opengl: str | None = None
         """MuJoCo's error if it could not be imported with OpenGL; it then works without."""
         self.mujoco_version: str | None = None
@@ -266,9 +268,14 @@ class Session:
             self._process = Process(
                 isolated(sys.executable, ["-X", "utf8", str(Path(__file__).with_name("child.py"))]),
                 folder=WorkFolder(work, "MuJoCo writes its log there"),
-                watches=True, stdin=PIPE, stdout=PIPE, stderr=log, env=environment,
-                encoding="utf-8", errors="surrogateescape",
-            )  # fmt: skip
+                watches=True,
+                stdin=PIPE,
+                stdout=PIPE,
+                stderr=log,
+                env=environment,
+                encoding="utf-8",
+                errors="surrogateescape",
+            )
         self._lines = queue.Queue()
         assert self._process.stdout is not None
         threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
@@ -323,7 +330,8 @@ class Session:
         return answer
 
     def _crashed(self) -> dict[str, Any]:
-        process, folder = self._process, self._folder
+        process = self._process
+        folder = self._folder
         if self._is_over or process is None or folder is None:  # ended by another thread
             return _failure("MuJoCo was stopped", "stopped")
         status = process.wait()
@@ -346,7 +354,8 @@ class Session:
         return _failure(f"MuJoCo needs more than the {allowed} of memory that it may use{_quoted(words)}", "memory")
 
     def _stop(self) -> None:
-        process, self._process = self._process, None
+        process = self._process
+        self._process = None
         if process is None:
             return
         process.end()
@@ -379,10 +388,17 @@ def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
 
 
 def compile(
-    folder: Path, model: str = "model.xml", *, wants: tuple[str, ...] = (), mjb: Path | None = None,
-    text: str | None = None, keep: str | None = None, folder_is_reused: bool = False, limits: Limits | None = None,
+    folder: Path,
+    model: str = "model.xml",
+    *,
+    wants: tuple[str, ...] = (),
+    mjb: Path | None = None,
+    text: str | None = None,
+    keep: str | None = None,
+    folder_is_reused: bool = False,
+    limits: Limits | None = None,
     session: Session | None = None,
-) -> Compiled:  # fmt: skip
+) -> Compiled:
     """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
 
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
@@ -393,9 +409,14 @@ def compile(
 
 
 def measure(
-    folder: Path, model: str = "model.xml", arrays: tuple[str, ...] = (), *, text: str | None = None,
-    limits: Limits | None = None, session: Session | None = None,
-) -> Measured:  # fmt: skip
+    folder: Path,
+    model: str = "model.xml",
+    arrays: tuple[str, ...] = (),
+    *,
+    text: str | None = None,
+    limits: Limits | None = None,
+    session: Session | None = None,
+) -> Measured:
     """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
 
     Units and shapes are MuJoCo's own: radians, meters, one row per object.
@@ -420,15 +441,20 @@ def _run(request: Request, limits: Limits | None, session: Session | None) -> Me
 
 
 def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
-    names, said = answer.get("names"), [answer.get("error"), answer.get("forward")]
+    names = answer.get("names")
+    said = [answer.get("error"), answer.get("forward")]
     error, forward = (text and without_folder(text, request.folder) for text in said)
     return Compiled(
-        ok=answer["ok"], error=error, crash=answer.get("crash"),
+        ok=answer["ok"],
+        error=error,
+        crash=answer.get("crash"),
         warnings=_distinct(without_folder(text, request.folder) for text in answer.get("warnings", ())),
-        mujoco_version=version, sizes=answer.get("sizes", {}), forward=forward,
+        mujoco_version=version,
+        sizes=answer.get("sizes", {}),
+        forward=forward,
         index=_index(answer["index"]) if "index" in answer else None,
         names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
-    )  # fmt: skip
+    )
 
 
 @lru_cache(maxsize=4)

@@ -24,7 +24,8 @@ def png(picture: NDArray[Any]) -> bytes:
     rows = np.zeros((height, 1 + channels * width), np.uint8)  # each row begins with its filter
     flat = picture.reshape(height, -1)
     rows[:, 1:] = flat
-    rows[1:, 0], rows[1:, 1:] = _UP, flat[1:] - flat[:-1]
+    rows[1:, 0] = _UP
+    rows[1:, 1:] = flat[1:] - flat[:-1]
     header = struct.pack(">2I5B", width, height, 8, _COLOR_TYPES[channels], 0, 0, 0)
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
     number = struct.Struct(">I").pack
@@ -32,7 +33,8 @@ def png(picture: NDArray[Any]) -> bytes:
     return b"".join((_SIGNATURE, *packed))
 
 
-_COLORS, _BITS = 256, 8
+_COLORS = 256
+_BITS = 8
 _KEPT = 5  # bits of each channel that distinguish colors while the palette is computed
 
 
@@ -61,15 +63,18 @@ def _coarse(frame: NDArray[Any]) -> NDArray[Any]:
 def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return 256 RGB colors by median cut, and the number of the palette color for each coarse color."""
     size = 1 << 3 * _KEPT
-    counts, sums = np.zeros(size, np.int64), np.zeros((size, 3))
+    counts = np.zeros(size, np.int64)
+    sums = np.zeros((size, 3))
     for frame in frames:
         at = _coarse(frame).ravel()
         counts += np.bincount(at, minlength=size)
         for channel in range(3):
             sums[:, channel] += np.bincount(at, weights=frame[..., channel].ravel(), minlength=size)
     used = np.flatnonzero(counts)
-    means, weights = sums[used] / counts[used, None], counts[used]
-    palette, nearest = np.zeros((_COLORS, 3), np.uint8), np.zeros(size, np.uint8)
+    means = sums[used] / counts[used, None]
+    weights = counts[used]
+    palette = np.zeros((_COLORS, 3), np.uint8)
+    nearest = np.zeros(size, np.uint8)
     for number, box in enumerate(_cut(means, weights)):
         palette[number] = np.rint(np.average(means[box], axis=0, weights=weights[box]))
         nearest[used[box]] = number
@@ -82,11 +87,13 @@ def _cut(colors: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
     errors = [_error(colors, weights, boxes[0])]
     while len(boxes) < _COLORS and max(errors) > 0:
         at = int(np.argmax(errors))
-        box, channel = boxes[at], int(np.ptp(colors[boxes[at]], axis=0).argmax())
+        box = boxes[at]
+        channel = int(np.ptp(colors[boxes[at]], axis=0).argmax())
         box = box[np.argsort(colors[box, channel], kind="stable")]
         half = int(np.searchsorted(np.cumsum(weights[box]), weights[box].sum() / 2)) + 1
         half = min(half, len(box) - 1)
-        boxes[at], errors[at] = box[:half], _error(colors, weights, box[:half])
+        boxes[at] = box[:half]
+        errors[at] = _error(colors, weights, box[:half])
         boxes.append(box[half:])
         errors.append(_error(colors, weights, box[half:]))
     return boxes
@@ -101,10 +108,15 @@ def _error(colors: NDArray[Any], weights: NDArray[Any], box: NDArray[Any]) -> fl
 
 def _packed(pixels: bytes) -> bytes:
     """Compress with LZW, with codes of 9 to 12 bits."""
-    clear, end = 1 << _BITS, (1 << _BITS) + 1
+    clear = 1 << _BITS
+    end = (1 << _BITS) + 1
     known: dict[tuple[int, int], int] = {}
-    found, prefix = bytearray(), pixels[0]
-    held, count, bits, size = clear, _BITS + 1, end + 1, _BITS + 1
+    found = bytearray()
+    prefix = pixels[0]
+    held = clear
+    count = _BITS + 1
+    bits = end + 1
+    size = _BITS + 1
     for pixel in pixels[1:]:
         if (code := known.get((prefix, pixel))) is not None:
             prefix = code
@@ -120,7 +132,8 @@ def _packed(pixels: bytes) -> bytes:
             held |= clear << count
             count += size
             known.clear()
-            bits, size = end + 1, _BITS + 1
+            bits = end + 1
+            size = _BITS + 1
         while count >= 8:
             found.append(held & 255)
             held >>= 8
@@ -150,10 +163,13 @@ def write_mp4(path: Path, frames: Sequence[NDArray[Any]], rate: int) -> None:
     """Write RGB arrays `(height, width, 3)` of one size; an odd row or column, which H.264 does not allow, is cut."""
     av = encoder()
     height, width, _ = frames[0].shape
-    height, width = height - height % 2, width - width % 2
+    height = height - height % 2
+    width = width - width % 2
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as film:
         track = film.add_stream("libx264", rate=Fraction(rate), options={"crf": "20"})
-        track.width, track.height, track.pix_fmt = width, height, "yuv420p"
+        track.width = width
+        track.height = height
+        track.pix_fmt = "yuv420p"
         for frame in frames:
             film.mux(track.encode(av.VideoFrame.from_ndarray(frame[:height, :width].copy(), format="rgb24")))
         film.mux(track.encode())

@@ -19,7 +19,8 @@ from mjcompose.mujoco import shapes as geometry
 from mjcompose.mujoco.shapes import Hull, Mesh, Primitive, Shape, UnusableError, hull_of, on_surface, rounded
 from mjcompose.mujoco.surface import Surface
 
-_POINTS, _ROUNDS = 4000, 20
+_POINTS = 4000
+_ROUNDS = 20
 
 
 def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
@@ -70,16 +71,19 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
     found = []
     for axes in ((1, 2, 0), (2, 0, 1), (0, 1, 2)):
         turned = turn[:, axes]
-        flat, along = (points @ turned)[:, :2], (points @ turned)[:, 2]
+        flat = (points @ turned)[:, :2]
+        along = (points @ turned)[:, 2]
         center, radius = _ball(flat)
         if type == "capsule":
             spare = numpy.sqrt(numpy.maximum(radius**2 - numpy.linalg.norm(flat - center, axis=1) ** 2, 0))
-            bottom, top = (along + spare).min(), (along - spare).max()
+            bottom = (along + spare).min()
+            top = (along - spare).max()
             if top < bottom:
                 bottom = top = (bottom + top) / 2
             half = max((top - bottom) / 2, _LEAST * radius)
         else:
-            bottom, top = along.min(), along.max()
+            bottom = along.min()
+            top = along.max()
             half = (top - bottom) / 2
         pos = turned @ numpy.array([*center, (bottom + top) / 2])
         found.append(Primitive(type, (float(radius), float(half)), pos, turn=turned))
@@ -101,7 +105,8 @@ def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.nda
 _BALL_AT_ONCE = 2000
 """The number of points whose smallest ball is computed at once. `minimum_nsphere` compares each point with each other,
 which takes up to 4 GB for 20,000 points."""
-_BALL_FIRST, _BALL_MORE = 500, 50
+_BALL_FIRST = 500
+_BALL_MORE = 50
 _INSIDE = 1e-9
 """By the radius: a point that is at most this far outside counts as inside."""
 
@@ -144,10 +149,13 @@ def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
 
     coacd.set_log_level("error")
     found = coacd.run_coacd(
-        coacd.Mesh(mesh.vertices, mesh.faces), threshold=wanted["threshold"],
-        max_convex_hull=-1 if wanted["parts"] is None else wanted["parts"], seed=wanted["seed"],
-        decimate=True, max_ch_vertex=wanted["vertices"],
-    )  # fmt: skip
+        coacd.Mesh(mesh.vertices, mesh.faces),
+        threshold=wanted["threshold"],
+        max_convex_hull=-1 if wanted["parts"] is None else wanted["parts"],
+        seed=wanted["seed"],
+        decimate=True,
+        max_ch_vertex=wanted["vertices"],
+    )
     pieces = []
     for vertices, _ in found:
         with suppress(QhullError):  # a sliver without volume, which touches nothing that its neighbors do not
@@ -224,14 +232,17 @@ def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
     beyond, short = (float(Surface(each.solid.triangles).distances(some).max()) for each, some in pairs)
     closed = mesh.is_closed and other.is_closed
     return {
-        **_distances(beyond, short), "uncovered": None, "samples": sum(map(len, points)),
+        **_distances(beyond, short),
+        "uncovered": None,
+        "samples": sum(map(len, points)),
         "volume": abs(float(other.solid.volume)) / abs(float(mesh.solid.volume)) if closed else None,
-    }  # fmt: skip
+    }
 
 
 def _distances(beyond: float, short: float) -> dict[str, float]:
     # A nanometre is less than the arithmetic can tell.
-    beyond, short = round(beyond, 9), round(short, 9)
+    beyond = round(beyond, 9)
+    short = round(short, 9)
     return {"hausdorff": max(beyond, short), "beyond": beyond, "short": short}
 
 
@@ -263,7 +274,8 @@ def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
         behind = points + _BEHIND * mesh.size * normals
         for other in (*shapes[:number], *shapes[number + 1 :]):
             free = ~(other.contains(behind) | other.contains(points))
-            points, behind = points[free], behind[free]
+            points = points[free]
+            behind = behind[free]
         outer.append(points)
     points = numpy.vstack(outer)
     return _farthest_outside(mesh, numpy.unique(points, axis=0)), len(points)
@@ -341,7 +353,8 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     has `missing` if a package is not installed, `unusable` if the method does not work for the mesh, and otherwise the
     entry of `mjcompose.compose.mesh_jobs`.
     """
-    method, wanted = argument["method"], argument["wanted"]
+    method = argument["method"]
+    wanted = argument["wanted"]
     versions = {}
     for name in NEEDS[method]:
         try:
@@ -361,8 +374,10 @@ def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 
 _METHODS: Mapping[str, Callable[[Mesh, Any], Sequence[Shape]]] = {
     "hull": lambda mesh, wanted: [hull_of(mesh.vertices, wanted["vertices"])],
-    "fit": lambda mesh, wanted: [fit(mesh, wanted)], "decompose": decompose, "spheres": spheres,
-}  # fmt: skip
+    "fit": lambda mesh, wanted: [fit(mesh, wanted)],
+    "decompose": decompose,
+    "spheres": spheres,
+}
 
 
 def _made(mesh: Mesh, method: str, wanted: Any) -> dict[str, Any]:

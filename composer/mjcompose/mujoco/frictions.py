@@ -40,7 +40,8 @@ def _of_geom(
     for other in collisions.partners(geom):
         if other in drawn:
             continue  # the friction of both is drawn
-        mine, theirs = int(model.geom_priority[geom]), int(model.geom_priority[other])
+        mine = int(model.geom_priority[geom])
+        theirs = int(model.geom_priority[other])
         condim = [int(model.geom_condim[each]) for each in (geom, other)]
         used = max(condim) if mine == theirs else condim[0] if mine > theirs else condim[1]
         least = float(model.geom_friction[other, number])
@@ -49,8 +50,10 @@ def _of_geom(
         needs = used < LEAST_CONDIM[number]
         yield {
             "partner": f"`{called[other]}`" if called[other] else f"a geom of `{_body(model, other)}`",
-            "least": math.inf if needs else least, "priority": theirs, "needs_condim": needs,
-        }  # fmt: skip
+            "least": math.inf if needs else least,
+            "priority": theirs,
+            "needs_condim": needs,
+        }
 
 
 def _id(mujoco: Any, model: Model, place: Sequence[Any]) -> int | None:

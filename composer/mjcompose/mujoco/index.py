@@ -128,7 +128,8 @@ class Ranged(NamedTuple):
     def is_within(self, margin: float = 0.0) -> bool:
         """Return whether the value stays `margin` away from both ends, up to rounding: ranges are often rounded."""
         low, high = self.range
-        least, most = low - _ROUNDING * max(1.0, abs(low)), high + _ROUNDING * max(1.0, abs(high))
+        least = low - _ROUNDING * max(1.0, abs(low))
+        most = high + _ROUNDING * max(1.0, abs(high))
         return least + margin <= self.value <= most - margin
 
 
@@ -140,10 +141,12 @@ def ranged(index: Index, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ran
     qpos, ctrl, act = (vectors[name] for name in ("qpos", "ctrl", "act"))
     for number, joint in enumerate(index.joints if len(qpos) else ()):
         if joint.limited:
-            values, bounds = qpos[joint.qpos_address : joint.qpos_address + joint.qpos_size], joint.range
+            values = qpos[joint.qpos_address : joint.qpos_address + joint.qpos_size]
+            bounds = joint.range
             value = float(values[0])
             if joint.type == "ball":
-                value, bounds = 2 * math.atan2(math.hypot(*values[1:]), abs(value)), (0.0, joint.range[1])
+                value = 2 * math.atan2(math.hypot(*values[1:]), abs(value))
+                bounds = (0.0, joint.range[1])
             yield Ranged("joint", number, "qpos", value=value, range=bounds, unit=BY_WORD[joint.type].range_unit)
     for number, actuator in enumerate(index.actuators):
         unit = actuator.unit if actuator.ctrl_size == 1 else None
@@ -165,34 +168,50 @@ def index(model: Model, mujoco: Any) -> Index:
     bodies = names(model, "body")
     keys = (Keyframe(name, float(time)) for name, time in zip(names(model, "key"), model.key_time, strict=True))
     return Index(
-        tuple(_joints(model, bodies)), tuple(_actuators(model, mujoco)), tuple(_sensors(model, mujoco)),
-        keyframes=tuple(keys), cameras=tuple(_cameras(model, mujoco, bodies)), bodies=tuple(bodies),
-    )  # fmt: skip
+        tuple(_joints(model, bodies)),
+        tuple(_actuators(model, mujoco)),
+        tuple(_sensors(model, mujoco)),
+        keyframes=tuple(keys),
+        cameras=tuple(_cameras(model, mujoco, bodies)),
+        bodies=tuple(bodies),
+    )
 
 
 def _joints(model: Model, bodies: list[str]) -> Iterator[Joint]:
     for row, name in enumerate(names(model, "joint")):
-        qpos, dofs = span(model, "qpos", row), span(model, "qvel", row)
+        qpos = span(model, "qpos", row)
+        dofs = span(model, "qvel", row)
         yield Joint(
-            name, JOINT_TYPES[int(model.jnt_type[row])].word, qpos.start, qpos_size=len(qpos),
-            dof_address=dofs.start, dof_size=len(dofs), limited=bool(model.jnt_limited[row]),
-            range=_bounds(model.jnt_range[row]), body=bodies[holder(model, "joint", row)],
-        )  # fmt: skip
+            name,
+            JOINT_TYPES[int(model.jnt_type[row])].word,
+            qpos.start,
+            qpos_size=len(qpos),
+            dof_address=dofs.start,
+            dof_size=len(dofs),
+            limited=bool(model.jnt_limited[row]),
+            range=_bounds(model.jnt_range[row]),
+            body=bodies[holder(model, "joint", row)],
+        )
 
 
 def _actuators(model: Model, mujoco: Any) -> Iterator[Actuator]:
-    limited, bounds = model.actuator_ctrllimited, model.actuator_ctrlrange
+    limited = model.actuator_ctrllimited
+    bounds = model.actuator_ctrlrange
     for row, name in enumerate(names(model, "actuator")):
-        controls, activations = span(model, "ctrl", row), span(model, "act", row)
+        controls = span(model, "ctrl", row)
+        activations = span(model, "act", row)
         yield Actuator(
-            name, controls.start if controls else 0, len(controls),
-            act_address=activations.start if activations else -1, act_size=len(activations),
+            name,
+            controls.start if controls else 0,
+            len(controls),
+            act_address=activations.start if activations else -1,
+            act_size=len(activations),
             unit=units.of_control(model, mujoco, row) if len(controls) == 1 else None,
             ctrl_ranges=tuple(_bounds(bounds[each]) if limited[each] else None for each in controls),
             act_range=_bounds(model.actuator_actrange[row]) if model.actuator_actlimited[row] else None,
             force_range=_bounds(model.actuator_forcerange[row]) if model.actuator_forcelimited[row] else None,
             stiffness=_stiffness(model, row),
-        )  # fmt: skip
+        )
 
 
 def _stiffness(model: Model, row: int) -> float:
@@ -213,9 +232,12 @@ def _bounds(pair: Any) -> Range:
 def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
     tags = words(mujoco, "sensor_type")
     for row, name in enumerate(names(model, "sensor")):
-        tag, size = tags.get(int(model.sensor_type[row]), "unknown"), int(model.sensor_dim[row])
-        data, cutoff = span(model, "sensordata", row), float(model.sensor_cutoff[row])
-        target, coordinate = int(model.sensor_objid[row]), None
+        tag = tags.get(int(model.sensor_type[row]), "unknown")
+        size = int(model.sensor_dim[row])
+        data = span(model, "sensordata", row)
+        cutoff = float(model.sensor_cutoff[row])
+        target = int(model.sensor_objid[row])
+        coordinate = None
         if tag.startswith("actuator"):
             coordinate = units.of_transmission(model, target)
         elif tag.startswith("joint"):
@@ -229,7 +251,8 @@ def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
     for row, name in enumerate(names(model, "camera")):
         width, height = map(int, model.cam_resolution[row])
         is_flat = int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
-        body, fovy = bodies[holder(model, "camera", row)], float(model.cam_fovy[row])
+        body = bodies[holder(model, "camera", row)]
+        fovy = float(model.cam_fovy[row])
         yield Camera(name, body, fovy, unit=LENGTH if is_flat else "deg", resolution=(width, height))
 
 
@@ -327,7 +350,8 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
     # If a body is missing, MuJoCo has moved its elements to others.
     whole = None in order["body"] or len(order["body"]) == roster.count("body")
     for kind, expected in order.items():
-        names, ids = roster.names[kind], roster.ids[kind]
+        names = roster.names[kind]
+        ids = roster.ids[kind]
         if kind in _SORTED:
             found.update(_sorted(kind, expected, roster))
             continue

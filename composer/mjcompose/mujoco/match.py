@@ -114,9 +114,14 @@ class Mount(Struct):
 
     @classmethod
     def of(
-        cls, composed: Model, *, site: str | None = None, body: str | None = None, pos: Vec3 = ORIGIN,
+        cls,
+        composed: Model,
+        *,
+        site: str | None = None,
+        body: str | None = None,
+        pos: Vec3 = ORIGIN,
         quat: Quat = IDENTITY_QUAT,
-    ) -> Mount:  # fmt: skip
+    ) -> Mount:
         """Return the mount for a place in a recipe, with an offset in its frame (m). Raises KeyError if unknown."""
         offset = Pose(pos, normalize(quat))
         if site is None:
@@ -157,14 +162,25 @@ class Correspondence:
     """
 
     def __init__(
-        self, alone: NameTable, composed: NameTable, *, prefix: str, mount: Mount,
-        renamed: Mapping[str, Mapping[str, str]], by_order: bool = True, cut: bool = False,
-    ) -> None:  # fmt: skip
-        self.by_order, self.cut = by_order, cut
-        self.alone, self.composed = alone, composed
-        self.prefix, self.renamed = prefix, renamed
+        self,
+        alone: NameTable,
+        composed: NameTable,
+        *,
+        prefix: str,
+        mount: Mount,
+        renamed: Mapping[str, Mapping[str, str]],
+        by_order: bool = True,
+        cut: bool = False,
+    ) -> None:
+        self.by_order = by_order
+        self.cut = cut
+        self.alone = alone
+        self.composed = composed
+        self.prefix = prefix
+        self.renamed = renamed
         self.ids: dict[str, list[int]] = {kind: [ABSENT] * alone.count(kind) for kind in KINDS}
-        self.mount, self.pose = mount.index(composed), mount.pose
+        self.mount = mount.index(composed)
+        self.pose = mount.pose
         self.taken: dict[str, set[int]] = {kind: set() for kind in KINDS}
         self.ids["body"][0] = self.mount
         self.worlds = {self.mount}
@@ -214,7 +230,8 @@ class Correspondence:
 
     def _frame_bodies(self) -> set[int]:
         """Return the mount, and bodies without joints that a composition may have put between it and the part."""
-        worlds, model = {self.mount}, self.composed.model
+        worlds = {self.mount}
+        model = self.composed.model
         for index, name in enumerate(self.composed.names["body"] if self.prefix else ()):
             is_frame = index not in self.taken["body"] and not model.body_jntnum[index]
             if is_frame and name.startswith(self.prefix) and int(model.body_parentid[index]) in worlds:
@@ -275,12 +292,14 @@ class Correspondence:
         self._assign(kind, children, [i for i in unnamed if is_owned(i)], ordered=kind not in UNORDERED)
 
     def _match_plugins(self) -> None:
-        found, names = self.ids["plugin"], self.composed.names["plugin"]
+        found = self.ids["plugin"]
+        names = self.composed.names["plugin"]
         for kind in ("body", "geom", "actuator", "sensor"):
             for index, target in enumerate(self.ids[kind]):
                 if target == ABSENT or (kind == "body" and index == 0):
                     continue
-                here, there = links(self.alone.model, kind, index), links(self.composed.model, kind, target)
+                here = links(self.alone.model, kind, index)
+                there = links(self.composed.model, kind, target)
                 for mine, theirs in zip(here, there, strict=False):
                     if not mine.kind == theirs.kind == "plugin" or mine.index < 0 or theirs.index < 0:
                         continue
@@ -296,7 +315,8 @@ class Correspondence:
             for i, j in zip(mine, theirs, strict=True):
                 self._take(kind, i, j)
             return
-        alone, composed = self.alone.model, self.composed.model
+        alone = self.alone.model
+        composed = self.composed.model
         # By all values and references, then by the traits that rarely change and references, by the traits, by nothing.
         for likeness, refers in ((values, True), (shape, True), (shape, False), (lambda *_: None, False)):
             waiting: dict[Hashable, list[int]] = {}
@@ -354,7 +374,8 @@ def presence_differences(matching: Correspondence, others: Sequence[tuple[str, M
 
 def _missing(matching: Correspondence, kind: str) -> list[Difference]:
     """Return missing elements; an unnamed element on a missing body is not reported again."""
-    roster, bodies = matching.alone, matching.ids["body"]
+    roster = matching.alone
+    bodies = matching.ids["body"]
     owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
     found: list[Difference] = []
     for index, target in enumerate(matching.ids[kind]):
@@ -379,20 +400,21 @@ def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, Name
 def unequal_references(matching: Correspondence) -> Iterator[tuple[str, int, int, Link | None, Link | None]]:
     """Yield the changed references of elements that both models have: kind, both ids, and the link in each model."""
     for kind in KINDS:
-        for index, target in matching.pairs(kind) if kind != "key" else ():
-            mine = links(matching.alone.model, kind, index)
-            theirs = links(matching.composed.model, kind, target)
-            if kind in UNORDERED and theirs[1].index in matching.targets(mine[0]):
-                # The first may now be the second.
-                first, second = theirs
-                theirs = [replace(second, field=first.field), replace(first, field=second.field)]
-            there = {link.field: link for link in theirs}
-            for link in mine:
-                other = there.pop(link.field, None)
-                if other is None or other.kind != link.kind or other.index not in matching.targets(link):
-                    yield kind, index, target, link, other
-            for other in there.values():
-                yield kind, index, target, None, other
+        if kind != "key":
+            for index, target in matching.pairs(kind):
+                mine = links(matching.alone.model, kind, index)
+                theirs = links(matching.composed.model, kind, target)
+                if kind in UNORDERED and theirs[1].index in matching.targets(mine[0]):
+                    # The first may now be the second.
+                    first, second = theirs
+                    theirs = [replace(second, field=first.field), replace(first, field=second.field)]
+                there = {link.field: link for link in theirs}
+                for link in mine:
+                    other = there.pop(link.field, None)
+                    if other is None or other.kind != link.kind or other.index not in matching.targets(link):
+                        yield kind, index, target, link, other
+                for other in there.values():
+                    yield kind, index, target, None, other
 
 
 def reference_differences(matching: Correspondence) -> list[Difference]:
@@ -400,7 +422,8 @@ def reference_differences(matching: Correspondence) -> list[Difference]:
     found = []
     for kind, _, target, mine, other in unequal_references(matching):
         if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine)):
-            alone, composed = _target(matching.alone, mine), _target(matching.composed, other)
+            alone = _target(matching.alone, mine)
+            composed = _target(matching.composed, other)
             if alone and matching.alone.names[mine.kind][mine.index] and (mine.kind, mine.index) != ("body", 0):
                 alone = matching.name(mine.kind, alone)
             name = matching.composed.describe(kind, target)
@@ -422,7 +445,8 @@ class Coupling:
     """
 
     def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:
-        composed, bodies = matching.composed.model, matching.ids["body"]
+        composed = matching.composed.model
+        bodies = matching.ids["body"]
         self.in_place = mount.is_in_place and matching.worlds == {0}
         self.moving = bool(composed.body_weldid[matching.mount])
 

@@ -101,17 +101,22 @@ def read_sentence(message: str) -> Sentence:
         found = pattern.search(message)
         return None if found is None else found[group]
 
-    size, plugin = first(_SIZE, "index"), first(_PLUGIN, "id")
+    size = first(_SIZE, "index")
+    plugin = first(_PLUGIN, "id")
     return Sentence(
         next((topic for topic in Topic if re.search(topic.value, message)), None),
-        first(_ATTRIBUTE, "name"), first(_UNKNOWN_ATTRIBUTE, "name"),
+        first(_ATTRIBUTE, "name"),
+        first(_UNKNOWN_ATTRIBUTE, "name"),
         is_unknown_element=_UNKNOWN_ELEMENT.search(message) is not None,
-        missing_attribute=first(_MISSING, "name"), missing_element=first(_MISSING, "tag"),
-        names=tuple(_QUOTED.findall(message)), words=frozenset(_WORD.findall(message)),
-        size_index=None if size is None else int(size), plugin=None if plugin is None else int(plugin),
+        missing_attribute=first(_MISSING, "name"),
+        missing_element=first(_MISSING, "tag"),
+        names=tuple(_QUOTED.findall(message)),
+        words=frozenset(_WORD.findall(message)),
+        size_index=None if size is None else int(size),
+        plugin=None if plugin is None else int(plugin),
         section=next((section for section, pattern in _SECTIONS.items() if pattern.search(message)), None),
         array=first(_ARRAY, "name"),
-    )  # fmt: skip
+    )
 
 
 CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
@@ -174,9 +179,12 @@ def parse(text: str) -> Fault:
     if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
         message = f"{message}: {rest}"
     return Fault(
-        message, line=_positive(fields["line"]), column=_positive(fields.get("column")),
-        element=fields.get("element") or None, name=fields.get("name") or None,
-    )  # fmt: skip
+        message,
+        line=_positive(fields["line"]),
+        column=_positive(fields.get("column")),
+        element=fields.get("element") or None,
+        name=fields.get("name") or None,
+    )
 
 
 def _positive(number: str | None) -> int | None:
@@ -314,12 +322,14 @@ def unknown_element(element: Node, file: str | None = None, version: str | None 
     """Return the translation for an element that MJCF does not have in that place."""
     if (other := of_other_version(element, None, file, version=version)) is not None:
         return Translation(other)
-    parent, tag = element.getparent(), str(element.tag)
+    parent = element.getparent()
+    tag = str(element.tag)
     kind = None if parent is None else kind_of(parent)
     known = [] if kind is None else list(kind.children)
     holder = f"`<{parent.tag}>`" if parent is not None else "a model"
     notes = (exists_note("element", known, tag),) if known else ()
-    message, help = f"`<{tag}>` cannot be in {holder}", did_you_mean(tag, known, "<{}>")
+    message = f"`<{tag}>` cannot be in {holder}"
+    help = did_you_mean(tag, known, "<{}>")
     return Translation(Diagnostic("unknown-element", message, notes=notes, help=help))
 
 
@@ -407,9 +417,13 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
 
 
 def report(
-    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None,
+    said: Translation,
+    element: Node | None,
+    model: Unit,
+    context: Context,
+    cause: Cause | None = None,
     at: Span | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Report an error at the element, or at its faulty attribute; without an element, at the place `at`."""
     if element is None:
         context.sink.add(replace(said.diagnostic, span=at))

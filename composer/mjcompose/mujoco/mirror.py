@@ -52,7 +52,8 @@ def _exchanged(name: str) -> str:
 class _Mirror:
     def __init__(self, mujoco: Any, texts: Sequence[str], axis: int, exchange: Callable[[str], str]) -> None:
         self.exchange = exchange
-        self.mujoco, self.flip = mujoco, np.diag([-1.0 if each == axis else 1.0 for each in range(3)])
+        self.mujoco = mujoco
+        self.flip = np.diag([-1.0 if each == axis else 1.0 for each in range(3)])
         self.of, self.own = (mujoco.MjModel.from_xml_string(text) for text in texts)
         self.data = [mujoco.MjData(model) for model in (self.of, self.own)]
         self.bodies, self.joints, self.actuators = (self._pairs(kind) for kind in ("body", "joint", "actuator"))
@@ -63,7 +64,8 @@ class _Mirror:
         self.turns = {joint: self._turn(joint, other) for joint, other in self.joints.items()}
 
     def _pairs(self, kind: str) -> dict[int, int]:
-        ours, theirs = names(self.of, kind), names(self.own, kind)
+        ours = names(self.of, kind)
+        theirs = names(self.own, kind)
         wanted = [self.exchange(name) for name in ours]
         if missing := sorted({*wanted} ^ {*theirs}):
             raise _Unlike({"why": "names", "kind": kind, "name": missing[0], "mine": missing[0] in theirs})
@@ -71,8 +73,10 @@ class _Mirror:
 
     def _compare_bodies(self, key: int | None) -> None:
         """Raise `_Unlike` if a body is not at the place of its counterpart's mirror image."""
-        apart = {body: float(np.linalg.norm(self.flip @ self.data[0].xpos[body] - self.data[1].xpos[other]))
-                 for body, other in self.bodies.items()}  # fmt: skip
+        apart = {
+            body: float(np.linalg.norm(self.flip @ self.data[0].xpos[body] - self.data[1].xpos[other]))
+            for body, other in self.bodies.items()
+        }
         worst = max(apart, key=apart.__getitem__)
         if apart[worst] > _NEAR:
             raise _Unlike({"why": "body", "key": key, "name": names(self.of, "body")[worst], "distance": apart[worst]})
@@ -80,8 +84,10 @@ class _Mirror:
     def _turn(self, joint: int, other: int) -> Any:
         """Return the matrix from the velocity of a joint to the velocity of its image."""
         kind = int(self.of.jnt_type[joint])
-        mats = [start[1][model.jnt_bodyid[each]] for start, model, each in
-                zip(self.start, (self.of, self.own), (joint, other), strict=True)]  # fmt: skip
+        mats = [
+            start[1][model.jnt_bodyid[each]]
+            for start, model, each in zip(self.start, (self.of, self.own), (joint, other), strict=True)
+        ]
         if kind in (BALL, FREE) and kind == self.own.jnt_type[other]:
             turn = -(mats[1].T @ self.flip @ mats[0])
             return turn if kind == BALL else np.block([[self.flip, np.zeros((3, 3))], [np.zeros((3, 3)), turn]])
@@ -113,7 +119,9 @@ class _Mirror:
 
     def key(self, number: int) -> dict[str, list[float]]:
         """Return a key of the image, after MuJoCo has compared the bodies and the forces."""
-        of, own, (before, after) = self.of, self.own, self.data
+        of = self.of
+        own = self.own
+        (before, after) = self.data
         self.mujoco.mj_resetDataKeyframe(of, before, number)
         self.mujoco.mj_resetData(own, after)
         for joint, other in self.joints.items():
@@ -125,8 +133,14 @@ class _Mirror:
             if (mocap := int(of.body_mocapid[body])) >= 0 and (there := int(own.body_mocapid[other])) >= 0:
                 after.mocap_pos[there] = self.flip @ before.mocap_pos[mocap]
                 after.mocap_quat[there] = self._turned(before.mocap_quat[mocap], body, other)
-        found = {"qpos": after.qpos, "qvel": after.qvel, "act": after.act, "ctrl": after.ctrl,
-                 "mpos": after.mocap_pos, "mquat": after.mocap_quat}  # fmt: skip
+        found = {
+            "qpos": after.qpos,
+            "qvel": after.qvel,
+            "act": after.act,
+            "ctrl": after.ctrl,
+            "mpos": after.mocap_pos,
+            "mquat": after.mocap_quat,
+        }
         rows = {vector: [round(float(each), 12) + 0.0 for each in row.ravel()] for vector, row in found.items()}
         for model, data in zip((of, own), self.data, strict=True):
             self.mujoco.mj_forward(model, data)
@@ -134,16 +148,22 @@ class _Mirror:
         if _strain(after) > _strain(before) + _NEAR:
             raise _Unlike({"why": "equality", "key": number})
         for joint, other in self.joints.items():
-            ours, theirs = before.qfrc_actuator[_at(of, "qvel", joint)], after.qfrc_actuator[_at(own, "qvel", other)]
+            ours = before.qfrc_actuator[_at(of, "qvel", joint)]
+            theirs = after.qfrc_actuator[_at(own, "qvel", other)]
             if np.abs(self.turns[joint] @ ours - theirs).max() > _NEAR * max(1.0, float(np.abs(ours).max())):
                 raise _Unlike({"why": "force", "key": number, "name": names(of, "joint")[joint]})
         return rows
 
     def _position(self, joint: int, other: int) -> None:
-        of, own, (before, after) = self.of, self.own, self.data
-        at, there = _at(of, "qpos", joint), _at(own, "qpos", other)
+        of = self.of
+        own = self.own
+        (before, after) = self.data
+        at = _at(of, "qpos", joint)
+        there = _at(own, "qpos", other)
         value = before.qpos[at]
-        kind, body, image_body = int(of.jnt_type[joint]), int(of.jnt_bodyid[joint]), int(own.jnt_bodyid[other])
+        kind = int(of.jnt_type[joint])
+        body = int(of.jnt_bodyid[joint])
+        image_body = int(own.jnt_bodyid[other])
         if kind == FREE:
             image = np.concatenate([self.flip @ value[:3], self._turned(value[3:], body, image_body)])
         elif kind == BALL:  # as a turn of the body in the world, from the reference on
@@ -157,8 +177,11 @@ class _Mirror:
 
     def _control(self, actuator: int, other: int) -> None:
         """Set control and activation of the image of an actuator: positions if it has a stiffness."""
-        of, own, (before, after) = self.of, self.own, self.data
-        sign, shift = 1.0, 0.0
+        of = self.of
+        own = self.own
+        (before, after) = self.data
+        sign = 1.0
+        shift = 0.0
         joint = int(of.actuator_trnid[actuator, 0])
         if of.actuator_trntype[actuator] in (0, 1) and of.jnt_type[joint] not in (BALL, FREE):
             gear, image = (
@@ -188,7 +211,8 @@ class _Mirror:
     def _product(self, *quats: Any) -> Any:
         found = quats[0]
         for each in quats[1:]:
-            one, found = found, np.zeros(4)
+            one = found
+            found = np.zeros(4)
             self.mujoco.mju_mulQuat(found, one, each)
         return found
 

@@ -19,7 +19,8 @@ from mjcompose.mujoco.solids import SIGNS, box_corners
 Link = tuple[Any, Any]
 _AROUND = 0.1  # how much of the model is around a point
 _APART = 0.5  # how far parts move, as a share of their size
-_INK, _WIDTH = (0.96, 0.6, 0.1, 1.0), 2.0
+_INK = (0.96, 0.6, 0.1, 1.0)
+_WIDTH = 2.0
 _PLACES = {"site": "site_xpos", "body": "xpos", "joint": "xanchor", "geom": "geom_xpos"}
 _SHOWN_GROUPS = 3
 
@@ -27,14 +28,17 @@ _SHOWN_GROUPS = 3
 def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = None) -> Any:
     """Return the corners of the boxes around all drawn geoms, or only `some`; the ground counts only if it is alone."""
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)] if some is None else some
-    plane, terrain = int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD)
+    plane = int(mujoco.mjtGeom.mjGEOM_PLANE)
+    terrain = int(mujoco.mjtGeom.mjGEOM_HFIELD)
     solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
     found = [np.zeros((0, 3))]
     for geom in solid or drawn:
-        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        center = model.geom_aabb[geom][:3]
+        half = model.geom_aabb[geom][3:]
         if model.geom_type[geom] == plane:
             half = model.geom_size[geom][:2]  # 0 for infinite, which counts as 1
-            center, half = np.zeros(3), np.array([*np.where(half > 0, half, 1.0), 0.0])
+            center = np.zeros(3)
+            half = np.array([*np.where(half > 0, half, 1.0), 0.0])
         found.append(box_corners(data, geom, center=center, half=half))
     if some is None:
         found += [data.flexvert_xpos.reshape(-1, 3), data.xpos[model.skin_bonebodyid]]
@@ -79,10 +83,13 @@ def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
     for part in sorted(set(first)):
         geoms = [geom for geom in range(model.ngeom) if first[int(model.geom_bodyid[geom])] == part]
         points = corners(mujoco, model, data, some=geoms) if geoms else data.xpos[part][None]
-        low, high = points.min(axis=0), points.max(axis=0)
+        low = points.min(axis=0)
+        high = points.max(axis=0)
         boxes[part] = (low + high) / 2, float(np.linalg.norm(high - low))
     middle = np.mean([center for part, (center, _) in boxes.items() if part], axis=0) if len(boxes) > 1 else np.zeros(3)
-    moved, links, before = np.zeros((model.nbody, 3)), [], data.xpos.copy()
+    moved = np.zeros((model.nbody, 3))
+    links = []
+    before = data.xpos.copy()
     for body in range(1, model.nbody):
         parent = int(model.body_parentid[body])
         moved[body] = moved[parent]
@@ -96,9 +103,13 @@ def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
             if first[parent]:
                 links.append((before[body] + moved[parent], before[body] + moved[body]))
     for array, bodies in (
-        ("xpos", np.arange(model.nbody)), ("xipos", np.arange(model.nbody)), ("geom_xpos", model.geom_bodyid),
-        ("site_xpos", model.site_bodyid), ("xanchor", model.jnt_bodyid), ("cam_xpos", model.cam_bodyid),
-    ):  # fmt: skip
+        ("xpos", np.arange(model.nbody)),
+        ("xipos", np.arange(model.nbody)),
+        ("geom_xpos", model.geom_bodyid),
+        ("site_xpos", model.site_bodyid),
+        ("xanchor", model.jnt_bodyid),
+        ("cam_xpos", model.cam_bodyid),
+    ):
         getattr(data, array)[:] += moved[bodies]
     if model.nflexvert:
         data.flexvert_xpos[:] += moved[np.maximum(model.flex_vertbodyid, 0)]
@@ -114,7 +125,8 @@ def decorate(mujoco: Any, model: Any, data: Any, scene: Any, links: Iterable[Lin
     for kind in labels:
         for name, there in zip(names(model, kind), getattr(data, _PLACES[kind]), strict=True):
             if name not in ("", "world") and (geom := _new(mujoco, scene, kinds.mjGEOM_LABEL)) is not None:
-                geom.pos[:], geom.label = there, name
+                geom.pos[:] = there
+                geom.label = name
 
 
 def _new(mujoco: Any, scene: Any, kind: Any) -> Any:
@@ -166,7 +178,8 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subjec
     points = np.concatenate([corners(mujoco, *each) for each in scenes]) if subject is None else subject
     if not len(points):
         return free
-    azimuth, elevation = math.radians(free.azimuth), math.radians(free.elevation)
+    azimuth = math.radians(free.azimuth)
+    elevation = math.radians(free.elevation)
     ahead, right = np.array([[math.cos(azimuth), math.sin(azimuth), 0], [math.sin(azimuth), -math.cos(azimuth), 0]])
     forward = math.cos(elevation) * ahead + np.array([0, 0, math.sin(elevation)])
     axes = np.stack([right, np.cross(right, forward), forward])
@@ -174,21 +187,25 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subjec
     fovy = 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
     high = math.tan(math.radians(fovy) / 2) / _MARGIN
     slopes = np.array([high * aspect, high])
-    at, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 0.0
+    at = (points.min(axis=0) + points.max(axis=0)) / 2
+    distance = 0.0
     for left in reversed(range(_ROUNDS + 1)):
         seen = (points - at) @ axes.T
         distance = float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max())
         if left:  # nearer things look larger: the middle of the picture is not the middle of the box
             shown = seen[:, :2] / np.maximum(seen[:, 2:] + distance, 1e-9)
             at = at + ((shown.min(axis=0) + shown.max(axis=0)) / 2 * distance) @ axes[:2]
-    free.lookat[:], free.distance = at, max(distance, 1e-6)
+    free.lookat[:] = at
+    free.distance = max(distance, 1e-6)
     return free
 
 
 @contextmanager
 def prepared(model: Any, distance: float = 0.0) -> Iterator[None]:
     """Make a model visible from that distance for the block, and restore it afterwards."""
-    headlight, limits, clip = model.vis.headlight, model.vis.global_, model.vis.map
+    headlight = model.vis.headlight
+    limits = model.vis.global_
+    clip = model.vis.map
     colors = {name: getattr(headlight, name) for name in _HEADLIGHT}
     kept = headlight.active, limits.orthographic, clip.zfar
     kept_colors = {name: color.copy() for name, color in colors.items()}
@@ -217,7 +234,8 @@ def has_sky(mujoco: Any, model: Any) -> bool:
     return bool((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX).any())
 
 
-_SHADOWS, _SHADOWS_OF_TILES = 4096, 1024
+_SHADOWS = 4096
+_SHADOWS_OF_TILES = 1024
 _SAMPLES_OF_TILES = 2
 # The mask of the model is this much finer than the picture, for smooth edges.
 _FINER = 2
@@ -251,7 +269,9 @@ class Stage:
     """A model with its data and a renderer of its own. Raises `NoOpenGL` if that is not available."""
 
     def __init__(self, mujoco: Any, model: Any, key: str | int | None, look: Look) -> None:
-        self.mujoco, self.model, self.look = mujoco, model, look
+        self.mujoco = mujoco
+        self.model = model
+        self.look = look
         self.data = mujoco.MjData(model)
         if key is not None:
             mujoco.mj_resetDataKeyframe(model, self.data, model.key(key).id)
@@ -274,7 +294,9 @@ class Stage:
 
     def _prepare_buffers(self) -> None:
         """Raise the model's limits, which are for its author's window, and limit shadows to this picture."""
-        limits, quality, look = self.model.vis.global_, self.model.vis.quality, self.look
+        limits = self.model.vis.global_
+        quality = self.model.vis.quality
+        look = self.look
         limits.offwidth = max(limits.offwidth, look.width * _FINER)
         limits.offheight = max(limits.offheight, look.height * _FINER)
         quality.shadowsize = min(quality.shadowsize, _SHADOWS_OF_TILES if look.is_tile else _SHADOWS)
@@ -287,13 +309,19 @@ class Stage:
 
     def picture(self, view: Any) -> Any:
         """Return the picture of a camera, by name or `MjvCamera`, in bytes: `(height, width, 3 or 4 with opacity)`."""
-        mujoco, look = self.mujoco, self.look
+        mujoco = self.mujoco
+        look = self.look
         self._window.make_current()
         with prepared(self.model, self._distance(view)):
             mujoco.mjv_updateScene(
-                self.model, self.data, mujoco.MjvOption(), None, self._camera(view),
-                mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,
-            )  # fmt: skip
+                self.model,
+                self.data,
+                mujoco.MjvOption(),
+                None,
+                self._camera(view),
+                mujoco.mjtCatBit.mjCAT_ALL.value,
+                self._scene,
+            )
             decorate(mujoco, self.model, self.data, scene=self._scene, links=self.links, labels=look.labels)
             sky = has_sky(mujoco, self.model) and look.background is None
             self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
@@ -327,7 +355,8 @@ class Stage:
         if not isinstance(view, str):
             return view
         fixed = self.mujoco.MjvCamera()
-        fixed.type, fixed.fixedcamid = self.mujoco.mjtCamera.mjCAMERA_FIXED, self.model.camera(view).id
+        fixed.type = self.mujoco.mjtCamera.mjCAMERA_FIXED
+        fixed.fixedcamid = self.model.camera(view).id
         return fixed
 
     def _read(self, width: int, height: int) -> Any:
@@ -337,7 +366,8 @@ class Stage:
 
     def _share_drawn(self) -> Any:
         """Return the drawn share of each pixel, `(height, width)`, by depth: segmentation lacks sites and tendons."""
-        kinds, look = self.mujoco.mjtRndFlag, self.look
+        kinds = self.mujoco.mjtRndFlag
+        look = self.look
         costly = [int(kinds.mjRND_SHADOW), int(kinds.mjRND_REFLECTION)]
         self._scene.flags[costly] = 0
         room = self.mujoco.MjrRect(0, 0, look.width * _FINER, look.height * _FINER)
@@ -367,7 +397,9 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     for kind, name in (("key", asked["key"]), ("camera", asked["camera"]), subject or ("", None)):
         if name is not None and name not in (known := names(model, kind)):
             return {"unknown": kind, "known": list(filter(None, known))}
-    out, tile, (width, height) = Path(asked["out"]), asked.get("tile"), asked["size"]
+    out = Path(asked["out"])
+    tile = asked.get("tile")
+    (width, height) = asked["size"]
     background = None if asked["background"] is None else tuple(asked["background"])
     labels = tuple(asked["labels"])
     look = Look(width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=labels)
@@ -419,7 +451,9 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
             view.azimuth += 360 / count
 
 
-_STRIP, _CAPTION_INK, _CAPTION_PAPER = 20, (0.92, 0.93, 0.95), (0.13, 0.15, 0.19)
+_STRIP = 20
+_CAPTION_INK = (0.92, 0.93, 0.95)
+_CAPTION_PAPER = (0.13, 0.15, 0.19)
 WHOLE = "the whole"
 # Renderers differ in the last bits of a color value (0 to 255).
 _SAME = 2
@@ -433,7 +467,8 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     `no OpenGL` is the reason if there are none.
     """
     keys, cameras = ([name for name in names(a, kind) if name and name in names(b, kind)] for kind in ("key", "camera"))
-    key, look = next(iter(keys), None), Look()
+    key = next(iter(keys), None)
+    look = Look()
     try:
         stages = [Stage(mujoco, model, key, look=look) for model in (a, b)]
     except NoOpenGL as error:
@@ -452,7 +487,8 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     return {"views": differing, "key": key}
 
 
-_GAP, _SHEET_PAPER = 6, 255
+_GAP = 6
+_SHEET_PAPER = 255
 
 
 def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
@@ -464,7 +500,8 @@ def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
     paper = np.full((rows * (height + _GAP) + _GAP, columns * (width + _GAP) + _GAP, 3), _SHEET_PAPER, np.uint8)
     for number, tile in enumerate(tiles):
         row, column = divmod(number, columns)
-        top, left = _GAP + row * (height + _GAP), _GAP + column * (width + _GAP)
+        top = _GAP + row * (height + _GAP)
+        left = _GAP + column * (width + _GAP)
         paper[top : top + height, left : left + width] = tile
     Path(asked["out"]).write_bytes(png(paper))
 

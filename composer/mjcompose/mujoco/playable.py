@@ -15,16 +15,18 @@ import numpy as np
 
 from mjcompose.mujoco.film import png
 
-_CORNERS, _FACES = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)), ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+_CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+_FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 _TENT = {
     ".obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
-    ".stl": bytes(80) + struct.pack("<I", 4) + b"".join(
-        struct.pack("<12fH", 0, 0, 0, *(number for k in each for number in _CORNERS[k]), 0) for each in _FACES
-    ),
-}  # fmt: skip
+    ".stl": bytes(80)
+    + struct.pack("<I", 4)
+    + b"".join(struct.pack("<12fH", 0, 0, 0, *(number for k in each for number in _CORNERS[k]), 0) for each in _FACES),
+}
 _OF_BODIES = ("body_mass", "body_inertia", "body_ipos", "body_iquat")
 _OF_MODEL = "body_invweight0 dof_M0 dof_invweight0 geom_fluid geom_bodyid geom_condim geom_friction qpos0".split()
-_ROUNDS, _SAME = 4, 1e-11
+_ROUNDS = 4
+_SAME = 1e-11
 
 
 def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
@@ -37,7 +39,8 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
     path = Path(asked["model"])
     spec = mujoco.MjSpec.from_file(str(path))
     model = spec.compile()
-    kinds, geom = mujoco.mjtSensor, int(mujoco.mjtObj.mjOBJ_GEOM)
+    kinds = mujoco.mjtSensor
+    geom = int(mujoco.mjtObj.mjOBJ_GEOM)
     seeing = {kinds.mjSENS_RANGEFINDER, kinds.mjSENS_GEOMDIST, kinds.mjSENS_GEOMNORMAL, kinds.mjSENS_GEOMFROMTO}
     looks = geom in (*model.sensor_objtype.tolist(), *model.sensor_reftype.tolist())
     if looks or any(int(each) in seeing for each in model.sensor_type):
@@ -66,7 +69,8 @@ def _replaced(
     mujoco: Any, path: Path, model: Any, files: dict[str, bytes], bodies: Mapping[str, Iterable[int]], out: Path
 ) -> Path | None:
     """Write the model with the files that do not change the physics; return None if there are none."""
-    text, weighed = path.read_text(encoding="utf-8"), set[int]()
+    text = path.read_text(encoding="utf-8")
+    weighed: set[int] = set()
     for number in range(_ROUNDS):
         tried = out / str(number) / path.name  # a new path, because MuJoCo keeps meshes by their path
         shutil.copytree(path.parent, tried.parent, copy_function=os.link)

@@ -62,7 +62,8 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
     """
     different = expected != actual
     if different.any() and np.issubdtype(expected.dtype, np.floating):
-        a, b = expected.astype(np.float64), actual.astype(np.float64)
+        a = expected.astype(np.float64)
+        b = actual.astype(np.float64)
         different &= ~(np.isnan(a) & np.isnan(b))
         if tolerance > 0:
             with np.errstate(invalid="ignore"):
@@ -139,7 +140,9 @@ def _parent(model: Model, index: int) -> Iterator[Link]:
     return _row("body_parentid", "body", World.EITHER if twists_a_rod(model, index) else World.MOUNT)(model, index)
 
 
-_HFIELD, _MESH, _SDF = 1, 7, 8
+_HFIELD = 1
+_MESH = 7
+_SDF = 8
 
 
 def _shape(model: Model, index: int) -> Iterator[Link]:
@@ -162,7 +165,8 @@ def _twists(model: Model, index: int) -> Iterator[Link]:
 
 BEND = 10
 """The numbers of one bend of a rod, a flex of one dimension, in `flex_bending` since MuJoCo 4.0."""
-_NO_VERTEX, _TWIST = 3, 7
+_NO_VERTEX = 3
+_TWIST = 7
 
 
 def twists(bending: Array) -> list[int]:
@@ -202,7 +206,8 @@ def _flex_materials(model: Model, index: int) -> Iterator[Link]:
     return (_run("flex_matid", "material", "flex_elem") if several else _row("flex_matid", "material"))(model, index)
 
 
-WRAP_JOINT, WRAP_SITE = 1, 3
+WRAP_JOINT = 1
+WRAP_SITE = 3
 """Values of `wrap_type` for which `wrap_objid` is the id of a joint or a site."""
 WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
@@ -211,7 +216,8 @@ WRAPS_A_GEOM = (4, 5)
 def _path(model: Model, index: int) -> Iterator[Link]:
     first = int(model.tendon_adr[index])
     for place in range(int(model.tendon_num[index])):
-        at, wrapped = first + place, int(model.wrap_type[first + place])
+        at = first + place
+        wrapped = int(model.wrap_type[first + place])
         kind = "geom" if wrapped in WRAPS_A_GEOM else {WRAP_JOINT: "joint", WRAP_SITE: "site"}.get(wrapped)
         if kind is not None:
             yield Link(f"wrap_objid[{place}]", kind, int(model.wrap_objid[at]))
@@ -242,13 +248,17 @@ def _exclude(model: Model, index: int) -> Iterator[Link]:
     return _two("body", signature >> 16, signature & 0xFFFF)
 
 
-ON_JOINTS, ON_TENDON = (0, 1), 3
+ON_JOINTS = (0, 1)
+ON_TENDON = 3
 """Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
 
 _TARGETS: dict[int, tuple[str, ...]] = {
-    **dict.fromkeys(ON_JOINTS, ("joint",)), 2: ("site", "site"), ON_TENDON: ("tendon",), 4: ("site", "site"),
+    **dict.fromkeys(ON_JOINTS, ("joint",)),
+    2: ("site", "site"),
+    ON_TENDON: ("tendon",),
+    4: ("site", "site"),
     5: ("body",),
-}  # fmt: skip
+}
 _ROTATION = 6
 """The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
 
@@ -279,24 +289,34 @@ _READERS: dict[str, tuple[Reader, ...]] = {
     "body": (_parent, _row("body_plugin", "plugin")),
     "joint": (_row("jnt_bodyid", "body", World.MOUNT), _row("jnt_actuatorid", "actuator")),
     "geom": (
-        _row("geom_bodyid", "body", World.MOUNT), _shape, _row("geom_matid", "material"), _row("geom_plugin", "plugin"),
+        _row("geom_bodyid", "body", World.MOUNT),
+        _shape,
+        _row("geom_matid", "material"),
+        _row("geom_plugin", "plugin"),
     ),
     "site": (_row("site_bodyid", "body", World.MOUNT), _row("site_dataid", "mesh"), _row("site_matid", "material")),
     "camera": (_row("cam_bodyid", "body", World.MOUNT), _row("cam_targetbodyid", "body")),
     "light": (
-        _row("light_bodyid", "body", World.MOUNT), _row("light_targetbodyid", "body"), _row("light_texid", "texture"),
+        _row("light_bodyid", "body", World.MOUNT),
+        _row("light_targetbodyid", "body"),
+        _row("light_texid", "texture"),
     ),
     "material": (_textures,),
     "skin": (_row("skin_matid", "material"), _run("skin_bonebodyid", "body", "skin_bone")),
     "flex": (
-        _flex_materials, _run("flex_vertbodyid", "body", "flex_vert"), _run("flex_nodebodyid", "body", "flex_node"),
+        _flex_materials,
+        _run("flex_vertbodyid", "body", "flex_vert"),
+        _run("flex_nodebodyid", "body", "flex_node"),
         _twists,
     ),
     "tendon": (_row("tendon_matid", "material"), _row("tendon_actuatorid", "actuator"), _path),
-    "equality": (_equality,), "pair": (_pair,), "exclude": (_exclude,), "tuple": (_tuple,),
+    "equality": (_equality,),
+    "pair": (_pair,),
+    "exclude": (_exclude,),
+    "tuple": (_tuple,),
     "actuator": (_transmission, _row("actuator_plugin", "plugin")),
     "sensor": (_sensor, _row("sensor_plugin", "plugin")),
-}  # fmt: skip
+}
 """By kind, in the order of `links`."""
 
 UNORDERED = frozenset({"pair", "exclude"})

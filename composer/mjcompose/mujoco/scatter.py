@@ -21,7 +21,8 @@ from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.controls import Divergence, steps_in
 
-_TRIES, _ROUNDS = 600, 6
+_TRIES = 600
+_ROUNDS = 6
 """The tries for each copy, and how often to begin again if one of them finds no place."""
 _DEPTH = 1e-5
 """How deep a copy may be in the surface that it lies on, in meters."""
@@ -33,7 +34,8 @@ _STILL = (1e-3, 0.02)
 """A copy that settling moves less than this, in meters and radians, stays where it was put."""
 _RING = [[math.cos(n * math.pi / 8), math.sin(n * math.pi / 8), 0.0] for n in range(16)]
 _DIRECTIONS = np.array([*_RING, [0.0, 0.0, -1.0]])
-EDGE, COPY = "edge", "copy"
+EDGE = "edge"
+COPY = "copy"
 
 
 def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
@@ -49,7 +51,8 @@ def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
     scattering = _Scattering(mujoco, model, groups)
     poses = []
     for number, group in enumerate(asked["groups"]):
-        option.disableflags, option.enableflags = before[0] & ~off, before[1] | int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
+        option.disableflags = before[0] & ~off
+        option.enableflags = before[1] | int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
         option.o_margin = group["clearance"] + _DEPTH
         fault = scattering.run(number, group)
         option.disableflags, option.enableflags, option.o_margin = before
@@ -70,7 +73,9 @@ class _Scattering:
     """A model whose copies are free bodies, far away until they have a place."""
 
     def __init__(self, mujoco: Any, model: Any, groups: list[list[int]]) -> None:
-        self.mujoco, self.model, self.groups = mujoco, model, groups
+        self.mujoco = mujoco
+        self.model = model
+        self.groups = groups
         self.data = mujoco.MjData(model)
         bodies = [body for group in groups for body in group]
         collides = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
@@ -100,7 +105,10 @@ class _Scattering:
 
     def run(self, number: int, group: dict[str, Any]) -> dict[str, Any] | None:
         """Give each copy of a group a place. Return the fault if that is impossible."""
-        mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
+        mujoco = self.mujoco
+        model = self.model
+        data = self.data
+        bodies = self.groups[number]
         for kind, name in (group["over"], ("key", group["key"])):
             if name is not None and name not in (known := names(model, kind)):
                 kind = "keyframe" if kind == "key" else kind
@@ -120,7 +128,8 @@ class _Scattering:
         self.surface = _Surface(mujoco, model, data, *group["over"])
         if not self.surface.is_finite:
             return {"why": "endless"}
-        best, self.blocked = 0, Counter()
+        best = 0
+        self.blocked = Counter()
         for attempt in range(_ROUNDS):
             self._park(bodies)
             for count, body in enumerate(bodies):
@@ -142,9 +151,12 @@ class _Scattering:
 
     def _fits(self, body: int, trial: int, stream: str, group: dict[str, Any]) -> bool:
         """Put a copy at its next random pose, and return whether it has room there."""
-        model, data, surface = self.model, self.data, self.surface
+        model = self.model
+        data = self.data
+        surface = self.surface
         drawn = (fraction(bits(group["seed"], trial, "scatter", element=stream, component=n)) for n in range(1000))
-        low, high = surface.low, surface.high
+        low = surface.low
+        high = surface.high
         x, y = (round(low[n] + next(drawn) * (high[n] - low[n]), 6) for n in range(2))
         quat = multiply(_turn(drawn, 2 if group["upright"] else 4), self.pose(body, model.qpos0).quat)
         pose = Pose((x, y, high[2] + 1.0), normalize(quat)).rounded()
@@ -176,11 +188,14 @@ class _Scattering:
 
     def _inside(self, body: int, clearance: float) -> tuple[float, str]:
         """Return the depth of a copy in the surface, and the name of an element that is too close, or ""."""
-        model, data = self.model, self.data
+        model = self.model
+        data = self.data
         for stage in ("mj_comPos", "mj_flex", "mj_collision"):
             getattr(self.mujoco, stage)(model, data)
-        depth, blocker = 0.0, ""
-        geoms, distances = data.contact.geom, data.contact.dist
+        depth = 0.0
+        blocker = ""
+        geoms = data.contact.geom
+        distances = data.contact.dist
         owners = np.where(geoms >= 0, self.owner[geoms], -1)
         for n in np.flatnonzero((owners == body).any(axis=1)):
             other, owner = (int(each[n][1 if owners[n][0] == body else 0]) for each in (geoms, owners))
@@ -196,8 +211,12 @@ class _Scattering:
 
     def settle(self, number: int, seconds: float) -> dict[str, Any] | None:
         """Simulate the copies of a group until they rest, with all else fixed. Return the fault if they do not."""
-        mujoco, model, data, bodies = self.mujoco, self.model, self.data, self.groups[number]
-        before, time = data.qpos.copy(), data.time
+        mujoco = self.mujoco
+        model = self.model
+        data = self.data
+        bodies = self.groups[number]
+        before = data.qpos.copy()
+        time = data.time
         diverged = Divergence(mujoco, model, data)
         moving = [self._address(body) + n for body in bodies for n in range(7)]
         rates = [int(model.body_dofadr[body]) + n for body in bodies for n in range(6)]
@@ -208,11 +227,14 @@ class _Scattering:
             mujoco.mj_step(model, data)
             if diverged:
                 return {"why": "diverged"}
-            data.qpos[fixed], data.qvel[still] = before[fixed], 0
+            data.qpos[fixed] = before[fixed]
+            data.qvel[still] = 0
         speed = float(np.abs(data.qvel[rates]).max())
-        data.qvel[:], data.time = 0, time
+        data.qvel[:] = 0
+        data.time = time
         for body in bodies:  # one that has only sunk or turned a little keeps its exact place
-            start, end = self.pose(body, before), self.pose(body).rounded(5, 6)
+            start = self.pose(body, before)
+            end = self.pose(body).rounded(5, 6)
             self._put(body, start if _are_near(start, end) else end)
         mujoco.mj_comPos(model, data)
         centers = [data.subtree_com[body] for body in bodies]
@@ -227,25 +249,37 @@ class _Surface:
     """A geom or a site that copies lie on: its bounds in the world, and its height above the ground."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, kind: str, name: str) -> None:
-        self.mujoco, self.model, self.data, self.kind = mujoco, model, data, kind
-        element, there = getattr(model, kind)(name), getattr(data, kind)(name)
-        self.index, self.body, self.type = int(element.id), int(element.bodyid[0]), int(element.type[0])
-        self.size, self.pos, self.mat = np.array(element.size, float), there.xpos.copy(), there.xmat.copy()
+        self.mujoco = mujoco
+        self.model = model
+        self.data = data
+        self.kind = kind
+        element = getattr(model, kind)(name)
+        there = getattr(data, kind)(name)
+        self.index = int(element.id)
+        self.body = int(element.bodyid[0])
+        self.type = int(element.type[0])
+        self.size = np.array(element.size, float)
+        self.pos = there.xpos.copy()
+        self.mat = there.xmat.copy()
         readers = {_MESH: mujoco.mj_rayMesh, _HFIELD: mujoco.mj_rayHfield}
         self.reader = readers.get(self.type) if kind == "geom" else None
         self.is_finite = self.type != _PLANE or bool((self.size[:2] > 0).all())
         self.measures = kind == "geom" and self.type != _HFIELD
-        center, half, radius = np.zeros(3), self.size.copy(), self.size[0]
+        center = np.zeros(3)
+        half = self.size.copy()
+        radius = self.size[0]
         if self.type == _PLANE:
             half[2] = 0.0
         elif self.reader is not None:
-            center, half = model.geom_aabb[self.index][:3], model.geom_aabb[self.index][3:]
+            center = model.geom_aabb[self.index][:3]
+            half = model.geom_aabb[self.index][3:]
         elif self.type == _SPHERE:
             half = np.full(3, radius)
         elif self.type in (_CAPSULE, _CYLINDER):
             half = np.array([radius, radius, self.size[1] + (radius if self.type == _CAPSULE else 0)])
         matrix = self.mat.reshape(3, 3)
-        middle, extent = self.pos + matrix @ center, np.abs(matrix) @ half
+        middle = self.pos + matrix @ center
+        extent = np.abs(matrix) @ half
         self.low, self.high = ([round(float(each), 6) for each in ends] for ends in (middle - extent, middle + extent))
         self.room = [round(float(2 * each), 6) for each in half]
         if abs(matrix[2, 2]) < 0.5:  # another side of it is on top
@@ -254,7 +288,8 @@ class _Surface:
     def height(self, x: float, y: float) -> float | None:
         """Return the height of the surface at a place, or None beyond its edge."""
         top = self.high[2] + 1.0
-        start, down = np.array([x, y, top]), np.array([0.0, 0.0, -1.0])
+        start = np.array([x, y, top])
+        down = np.array([0.0, 0.0, -1.0])
         if self.reader is not None:
             distance = self.reader(self.model, self.data, self.index, start, down)
         else:
@@ -280,8 +315,10 @@ def _called(model: Any, geom: int) -> str:
 
 def _support(model: Any, data: Any, geom: int) -> Any:
     """Return the farthest point of a geom in each direction, `(directions, 3)`."""
-    kind, size = int(model.geom_type[geom]), model.geom_size[geom]
-    matrix, pos = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
+    kind = int(model.geom_type[geom])
+    size = model.geom_size[geom]
+    matrix = data.geom_xmat[geom].reshape(3, 3)
+    pos = data.geom_xpos[geom]
     local = _DIRECTIONS @ matrix
     sign = np.where(local >= 0, 1.0, -1.0)
     if kind == _MESH:
@@ -301,7 +338,13 @@ def _support(model: Any, data: Any, geom: int) -> Any:
     return pos + points @ matrix.T
 
 
-_PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _MESH = 0, 1, 2, 3, 4, 5, 7
+_PLANE = 0
+_HFIELD = 1
+_SPHERE = 2
+_CAPSULE = 3
+_ELLIPSOID = 4
+_CYLINDER = 5
+_MESH = 7
 """Of `mjtGeom`."""
 
 

@@ -22,7 +22,8 @@ class Blobs:
     """Writes each content once to a file of `folder`, named by its hash; contents in `known` are not encoded again."""
 
     def __init__(self, folder: Path, known: Collection[str] = ()) -> None:
-        self.folder, self.known = folder, set(known)
+        self.folder = folder
+        self.known = set(known)
         self.used: dict[str, None] = {}
 
     def put(self, form: str, arrays: Iterable[Any], encode: Callable[[], bytes]) -> str:
@@ -88,16 +89,23 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
     }
     first = getattr(model, "actuator_ctrladr", range(len(model.actuator_trntype)))  # one control before MuJoCo 4.0
     found["actuator"] |= {
-        "control": short(first), "range": short(model.actuator_ctrlrange), "limited": short(model.actuator_ctrllimited),
-    }  # fmt: skip
+        "control": short(first),
+        "range": short(model.actuator_ctrlrange),
+        "limited": short(model.actuator_ctrllimited),
+    }
     signatures = [int(each) for each in model.exclude_signature]  # both bodies in one number
     found["exclude"] = {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
     return found
 
 
-MAPPED, UNSMOOTH, PLANES = 1, 2, 8
-_BITS, _BITS_OF_LARGE, _LARGE = 14, 16, 2.0  # bits of a vertex, bits in a large mesh, its least size in meters
-_FLAT_ANGLE, _FLAT_SHARE = 2.5, 0.95
+MAPPED = 1
+UNSMOOTH = 2
+PLANES = 8
+_BITS = 14
+_BITS_OF_LARGE = 16
+_LARGE = 2.0  # bits of a vertex, bits in a large mesh, its least size in meters
+_FLAT_ANGLE = 2.5
+_FLAT_SHARE = 0.95
 
 
 def encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, of_flat: Any) -> bytes:
@@ -115,10 +123,12 @@ def encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, 
 
     Vertices are in Morton order, and triangles in the order of their first vertex, which is their least.
     """
-    low, extent = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
+    low = corners.min(axis=0)
+    extent = float(np.ptp(corners, axis=0).max())
     step = extent / ((1 << (_BITS if extent <= _LARGE else _BITS_OF_LARGE)) - 1) or 1.0
     whole = np.rint((corners - low) / step).astype(np.uint64)
-    is_flat, folded = _is_flat(corners, normals, faces, of_normals=of_normals), octahedral(normals)
+    is_flat = _is_flat(corners, normals, faces, of_normals=of_normals)
+    folded = octahedral(normals)
     place = _morton(whole)
     key = place[faces.ravel()]
     if not is_flat:
@@ -169,9 +179,12 @@ def _morton(whole: Any) -> Any:
     """Return for each row of three 16-bit numbers one number with their bits interleaved; close places stay close."""
     spread = whole.astype(np.uint64)
     for shift, mask in (
-        (32, 0xFFFF00000000FFFF), (16, 0xFF0000FF0000FF), (8, 0xF00F00F00F00F00F), (4, 0xC30C30C30C30C3),
+        (32, 0xFFFF00000000FFFF),
+        (16, 0xFF0000FF0000FF),
+        (8, 0xF00F00F00F00F00F),
+        (4, 0xC30C30C30C30C3),
         (2, 0x249249249249249),
-    ):  # fmt: skip
+    ):
         spread = (spread | spread << np.uint64(shift)) & np.uint64(mask)
     return spread[:, 0] | spread[:, 1] << np.uint64(1) | spread[:, 2] << np.uint64(2)
 
@@ -205,15 +218,17 @@ def _mesh(model: Any, number: int, blobs: Blobs) -> str:
     normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
     faces = rows(model.mesh_face, model.mesh_faceadr, model.mesh_facenum)
     of_normals = rows(model.mesh_facenormal, model.mesh_faceadr, model.mesh_facenum)
-    flat, of_flat = None, None
+    flat = None
+    of_flat = None
     if model.mesh_texcoordadr[number] >= 0:
         flat = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
         of_flat = rows(model.mesh_facetexcoord, model.mesh_faceadr, model.mesh_facenum)
     mapping = [] if flat is None else [flat, of_flat]
     return blobs.put(
-        "mesh 2", [corners, normals, faces, of_normals, *mapping],
+        "mesh 2",
+        [corners, normals, faces, of_normals, *mapping],
         lambda: encoded(corners, normals, faces, of_normals=of_normals, flat=flat, of_flat=of_flat),
-    )  # fmt: skip
+    )
 
 
 def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
@@ -240,13 +255,18 @@ def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
     found = []
     run = RUNS["texture"]["ntexdata"]
     for number in range(model.ntex):
-        rows, shape = run.rows(model, number), run.shape and run.shape(model, number)
+        rows = run.rows(model, number)
+        shape = run.shape and run.shape(model, number)
         pixels = model.tex_data[rows.start : rows.stop].reshape(shape)
         shown = pixels if pixels.shape[2] in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
-        found.append({
-            "blob": blobs.put("texture 1", [pixels], partial(png, shown)), "kind": _KINDS[int(model.tex_type[number])],
-            "width": pixels.shape[1], "height": pixels.shape[0],
-        })  # fmt: skip
+        found.append(
+            {
+                "blob": blobs.put("texture 1", [pixels], partial(png, shown)),
+                "kind": _KINDS[int(model.tex_type[number])],
+                "width": pixels.shape[1],
+                "height": pixels.shape[0],
+            }
+        )
     return found
 
 
@@ -262,7 +282,8 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     corners = rows(model.skin_vert, model.skin_vertadr, model.skin_vertnum)
     faces = rows(model.skin_face, model.skin_faceadr, model.skin_facenum)
     mapped = bool(model.skin_texcoordadr[number] >= 0)
-    first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
+    first = int(model.skin_boneadr[number])
+    count = int(model.skin_bonenum[number])
     bones = range(first, first + count)
     moved, weights = (
         [_rows(bone, values, first=model.skin_bonevertadr, count=model.skin_bonevertnum) for bone in bones]
@@ -270,19 +291,28 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     )
     flat = rows(model.skin_texcoord, model.skin_texcoordadr, model.skin_vertnum) if mapped else np.zeros((0, 2))
     arrays = [
-        corners.astype(np.float32), faces.astype(np.uint32), flat.astype(np.float32),
+        corners.astype(np.float32),
+        faces.astype(np.uint32),
+        flat.astype(np.float32),
         np.concatenate([*moved, np.zeros(0)]).astype(np.uint32),
         np.concatenate([*weights, np.zeros(0)]).astype(np.float32),
-    ]  # fmt: skip
+    ]
     return {
-        "blob": blobs.put("skin 1", arrays, lambda: packed(*arrays)), "count": len(corners), "triangles": len(faces),
-        "mapped": mapped, "material": int(model.skin_matid[number]), "rgba": short(model.skin_rgba[number]),
-        "group": int(model.skin_group[number]), "inflate": float(model.skin_inflate[number]),
-        "name": names(model, "skin")[number], "body": int(model.skin_bonebodyid[first]) if count else 0,
-        "bones": short(model.skin_bonebodyid[first : first + count]), "moved": [len(each) for each in moved],
+        "blob": blobs.put("skin 1", arrays, lambda: packed(*arrays)),
+        "count": len(corners),
+        "triangles": len(faces),
+        "mapped": mapped,
+        "material": int(model.skin_matid[number]),
+        "rgba": short(model.skin_rgba[number]),
+        "group": int(model.skin_group[number]),
+        "inflate": float(model.skin_inflate[number]),
+        "name": names(model, "skin")[number],
+        "body": int(model.skin_bonebodyid[first]) if count else 0,
+        "bones": short(model.skin_bonebodyid[first : first + count]),
+        "moved": [len(each) for each in moved],
         "pos": short(model.skin_bonebindpos[first : first + count]),
         "quat": short(model.skin_bonebindquat[first : first + count]),
-    }  # fmt: skip
+    }
 
 
 def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
@@ -291,7 +321,8 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     `shell` are triangles: the elements of a two-dimensional flex, the surface of a three-dimensional one. A
     one-dimensional flex has only `edges`. A flex that MuJoCo interpolates is drawn at rest.
     """
-    rows, dimensions = partial(_rows, number), int(model.flex_dim[number])
+    rows = partial(_rows, number)
+    dimensions = int(model.flex_dim[number])
     world = rows(data.flexvert_xpos.reshape(-1, 3), model.flex_vertadr, model.flex_vertnum)
     bodies = rows(model.flex_vertbodyid, model.flex_vertadr, model.flex_vertnum)
     moved = {int(each) for each in bodies if each >= 0}
@@ -308,11 +339,18 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
         shell = rows(model.flex_elem, model.flex_elemdataadr, 3 * model.flex_elemnum)
     arrays = [local.astype(np.float32), *(each.astype(np.uint32) for each in (bodies, shell, edges))]
     return {
-        "blob": blobs.put("flex 1", arrays, lambda: packed(*arrays)), "count": len(world), "dimensions": dimensions,
-        "triangles": len(arrays[2]) // 3, "edges": len(edges), "radius": float(model.flex_radius[number]),
-        "material": int(model.flex_matid[number]), "rgba": short(model.flex_rgba[number]),
-        "group": int(model.flex_group[number]), "name": names(model, "flex")[number], "body": held,
-    }  # fmt: skip
+        "blob": blobs.put("flex 1", arrays, lambda: packed(*arrays)),
+        "count": len(world),
+        "dimensions": dimensions,
+        "triangles": len(arrays[2]) // 3,
+        "edges": len(edges),
+        "radius": float(model.flex_radius[number]),
+        "material": int(model.flex_matid[number]),
+        "rgba": short(model.flex_rgba[number]),
+        "group": int(model.flex_group[number]),
+        "name": names(model, "flex")[number],
+        "body": held,
+    }
 
 
 def wraps(model: Any) -> dict[str, list[Any]]:
@@ -340,9 +378,11 @@ def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
     """Return contacts (geoms, -1 for a flex; position, normal, force on the second), tendon paths and sensors."""
     contacts = []
     for number in range(min(int(data.ncon), _MOST_CONTACTS)):
-        contact, force = data.contact[number], np.zeros(6)
+        contact = data.contact[number]
+        force = np.zeros(6)
         mujoco.mj_contactForce(model, data, number, force)
-        along, geoms = force[:3] @ contact.frame.reshape(3, 3), map(int, contact.geom)
+        along = force[:3] @ contact.frame.reshape(3, 3)
+        geoms = map(int, contact.geom)
         contacts.append([*geoms, *short(contact.pos), *short(contact.frame[:3]), *_rounded(along)])
     return {"contacts": contacts, "tendons": _ways(data), "sensors": _rounded(data.sensordata)}
 
@@ -356,15 +396,18 @@ def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
 
     Both fit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
     """
-    body, points = asked.get("body", 0), [asked.get(name) for name in ("at", "to")]
+    body = asked.get("body", 0)
+    points = [asked.get(name) for name in ("at", "to")]
     if not 0 < body < model.nbody or not all(point is not None and len(point) == 3 for point in points):
         return
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_fwdVelocity(model, data)
     at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ points[0]
-    turning, moving = data.cvel[body][:3], data.cvel[body][3:]
+    turning = data.cvel[body][:3]
+    moving = data.cvel[body][3:]
     speed = moving + np.cross(turning, at - data.subtree_com[model.body_rootid[body]])
-    weight, stiffness = 1 / max(float(model.body_invweight0[body, 0]), 1e-9), float(model.vis.map.stiffness)
+    weight = 1 / max(float(model.body_invweight0[body, 0]), 1e-9)
+    stiffness = float(model.vis.map.stiffness)
     force = weight * (stiffness * (np.array(points[1]) - at) - 2 * np.sqrt(stiffness) * speed)
     data.xfrc_applied[body] = [*force, *np.cross(at - data.xipos[body], force)]
 
@@ -380,7 +423,8 @@ def look(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _ways(data: Any) -> list[list[float]]:
-    points, objects = data.wrap_xpos.reshape(-1, 3), data.wrap_obj.ravel()
+    points = data.wrap_xpos.reshape(-1, 3)
+    objects = data.wrap_obj.ravel()
     found = []
     for first, count in zip(data.ten_wrapadr, data.ten_wrapnum, strict=True):
         ends = [
@@ -425,15 +469,23 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
 
 
 def _look(model: Any) -> dict[str, Any]:
-    settings, light = model.vis.global_, model.vis.headlight
+    settings = model.vis.global_
+    light = model.vis.headlight
     return {
-        "center": short(model.stat.center), "extent": float(model.stat.extent), "azimuth": float(settings.azimuth),
-        "elevation": float(settings.elevation), "fovy": float(settings.fovy),
+        "center": short(model.stat.center),
+        "extent": float(model.stat.extent),
+        "azimuth": float(settings.azimuth),
+        "elevation": float(settings.elevation),
+        "fovy": float(settings.fovy),
         "headlight": {
-            "active": bool(light.active), "ambient": short(light.ambient), "diffuse": short(light.diffuse),
+            "active": bool(light.active),
+            "ambient": short(light.ambient),
+            "diffuse": short(light.diffuse),
             "specular": short(light.specular),
         },
-        "haze": short(model.vis.rgba.haze), "jointwidth": float(model.vis.scale.jointwidth),
+        "haze": short(model.vis.rgba.haze),
+        "jointwidth": float(model.vis.scale.jointwidth),
         "stiffness": float(model.vis.map.stiffness),
-        "framewidth": float(model.vis.scale.framewidth), "meansize": float(model.stat.meansize),
-    }  # fmt: skip
+        "framewidth": float(model.vis.scale.framewidth),
+        "meansize": float(model.stat.meansize),
+    }

@@ -35,7 +35,9 @@ class Servos:
     """The springs and dampers that act on each degree of freedom, linear around the state of `data`."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
-        self.mujoco, self.model, self.data = mujoco, model, data
+        self.mujoco = mujoco
+        self.model = model
+        self.data = data
 
     @cached_property
     def arms(self) -> list[dict[int, float]]:
@@ -94,11 +96,13 @@ class Servos:
     @cached_property
     def coupled(self) -> set[int]:
         """The trees that an equality constraint couples: their degrees of freedom do not move alone."""
-        model, kinds = self.model, self.mujoco.mjtEq
+        model = self.model
+        kinds = self.mujoco.mjtEq
         found: set[int] = set()
         by_body = {int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)}
         for number in range(model.neq):
-            kind, ids = int(model.eq_type[number]), (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+            kind = int(model.eq_type[number])
+            ids = (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
             if kind == int(kinds.mjEQ_JOINT):
                 found |= {int(model.dof_treeid[model.jnt_dofadr[each]]) for each in ids if each >= 0}
             elif kind in by_body and int(model.eq_objtype[number]) == int(self.mujoco.mjtObj.mjOBJ_BODY):
@@ -123,7 +127,8 @@ class Servos:
                 yield from self._unstable(dofs)
 
     def _unstable(self, dofs: slice) -> Iterator[Mode]:
-        timestep, count = float(self.model.opt.timestep), dofs.stop - dofs.start
+        timestep = float(self.model.opt.timestep)
+        count = dofs.stop - dofs.start
         if (step := self._step(dofs, timestep)) is None:
             return
         values, vectors = np.linalg.eig(step)
@@ -137,7 +142,8 @@ class Servos:
                 yield Mode(dof, float(np.abs(values[at])), self._longest(dofs))
 
     def _longest(self, dofs: slice) -> float | None:
-        low, high = 0.0, float(self.model.opt.timestep)
+        low = 0.0
+        high = float(self.model.opt.timestep)
         for _ in range(12):
             middle = (low + high) / 2
             grows = bool((np.abs(np.linalg.eigvals(self._step(dofs, middle))) > 1 + _GROWS).any())
@@ -146,16 +152,18 @@ class Servos:
 
     def _step(self, dofs: slice, timestep: float) -> Any:
         """Return the matrix by which a step multiplies positions and velocities; None for other integrators."""
-        integrators, model = self.mujoco.mjtIntegrator, self.model
+        integrators = self.mujoco.mjtIntegrator
+        model = self.model
         kind = int(model.opt.integrator)
         mass = self.inertia(dofs)
         spring = self.stiffness(dofs)
         passive = np.diag(np.reshape(model.dof_damping, (model.nv, -1))[dofs, 0])
-        damping, unit = passive + self.damping(dofs), np.eye(len(mass))
+        damping = passive + self.damping(dofs)
+        unit = np.eye(len(mass))
         if kind == int(integrators.mjINT_RK4):
-            change = timestep * np.block([
-                [0 * unit, unit], [-np.linalg.solve(mass, spring), -np.linalg.solve(mass, damping)]
-            ])  # fmt: skip
+            change = timestep * np.block(
+                [[0 * unit, unit], [-np.linalg.solve(mass, spring), -np.linalg.solve(mass, damping)]]
+            )
             terms = accumulate(range(1, 5), lambda term, number: term @ change / number, initial=np.eye(2 * len(mass)))
             return sum(terms)
         if kind == int(integrators.mjINT_EULER):
@@ -166,7 +174,8 @@ class Servos:
         else:
             return None
         solved = np.linalg.solve(mass + timestep * ahead, np.hstack([spring, damping]))
-        from_position, from_speed = timestep * solved[:, : len(mass)], timestep * solved[:, len(mass) :]
+        from_position = timestep * solved[:, : len(mass)]
+        from_speed = timestep * solved[:, len(mass) :]
         speed = [-from_position, unit - from_speed]
         return np.block([[unit + timestep * speed[0], timestep * speed[1]], speed])
 
@@ -177,19 +186,22 @@ class Servos:
 
     def strongest(self, dof: int) -> tuple[float, float] | None:
         """Return the smallest and the largest force on a hinge or slide (N m, N), or None."""
-        model, joint = self.model, int(self.model.dof_jntid[dof])
+        model = self.model
+        joint = int(self.model.dof_jntid[dof])
         low = high = 0.0
         for actuator in self.of_dof(dof):
             ends = self._forces(actuator)
             if ends is None or len(self.arms[actuator]) > 1:
                 return None
             ends = sorted(self.arms[actuator][dof] * each for each in ends)
-            low, high = low + ends[0], high + ends[1]
+            low = low + ends[0]
+            high = high + ends[1]
         if not self.of_dof(dof):
             return None
         if model.jnt_actfrclimited[joint]:
             least, most = map(float, model.jnt_actfrcrange[joint])
-            low, high = max(low, least), min(high, most)
+            low = max(low, least)
+            high = min(high, most)
         return low, high
 
     def _forces(self, actuator: int) -> list[float] | None:

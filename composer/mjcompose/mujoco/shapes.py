@@ -83,7 +83,8 @@ def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, nu
     faces = numpy.minimum(numpy.searchsorted(ends, random.random(count) * ends[-1]), len(ends) - 1)
     one, other = random.random((2, count, 1))
     over = one + other > 1
-    one, other = numpy.where(over, 1 - one, one), numpy.where(over, 1 - other, other)
+    one = numpy.where(over, 1 - one, one)
+    other = numpy.where(over, 1 - other, other)
     first, second, third = numpy.moveaxis(solid.triangles[faces], 1, 0)
     return numpy.asarray(first + one * (second - first) + other * (third - first)), faces
 
@@ -175,7 +176,8 @@ class Primitive:
         else:
             made = trimesh.creation.cylinder(radius=self.size[0], height=2 * self.size[1], sections=64)
         whole = numpy.eye(4)
-        whole[:3, :3], whole[:3, 3] = self.turn, self.pos
+        whole[:3, :3] = self.turn
+        whole[:3, 3] = self.pos
         made.apply_transform(whole)
         return made
 
@@ -224,9 +226,11 @@ def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
     return Hull(corners, faces)
 
 
-SIZE, SHAPE = "mesh-size", "mesh-shape"
+SIZE = "mesh-size"
+SHAPE = "mesh-shape"
 """The codes of the warnings."""
-_LARGE, _SMALL = 20.0, 1e-3
+_LARGE = 20.0
+_SMALL = 1e-3
 """In meters: halls and screws. Beyond these a mesh is doubtful, but not in a model that is as large itself."""
 _TIMES = 50.0
 """By the distance of neighboring bodies."""
@@ -306,9 +310,12 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
     volume = float(abs((a * numpy.cross(b, c)).sum()) / 6)
     return {
-        "extents": [min(float(each), _MOST) for each in extents], "volume": min(volume, _MOST),
-        "flat": is_flat(vertices), "open": int((counts % 2).sum()), "edges": len(counts),
-    }  # fmt: skip
+        "extents": [min(float(each), _MOST) for each in extents],
+        "volume": min(volume, _MOST),
+        "flat": is_flat(vertices),
+        "open": int((counts % 2).sum()),
+        "edges": len(counts),
+    }
 
 
 def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:

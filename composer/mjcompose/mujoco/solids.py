@@ -171,14 +171,18 @@ def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterat
 
 def volume(mujoco: Any, model: Any, geom: int) -> Volume:
     """Return the volume of a geom in m³. A mesh with holes is only known to have at most the volume of its box."""
-    kinds, kind = mujoco.mjtGeom, int(model.geom_type[geom])
+    kinds = mujoco.mjtGeom
+    kind = int(model.geom_type[geom])
     a, b, c = map(float, model.geom_size[geom])
     exact = {
-        kinds.mjGEOM_SPHERE: 4 / 3 * math.pi * a**3, kinds.mjGEOM_CAPSULE: math.pi * a * a * (2 * b + 4 / 3 * a),
-        kinds.mjGEOM_CYLINDER: math.pi * a * a * 2 * b, kinds.mjGEOM_ELLIPSOID: 4 / 3 * math.pi * a * b * c,
+        kinds.mjGEOM_SPHERE: 4 / 3 * math.pi * a**3,
+        kinds.mjGEOM_CAPSULE: math.pi * a * a * (2 * b + 4 / 3 * a),
+        kinds.mjGEOM_CYLINDER: math.pi * a * a * 2 * b,
+        kinds.mjGEOM_ELLIPSOID: 4 / 3 * math.pi * a * b * c,
         kinds.mjGEOM_BOX: 8 * a * b * c,
-    }  # fmt: skip
-    known, mesh = exact.get(kinds(kind)), int(model.geom_dataid[geom])
+    }
+    known = exact.get(kinds(kind))
+    mesh = int(model.geom_dataid[geom])
     if kind == int(kinds.mjGEOM_MESH) and mesh >= 0:
         known = _enclosed(model, mesh)
     box = 8 * math.prod(map(float, model.geom_aabb[geom][3:]))

@@ -53,11 +53,13 @@ class Placing:
 
     def _there(self, kind: str, index: int) -> Pose:
         """Return the pose of a root's counterpart in the frame of the mount, through bodies in between."""
-        model, target = self.matching.composed.model, self.matching.ids[kind][index]
+        model = self.matching.composed.model
+        target = self.matching.ids[kind][index]
         return self._frame(holder(model, kind, target)) @ pose_of(model, kind, target)
 
     def _frame(self, body: int) -> Pose:
-        model, pose = self.matching.composed.model, Pose()
+        model = self.matching.composed.model
+        pose = Pose()
         while body != self.matching.mount and body in self.matching.worlds:
             pose = pose_of(model, "body", body) @ pose
             body = int(model.body_parentid[body])
@@ -72,16 +74,17 @@ class Placing:
         found: list[Difference] = []
         bound = max(ROUNDING, tolerance)
         vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
-        for kind, roots in self.roots.items() if self.transform is not None else ():
-            for index in roots:
-                name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
-                for field, expected, actual in self._light(index) if kind == "light" else self._posed(kind, index):
-                    turned = tuple(-x for x in actual) if field == "quat" else actual
-                    if _near(expected, actual, bound) or _near(expected, turned, bound):
-                        continue
-                    why = _OF_FLEXES if field == "quat" and kind == "body" and index in vertices else ""
-                    array = f"{KINDS[kind].arrays}_{field}"
-                    found.append(Difference(kind, name, array, expected=expected, actual=actual, why=why))
+        if self.transform is not None:
+            for kind, roots in self.roots.items():
+                for index in roots:
+                    name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
+                    for field, expected, actual in self._light(index) if kind == "light" else self._posed(kind, index):
+                        turned = tuple(-x for x in actual) if field == "quat" else actual
+                        if _near(expected, actual, bound) or _near(expected, turned, bound):
+                            continue
+                        why = _OF_FLEXES if field == "quat" and kind == "body" and index in vertices else ""
+                        array = f"{KINDS[kind].arrays}_{field}"
+                        found.append(Difference(kind, name, array, expected=expected, actual=actual, why=why))
         return found
 
     def _posed(self, kind: str, index: int) -> Iterator[tuple[str, tuple[float, ...], tuple[float, ...]]]:
@@ -93,18 +96,22 @@ class Placing:
 
     def _light(self, index: int) -> Iterator[tuple[str, tuple[float, ...], tuple[float, ...]]]:
         assert self.transform is not None
-        alone, composed = self.matching.alone.model, self.matching.composed.model
+        alone = self.matching.alone.model
+        composed = self.matching.composed.model
         target = self.matching.ids["light"][index]
         frame = self._frame(int(composed.light_bodyid[target]))
-        mine, theirs = alone.light_pos[index].tolist(), composed.light_pos[target].tolist()
+        mine = alone.light_pos[index].tolist()
+        theirs = composed.light_pos[target].tolist()
         yield "pos", (self.transform @ Pose(mine)).pos, (frame @ Pose(theirs)).pos
-        mine, theirs = alone.light_dir[index].tolist(), composed.light_dir[target].tolist()
+        mine = alone.light_dir[index].tolist()
+        theirs = composed.light_dir[target].tolist()
         yield "dir", rotate(self.transform.quat, mine), rotate(frame.quat, theirs)
 
 
 _OF_MUSCLES = {"actuator_gainprm": "actuator_gaintype", "actuator_biasprm": "actuator_biastype"}
 _MUSCLE = 2  # mjGAIN_MUSCLE, mjBIAS_MUSCLE
-_FORCE, _SCALE = 2, 3
+_FORCE = 2
+_SCALE = 3
 _LEAST = 1e-15  # mjMINVAL
 
 
@@ -146,8 +153,12 @@ class InComposition(Rules):
     """The differences allowed between a part alone and in a composition, by the table of arrays."""
 
     def __init__(self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float) -> None:
-        self.matching, self.coupling, self.placing, self.tolerance = matching, coupling, placing, tolerance
-        self.alone, self.composed = matching.alone.model, matching.composed.model
+        self.matching = matching
+        self.coupling = coupling
+        self.placing = placing
+        self.tolerance = tolerance
+        self.alone = matching.alone.model
+        self.composed = matching.composed.model
         self.moved = not coupling.in_place
 
     def ignores(self, kind: str, array: str, index: int) -> bool:
@@ -191,7 +202,8 @@ class InComposition(Rules):
 
     def excuses(self, treatment: Treatment, kind: str, array: str, pair: tuple[int, int]) -> bool:
         index, target = pair
-        coupling, moved = self.coupling, self.moved
+        coupling = self.coupling
+        moved = self.moved
         match treatment:
             case Treatment.ROOT_POSE:
                 if kind == "body" and twists_a_rod(self.alone, index):
@@ -238,21 +250,25 @@ class InComposition(Rules):
 
     def _has_no_direction(self, tendon: int) -> bool:
         """Return whether two sites of a tendon are one point: MuJoCo 4.0 takes the world's x axis as direction."""
-        model, rows = self.alone, RUNS["tendon"]["nwrap"].rows(self.alone, tendon)
+        model = self.alone
+        rows = RUNS["tendon"]["nwrap"].rows(self.alone, tendon)
         sites = [int(model.wrap_objid[row]) if int(model.wrap_type[row]) == WRAP_SITE else ABSENT for row in rows]
         pairs = (map(self._reference, pair) for pair in pairwise(sites) if min(pair) >= 0)
         return any(np.allclose(one, other, rtol=0, atol=_ONE_POINT) for one, other in pairs)
 
     def _reference(self, site: int) -> tuple[float, ...]:
         model = self.alone
-        pose, body = pose_of(model, "site", site), int(model.site_bodyid[site])
+        pose = pose_of(model, "site", site)
+        body = int(model.site_bodyid[site])
         while body:
-            pose, body = pose_of(model, "body", body) @ pose, int(model.body_parentid[body])
+            pose = pose_of(model, "body", body) @ pose
+            body = int(model.body_parentid[body])
         return pose.pos
 
     def run(self, kind: str, array: str, index: int, run: Run) -> tuple[*Run, float] | None:
         mine, other = run
-        traits, bound = about(array).traits, self.tolerance
+        traits = about(array).traits
+        bound = self.tolerance
         if array == "actuator_acc0":
             on_tendon = int(self.alone.actuator_trntype[index]) == ON_TENDON
             tendon = int(self.alone.actuator_trnid[index, 0])
@@ -265,7 +281,8 @@ class InComposition(Rules):
             first = int(self.alone.flex_vertadr[index])
             # -1: nodes carry the vertex. `flex_vert0` says where it is between them, and this where the frame puts it.
             free = self.alone.flex_vertbodyid[first : first + len(mine)] > 0
-            mine, other = mine[free], other[free]
+            mine = mine[free]
+            other = other[free]
         elif self.moved and MEASURED in traits and mine.size:
             bound = max(bound, DERIVED_ROUNDING * max(1.0, float(np.abs(mine.astype(np.float64)).max())))
         elif array in ("actuator_length0", "actuator_lengthrange"):
@@ -276,16 +293,19 @@ class InComposition(Rules):
 def _sleep(matching: Correspondence) -> list[Difference]:
     """Compare the sleep policy of a kinematic tree, if the part's author wrote one on its root."""
     found: list[Difference] = []
-    alone, composed = matching.alone.model, matching.composed.model
+    alone = matching.alone.model
+    composed = matching.composed.model
     if not hasattr(alone, "tree_sleep_policy"):
         return found
     for index, target in matching.pairs("body"):
         if alone.body_rootid[index] != index or composed.body_rootid[target] != target:
             continue
-        mine, theirs = int(alone.body_treeid[index]), int(composed.body_treeid[target])
+        mine = int(alone.body_treeid[index])
+        theirs = int(composed.body_treeid[target])
         if mine < 0 or theirs < 0:
             continue
-        expected, actual = int(alone.tree_sleep_policy[mine]), int(composed.tree_sleep_policy[theirs])
+        expected = int(alone.tree_sleep_policy[mine])
+        actual = int(composed.tree_sleep_policy[theirs])
         if expected >= arrays.AUTHORED_SLEEP and expected != actual:
             name = matching.composed.describe("body", target)
             found.append(Difference("body", name, "tree_sleep_policy", expected=expected, actual=actual))
@@ -296,17 +316,21 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
     """Return the numbers of a part that differ in a composition; a long row is shown by its first differing number."""
     found: list[Difference] = []
     for each in unequal_elements(matching, rules):
-        name, field = matching.composed.describe(each.kind, each.target), each.array
+        name = matching.composed.describe(each.kind, each.target)
+        field = each.array
         if each.different is None:
             rows = len(each.expected), len(each.actual)
             found.append(Difference(each.kind, name, f"{field}, rows", expected=rows[0], actual=rows[1]))
             continue
         several = field.startswith("dof_")  # a row for each degree of freedom
         for row in np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]:
-            expected, actual, different = each.expected[row], each.actual[row], each.different[row]
+            expected = each.expected[row]
+            actual = each.actual[row]
+            different = each.different[row]
             at: Any = tuple(np.argwhere(different)[0].tolist()) if different.size > _SHOWN else ...
             shown = field if at is ... else f"{field}{list(at)}"
-            before, after = plain_value(expected[at]), plain_value(actual[at])
+            before = plain_value(expected[at])
+            after = plain_value(actual[at])
             found.append(Difference(each.kind, name, shown, expected=before, actual=after))
     return [*dict.fromkeys(found), *_sleep(matching)]
 
@@ -332,7 +356,8 @@ def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) ->
     """
     if not (_is_damped_servo(alone, actuator) and _is_damped_servo(composed, target)):
         return False
-    mine, theirs = alone.actuator_biasprm[actuator].tolist(), composed.actuator_biasprm[target].tolist()
+    mine = alone.actuator_biasprm[actuator].tolist()
+    theirs = composed.actuator_biasprm[target].tolist()
     if mine[:2] != theirs[:2] or mine[3:] != theirs[3:]:
         return False
     ratios = zip(_ratios(alone, actuator), _ratios(composed, target), strict=True)
@@ -347,15 +372,19 @@ def _is_damped_servo(model: Model, actuator: int) -> bool:
 def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     """Return the damping ratio of a servo by the inverse weight and by the mass matrix; each is None if unknown."""
     gains = servo(model, actuator) or {}
-    stiffness, damping = gains["kp"], gains["kv"]
+    stiffness = gains["kp"]
+    damping = gains["kv"]
     gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=actuator).start, 0])
-    kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
+    kind = int(model.actuator_trntype[actuator])
+    target = int(model.actuator_trnid[actuator, 0])
     light = heavy = 0.0
     if kind == ON_TENDON:
-        light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
+        light = float(model.tendon_invweight0[target])
+        heavy = _inertia_along(model, target)
     elif kind in ON_JOINTS and int(model.jnt_type[target]) >= SLIDE:
         dof = int(model.jnt_dofadr[target])
-        light, heavy = float(model.dof_invweight0[dof]), float(model.dof_M0[dof])
+        light = float(model.dof_invweight0[dof])
+        heavy = float(model.dof_M0[dof])
     by_weight = damping * gear / (2 * math.sqrt(stiffness / light)) if gear and light > 0 else None
     by_mass = damping * gear / (2 * math.sqrt(stiffness * heavy)) if gear and heavy > 0 else None
     return by_weight, by_mass
@@ -365,7 +394,8 @@ def _inertia_along(model: Model, tendon: int) -> float:
     """Return the inertia that a fixed tendon moves; 0 for a spatial tendon, whose moments the model does not store."""
     inertia = 0.0
     for at in RUNS["tendon"]["nwrap"].rows(model, tendon):
-        joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
+        joint = int(model.wrap_objid[at])
+        coefficient = float(model.wrap_prm[at])
         if int(model.wrap_type[at]) != WRAP_JOINT or coefficient == 0:
             return 0.0
         inertia += float(model.dof_M0[model.jnt_dofadr[joint]]) / coefficient**2
@@ -373,12 +403,20 @@ def _inertia_along(model: Model, tendon: int) -> float:
 
 
 def compare(
-    alone: Model, composed: Model, *, prefix: str = "", hung_on: Mount | None = None,
-    renamed: Mapping[str, Mapping[str, str]] | None = None, keys: Keys = Keys.MERGE,
-    roots_in_keys: Roots = Roots.MOVED, others: Sequence[tuple[str, Model]] | None = None,
-    ignore: Collection[str] = (), replaced_keys: Collection[str] = (), tolerance: float = 0.0,
+    alone: Model,
+    composed: Model,
+    *,
+    prefix: str = "",
+    hung_on: Mount | None = None,
+    renamed: Mapping[str, Mapping[str, str]] | None = None,
+    keys: Keys = Keys.MERGE,
+    roots_in_keys: Roots = Roots.MOVED,
+    others: Sequence[tuple[str, Model]] | None = None,
+    ignore: Collection[str] = (),
+    replaced_keys: Collection[str] = (),
+    tolerance: float = 0.0,
     cut: bool = False,
-) -> list[Difference]:  # fmt: skip
+) -> list[Difference]:
     """Return the differences between a part compiled alone and the same part in a composition.
 
     The result is empty if the part is unchanged. ``prefix`` includes its separator. The prefix of the base is empty.

@@ -44,7 +44,8 @@ def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
         return [Whose(_OWNERS[owner], "", field if value.size == 1 else f"{field}[{each}]") for each in index]
     kind, rows = owners(model, array)
     named = _ATTRIBUTES.get(array, array.partition("_")[2] or array)
-    table, width = NameTable(model), int(np.prod(value.shape[1:], dtype=int))
+    table = NameTable(model)
+    width = int(np.prod(value.shape[1:], dtype=int))
     found = []
     for each in map(int, index):
         row, column = divmod(each, width)
@@ -70,18 +71,21 @@ def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
         return {row: (row, 0, 1) for row in range(rows)}
     found: Rows = {}
     for size, run in RUNS.get(kind, {}).items():
-        for element in range(count) if getattr(model, size, None) == rows and hasattr(model, run.first) else ():
-            own = run.rows(model, element)
-            found |= {row: (element, place, len(own)) for place, row in enumerate(own)}
+        if getattr(model, size, None) == rows and hasattr(model, run.first):
+            for element in range(count):
+                own = run.rows(model, element)
+                found |= {row: (element, place, len(own)) for place, row in enumerate(own)}
     return found
 
 
 Numbers = NDArray[Any]
 MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
 """The number that scales the tolerances of solvers, and the number that scales forces in viewers."""
-_LARGE, _FIRST = 1 << 16, 4
+_LARGE = 1 << 16
+_FIRST = 4
 """Larger arrays are assets, such as the vertices of meshes. For draws they are only compared in these first worlds."""
-_WORD, _BLOCK = 8, 2048
+_WORD = 8
+_BLOCK = 2048
 _PADDED = 64
 """MuJoCo allocates memory in multiples of this number of bytes."""
 
@@ -154,7 +158,8 @@ class Recorder:
         self._bytes = np.ctypeslib.as_array((ctypes.c_uint8 * size).from_address(start))
         self._now = self.view(np.dtype(np.uint64))
         self._nominal = self._now.copy()
-        self._ranges, self._words = [(0, len(self._now))], np.empty(0, np.int64)
+        self._ranges = [(0, len(self._now))]
+        self._words = np.empty(0, np.int64)
         self._blocks: list[Numbers] = []
         self._means: list[tuple[float, ...]] = []
         self._nominal_means = _means(model)
@@ -180,7 +185,8 @@ class Recorder:
             self._blocks.append(np.empty((_BLOCK, len(self._words)), np.uint64))
         if self.worlds == _FIRST:
             self._leave_out_assets()
-        now, block = self._now, self._blocks[-1]
+        now = self._now
+        block = self._blocks[-1]
         block[row] = now[self._words]
         now[self._words] = self._nominal[self._words]
         new = [
@@ -237,7 +243,8 @@ class Recorder:
 
     def _leave_out_assets(self) -> None:
         """Stop comparing large arrays in which nothing has differed."""
-        self._ranges, at = [], 0
+        self._ranges = []
+        at = 0
         for name, (first, end) in sorted(self._spans.items(), key=lambda each: each[1]):
             is_known = ((self._words * _WORD < end) & (self._words * _WORD + _WORD > first)).any()
             if getattr(self._model, name).size > _LARGE and not is_known:
@@ -301,8 +308,10 @@ def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[
     for name, index, values in found:
         owners = whose(model, name, index)
         arrays |= {
-            f"{name}/index": index, f"{name}/kind": np.array(owners[0].kind if owners else ""),
+            f"{name}/index": index,
+            f"{name}/kind": np.array(owners[0].kind if owners else ""),
             f"{name}/element": np.array([each.element for each in owners], str),
-            f"{name}/attribute": np.array([each.attribute for each in owners], str), f"{name}/values": values,
-        }  # fmt: skip
+            f"{name}/attribute": np.array([each.attribute for each in owners], str),
+            f"{name}/values": values,
+        }
     return arrays

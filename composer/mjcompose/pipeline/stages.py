@@ -71,9 +71,14 @@ class Request(Struct):
 
 
 def build(
-    request: Request, context: Context, *, session: Session | None = None, limits: Limits | None = None,
-    library: Library | None = None, outcomes: list[Outcome] | None = None,
-) -> Built | None:  # fmt: skip
+    request: Request,
+    context: Context,
+    *,
+    session: Session | None = None,
+    limits: Limits | None = None,
+    library: Library | None = None,
+    outcomes: list[Outcome] | None = None,
+) -> Built | None:
     """Return the bundle of a recipe, unwritten, or None after errors. MuJoCo runs in `session`, or within `limits`."""
     if (plan := planned(request, context)) is None:
         return None
@@ -109,7 +114,9 @@ class Build(Struct, frozen=False):
 
     def run(self) -> Built | None:
         """Compose, link, bundle and verify the model, without allowed warnings; `strict` makes others errors."""
-        plan, request, context = self.plan, self.request, self.context
+        plan = self.plan
+        request = self.request
+        context = self.context
         log("building `%s` from %s", plan.name, plan.file)
         built = self._build()
         alone = request.name is None and request.sample == 0 and not plan.cells
@@ -123,14 +130,17 @@ class Build(Struct, frozen=False):
         return built
 
     def _build(self) -> Built | None:
-        context, request = self.context, self.request
+        context = self.context
+        request = self.request
         check_lock(self.plan, context)
         measure = measure_with(context, session=self.session)
         options = ComposeOptions(checks_sources=request.verified, deduplicates=request.deduplicated)
         composer = Composer(context, measure, self.session, library=self.library, options=options)
         if (draft := self._draft(self.plan, composer)) is None:
             return None
-        composed, bundle, compiled = draft.composed, draft.bundle, None
+        composed = draft.composed
+        bundle = draft.bundle
+        compiled = None
         if request.verified:
             if self.on_bundle is not None:
                 self.on_bundle(bundle)
@@ -140,9 +150,14 @@ class Build(Struct, frozen=False):
         if context.sink.has_errors:
             return None
         facts = ManifestInput(
-            self.plan, composed, compiled, checks=tuple(self.outcomes), cell=request.name,
-            pictured=request.pictured, deduplicated=request.deduplicated,
-        )  # fmt: skip
+            self.plan,
+            composed,
+            compiled,
+            checks=tuple(self.outcomes),
+            cell=request.name,
+            pictured=request.pictured,
+            deduplicated=request.deduplicated,
+        )
         final = self._exported(add_manifest(bundle, facts, context), composed)
         return None if final is None else Built(self.plan, composed, final, compiled=compiled)
 
@@ -163,7 +178,10 @@ class Build(Struct, frozen=False):
         from mjcompose.verify.kept_keys import check_kept_keys, check_key_ranges, check_stiffness
         from mjcompose.verify.run_checks import Checks, checks_in
 
-        plan, composed, context, session = self.plan, draft.composed, self.context, self.session
+        plan = self.plan
+        composed = draft.composed
+        context = self.context
+        session = self.session
         with context.timed("compile"):
             compiled = compile_and_report(
                 draft.bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span
@@ -189,16 +207,23 @@ class Build(Struct, frozen=False):
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 Checks(
-                    plan=plan, members=composed.members, session=session, context=context, merged=composed.merged,
-                    renamed=renamed_in(composed.model, composed.members), bundle=draft.bundle, shapes=composed.shapes,
-                ).run(self.outcomes)  # fmt: skip
+                    plan=plan,
+                    members=composed.members,
+                    session=session,
+                    context=context,
+                    merged=composed.merged,
+                    renamed=renamed_in(composed.model, composed.members),
+                    bundle=draft.bundle,
+                    shapes=composed.shapes,
+                ).run(self.outcomes)
         return compiled
 
     def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
         """Return the bundle with the draws of `randomize` and its worlds; compare some worlds with samples."""
         from mjcompose.verify.draws import CODE, DrawTable, with_worlds
 
-        plan, context = self.plan, self.context
+        plan = self.plan
+        context = self.context
         if compiled is None:
             help = "build without `--no-compile`, or without `--as worlds`"
             span = locate(plan.document, ("randomize",), key=True)
@@ -217,7 +242,8 @@ class Build(Struct, frozen=False):
         composer = Composer(context, measure_with(context, session=self.session), self.session, options=options)
         if (sample := self._draft(self.plan.of_sample(number), composer)) is None:
             return False
-        model, at = sample.composed.model, self.plan.span
+        model = sample.composed.model
+        at = self.plan.span
         return compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
 
     def _exported(self, bundle: Bundle, composed: Composed) -> Bundle | None:
@@ -226,5 +252,6 @@ class Build(Struct, frozen=False):
         from mjcompose.targets.export import aimed  # few builds need it
 
         with self.context.timed("target"):
-            target, at = self.request.target, self.plan.span
+            target = self.request.target
+            at = self.plan.span
             return aimed(bundle, target, composed.model, at=at, context=self.context, session=self.session)

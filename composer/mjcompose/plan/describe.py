@@ -55,9 +55,12 @@ def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
         used.update(covering)
         if covering:
             sink.drop(diagnostic)
-    for allowance in allowances if whole and not sink.has_errors else ():
-        if allowance not in used and (code := allowance.code) not in _BEYOND:
-            sink.warning("unused-allow", f"there is no warning `{code}` here", allowance.span, help=f"remove `{code}`")
+    if whole and not sink.has_errors:
+        for allowance in allowances:
+            if allowance not in used and (code := allowance.code) not in _BEYOND:
+                sink.warning(
+                    "unused-allow", f"there is no warning `{code}` here", allowance.span, help=f"remove `{code}`"
+                )
 
 
 def allowed_everywhere(plan: Plan) -> tuple[str, ...]:
@@ -77,8 +80,9 @@ def _allowances(plan: Plan, shown: Shown) -> Iterator[Allowance]:
             files = frozenset(_files(part.model, shown) if isinstance(part.model, Plan) else [shown(part.model.path)])
             yield from _of_item(inner, part.at, files)
             edits = find(inner.document, (*part.at, "edit"))
-            for index in range(len(edits.items)) if isinstance(edits, Sequence) else ():
-                yield from _of_item(inner, (*part.at, "edit", index))
+            if isinstance(edits, Sequence):
+                for index in range(len(edits.items)):
+                    yield from _of_item(inner, (*part.at, "edit", index))
 
 
 def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Iterator[Allowance]:
@@ -97,9 +101,10 @@ def _files(plan: Plan, shown: Shown) -> list[str]:
 
 
 def _codes(node: Node | None) -> Iterator[tuple[str, Span]]:
-    for item in node.items if isinstance(node, Sequence) else ():
-        if isinstance(item, Scalar):
-            yield item.text, item.span
+    if isinstance(node, Sequence):
+        for item in node.items:
+            if isinstance(item, Scalar):
+                yield item.text, item.span
 
 
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
@@ -167,7 +172,8 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
 
 
 def _model(part: AttachPart) -> str:
-    model, body = part.model, part.attachment.subtree
+    model = part.model
+    body = part.attachment.subtree
     alone = "" if body is None else f", only its body {body}"
     if isinstance(model, Plan):
         return f"{'the model written here' if model.at else f'the recipe {model.file}'}{alone}"
@@ -192,8 +198,9 @@ def _own_lines(plan: Plan, part: AttachPart, preview: PlanPreview, indent: str) 
     subtree = preview.subtrees.get(plan.place_of(part.at))
     dropped = [each for each in subtree.dropped if each.lacks is None] if subtree else []
     yield from _by_kind(dropped, f"{indent}drops")
-    for element in subtree.cut if subtree else ():
-        yield f"{indent}drops the {element.called}, which needs {element.lacks}"
+    if subtree:
+        for element in subtree.cut:
+            yield f"{indent}drops the {element.called}, which needs {element.lacks}"
     for edit in attachment.edit:
         yield from _edit_lines(edit, preview.edits.get(plan.place_of(edit.at)), indent)
     if isinstance(part.model, Plan):
@@ -279,11 +286,13 @@ def _some(**entries: Any) -> dict[str, Any]:
 
 
 def _own_data(plan: Plan, part: AttachPart, preview: PlanPreview) -> dict[str, Any]:
-    edits, subtree = part.attachment.edit, preview.subtrees.get(plan.place_of(part.at))
+    edits = part.attachment.edit
+    subtree = preview.subtrees.get(plan.place_of(part.at))
     data = _some(
-        edits=[edit.words for edit in edits], edited=_edited(plan, edits, preview),
+        edits=[edit.words for edit in edits],
+        edited=_edited(plan, edits, preview),
         attaches=[as_data(inner, preview) for inner in part.inner],
-    )  # fmt: skip
+    )
     if subtree is not None:
         left = [{"kind": each.what, "name": each.name, "lacks": each.lacks} for each in subtree.dropped]
         data |= {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
@@ -311,10 +320,14 @@ def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
     if isinstance(model, Plan):
         return as_data(model, preview)
     return {
-        "reference": model.reference, "kind": model.kind.name, "format": model.format, "package": model.package,
-        "version": model.version, "licenses": [path.name for path in model.licenses],
+        "reference": model.reference,
+        "kind": model.kind.name,
+        "format": model.format,
+        "package": model.package,
+        "version": model.version,
+        "licenses": [path.name for path in model.licenses],
         **_some(compiler=dict(model.compiler)),
-    }  # fmt: skip
+    }
 
 
 def checks_of(plan: Plan) -> Iterator[str]:

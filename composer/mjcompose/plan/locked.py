@@ -113,7 +113,8 @@ def check_lock(plan: Plan, context: Context) -> None:
         for id in sorted(fetching.lock.sources.keys() - uses.keys()):
             context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it", help=help)
     for id, use in whole.items():
-        now, before = _locked(use, fetching), fetching.lock.sources.get(id)
+        now = _locked(use, fetching)
+        before = fetching.lock.sources.get(id)
         if now is None:
             continue
         upgrade = f"run `mjcompose lock {plan.file} --upgrade-source {shlex.quote(next(iter(use.used_by)))}`"
@@ -127,8 +128,9 @@ def check_lock(plan: Plan, context: Context) -> None:
         if changes := differences(relevant, now.files):
             report = context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
             help = f"if you want the change, {upgrade}"
-            report("source-changed", f"`{id}` differs from the lock `{shown}`", use.span, notes=_notes(changes),
-                   help=help)  # fmt: skip
+            report(
+                "source-changed", f"`{id}` differs from the lock `{shown}`", use.span, notes=_notes(changes), help=help
+            )
         elif wrong := [*_wrong(before, now)]:
             message = f"the lock `{shown}` contradicts itself about `{id}`"
             help = "take the lock from version control, or remove it and run `mjcompose lock`"
@@ -142,7 +144,8 @@ def check_lock(plan: Plan, context: Context) -> None:
 def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
     """Yield other facts about a source that a manifest records and that differ from the lock."""
     for what in ("version", "commit"):
-        was, there = getattr(before, what), getattr(now, what)
+        was = getattr(before, what)
+        there = getattr(now, what)
         if was and there and was != there:
             yield f"{what} {was} was locked, and now it is {there}"
 
@@ -219,7 +222,8 @@ def _wrong(before: Locked, now: Locked) -> Iterator[str]:
         foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)
         yield from (f"a source of kind `{now.kind}` has no {pin}" for pin in foreign)
     for what in ("kind", "tree"):
-        was, there = getattr(before, what), getattr(now, what)
+        was = getattr(before, what)
+        there = getattr(now, what)
         if was != there and before.pin == now.pin:
             yield f"its {what} is `{there}`, and not `{was or 'nothing'}`"
 
@@ -236,7 +240,8 @@ class _FileGatherer(Struct, frozen=False):
 
     def of(self, plans: Iterable[Plan]) -> dict[str, _SourceUse]:
         for place in (place for plan in plans for place in plan.places()):
-            model, read = place.model, self.fetching.files
+            model = place.model
+            read = self.fetching.files
             if isinstance(model, Plan):
                 self._recipe(model, place)
             elif model is not None:
@@ -286,13 +291,18 @@ def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
             files[name] = fetching.digest(path)
     if not files:
         return None
-    source, origin = use.source, use.origin
+    source = use.source
+    origin = use.origin
     pins = {"commit": origin.commit, "tree": origin.tree, "sha256": origin.sha256} if origin else {}
     return Locked(
-        kind=(PATH if origin is None else origin.kind).name, **pins,
-        package=source.package if source else None, version=source.version if source and source.package else None,
-        files=files, licenses=sorted(use.licenses), used_by=sorted(use.used_by),
-    )  # fmt: skip
+        kind=(PATH if origin is None else origin.kind).name,
+        **pins,
+        package=source.package if source else None,
+        version=source.version if source and source.package else None,
+        files=files,
+        licenses=sorted(use.licenses),
+        used_by=sorted(use.used_by),
+    )
 
 
 def _relative(path: Path, folder: Path) -> str:
@@ -319,7 +329,8 @@ def lock_changes(before: Lock | None, after: Lock) -> Iterator[str]:
             pin = after.sources[id].pin
             yield f"{id}: locked" + (f" at {pin[:12]}" if pin else "")
         else:
-            was, now = old[id], after.sources[id]
+            was = old[id]
+            now = after.sources[id]
             if was.pin and now.pin and was.pin != now.pin:
                 yield f"{id}: {was.pin[:12]} is now {now.pin[:12]}"
             elif was.version and now.version and was.version != now.version:

@@ -58,7 +58,10 @@ class _Source:
     """The source of the values of one parameter or variant."""
 
     def __init__(self, field: DrawField, concrete: Concrete, document: Mapping, sink: Sink) -> None:
-        self.field, self.concrete, self.document, self.sink = field, concrete, document, sink
+        self.field = field
+        self.concrete = concrete
+        self.document = document
+        self.sink = sink
         self.name = str(field.param)
         self.parameter: Parameter | None = concrete.parameters.get(self.name)
         nominal = concrete.scope.get(self.name)
@@ -66,8 +69,10 @@ class _Source:
 
     def can_be_drawn(self) -> bool:
         """Return whether the parameter exists and can be drawn in this way."""
-        field, distribution = self.field, self.field.distribution
-        span, drawn_at = locate(self.document, (*field.at, "param")), locate(self.document, field.drawn_at)
+        field = self.field
+        distribution = self.field.distribution
+        span = locate(self.document, (*field.at, "param"))
+        drawn_at = locate(self.document, field.drawn_at)
         if self.name in self.concrete.parameters and self.nominal is None:
             return False  # its missing value is reported already
         if self.nominal is None:
@@ -77,17 +82,20 @@ class _Source:
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
-        code, help = "wrong-type", None
+        code = "wrong-type"
+        help = None
         if not is_number and (distribution.kind != CHOICE or field.operation != "set"):
             nominal = "a variant" if self.parameter is None else kind(self.nominal)
             message = f"`{self.name}` is {nominal}, and only a `{CHOICE}` can draw it"
             help = f"write `{CHOICE}: [VALUE, …]`"
         elif distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
-            message, span = f"parameter `{self.name}` is not an angle, but its draws are angles", drawn_at
+            message = f"parameter `{self.name}` is not an angle, but its draws are angles"
+            span = drawn_at
             help = f"declare it as an angle: `{self.name}: {{unit: {distribution.unit}, …}}`"
         elif distribution.components not in (None, len(numbers)):
             expected = f"`{distribution.kind}` {distribution.components}"
-            code, span = "wrong-length", drawn_at
+            code = "wrong-length"
+            span = drawn_at
             message = f"parameter `{self.name}` has {len(numbers)} numbers, {expected}"
         else:
             return True
@@ -96,7 +104,8 @@ class _Source:
 
     def draw(self, seed: int, sample: int) -> Value:
         """Return the draw: a number, one for each component of a vector, or the chosen value."""
-        distribution, field = self.field.distribution, self.field
+        distribution = self.field.distribution
+        field = self.field
 
         def component(n: int) -> Any:
             return distribution.draw(bits(seed, sample, field.stream, element="", component=n), n)
@@ -108,7 +117,8 @@ class _Source:
 
     def value(self, seed: int, sample: int) -> Value | None:
         """Return the value of the parameter in a sample, or None after a report that it does not accept the value."""
-        drawn, parameter = self.draw(seed, sample), self.parameter
+        drawn = self.draw(seed, sample)
+        parameter = self.parameter
         if isinstance(drawn, tuple):
             nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
             value: Value = tuple(self._applied(*pair) for pair in zip(nominal, drawn, strict=False))

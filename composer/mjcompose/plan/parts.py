@@ -107,10 +107,18 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
         if isinstance(check, Unchanged) and check.part is not None and check.part not in parts:
             near = closest(check.part, parts)
             message = f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe"
-            sink.add(unknown_name(
-                "part", check.part, parts, span=locate(plan.document, (*check.at, "part")), message=message,
-                help=f"write `part: {near[0]}`" if near else None, fix=renaming(check.part, parts), about=(check.name,),
-            ))  # fmt: skip
+            sink.add(
+                unknown_name(
+                    "part",
+                    check.part,
+                    parts,
+                    span=locate(plan.document, (*check.at, "part")),
+                    message=message,
+                    help=f"write `part: {near[0]}`" if near else None,
+                    fix=renaming(check.part, parts),
+                    about=(check.name,),
+                )
+            )
     _check_mirrors(plan, sink)
     for key in (step.key for step in plan.keyframes):
         for part in key.sources:
@@ -128,7 +136,8 @@ def _check_mirrors(plan: Plan, sink: Sink) -> None:
     by_name = {part_name(part, plan.separator): part for part in plan.parts if not part.copy}
     for part in (each for each in plan.parts if each.attachment.mirror is not None):
         assert part.attachment.mirror is not None
-        of, name = part.attachment.mirror.of, part_name(part, plan.separator)
+        of = part.attachment.mirror.of
+        name = part_name(part, plan.separator)
         span = locate(plan.document, (*part.at, "mirror", "of"))
         if (other := by_name.get(of)) is None:
             sink.add(unknown_name("part", of, by_name, span=span, purpose=f" that `{name}` mirrors"))
@@ -223,11 +232,12 @@ _WHOLE = ""
 def _written(piece: Node) -> set[tuple[str, str]]:
     """Return the section and the name of all that a piece writes. Lists to which it appends are left out."""
     written: set[tuple[str, str]] = set()
-    for section, (_, value) in piece.entries.items() if isinstance(piece, Mapping) else ():
-        if isinstance(value, Mapping):
-            written |= {(section, name) for name in value.entries}
-        elif not (is_appended((section,)) and isinstance(value, Sequence) and not any(map(_has_id, value.items))):
-            written.add((section, _WHOLE))
+    if isinstance(piece, Mapping):
+        for section, (_, value) in piece.entries.items():
+            if isinstance(value, Mapping):
+                written |= {(section, name) for name in value.entries}
+            elif not (is_appended((section,)) and isinstance(value, Sequence) and not any(map(_has_id, value.items))):
+                written.add((section, _WHOLE))
     return written
 
 
@@ -319,18 +329,19 @@ def _reaches(path: Path, main: Path, door: Door, seen: set[Path]) -> bool:
 def _recipes(path: Path, door: Door, context: Context, seen: set[Path]) -> Iterator[tuple[Path, Path, Span]]:
     seen.add(path)
     unit = parse_file(path, Sink(), file=context.shown(path), door=door)
-    for element in () if unit is None else unit.root.iterfind("asset/model"):
-        assert unit is not None
-        if (inner := Path(join(str(unit.directory), str(element.get("file") or "")))) in seen:
-            continue
-        if not is_recipe(inner.name):
-            yield from _recipes(inner, door, context, seen=seen)
-            continue
-        seen.add(inner)
-        span = unit.origins.span(element, unit.file, "file")
-        try:
-            door.admit(inner)
-        except Refused as refused:
-            refused.report(context.sink, span, shown=context.shown)
-        else:
-            yield inner, unit.directory, span
+    if unit is not None:
+        for element in unit.root.iterfind("asset/model"):
+            assert unit is not None
+            if (inner := Path(join(str(unit.directory), str(element.get("file") or "")))) in seen:
+                continue
+            if not is_recipe(inner.name):
+                yield from _recipes(inner, door, context, seen=seen)
+                continue
+            seen.add(inner)
+            span = unit.origins.span(element, unit.file, "file")
+            try:
+                door.admit(inner)
+            except Refused as refused:
+                refused.report(context.sink, span, shown=context.shown)
+            else:
+                yield inner, unit.directory, span

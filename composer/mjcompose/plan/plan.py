@@ -369,10 +369,11 @@ class Plan(Struct):
         placed = list(self.walk())
         yield from placed
         for place in placed:
-            for plan in () if place.step is None else place.step.inner:
-                for each in plan.places():
-                    part = f"{place.above}{each.part}" if each.part else place.part
-                    yield replace(each, part=part, span=place.span)
+            if place.step is not None:
+                for plan in place.step.inner:
+                    for each in plan.places():
+                        part = f"{place.above}{each.part}" if each.part else place.part
+                        yield replace(each, part=part, span=place.span)
 
     def plans(self) -> Iterator[Plan]:
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
@@ -463,13 +464,17 @@ def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
         policy = part.attachment.key_policy
         keys = None if policy == "none" or placed.keys is None else placed.keys
         inner = PlacedModel(
-            part.model, plan, part, part=placed.above + part_name(part, plan.separator), separator=plan.separator,
+            part.model,
+            plan,
+            part,
+            part=placed.above + part_name(part, plan.separator),
+            separator=plan.separator,
             prefix=placed.prefix + part.prefix,
             others=placed.others if part is not plan.base else (*placed.others, *prefixed),
             keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
             is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),
             span=placed.span or part.span,
-        )  # fmt: skip
+        )
         yield from _walk(inner)
 
 

@@ -92,9 +92,14 @@ def make_plan(
 
 
 def plan_what_remains(
-    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0,
+    recipe: Path,
+    context: Context,
+    given: Given | None = None,
+    *,
+    name: str | None = None,
+    sample: int = 0,
     worlds: bool = False,
-) -> Plan | None:  # fmt: skip
+) -> Plan | None:
     """Return the plan without its faulty pieces, so later stages can find more errors; None without a base.
 
     `name` is the name of a cell of the matrix. Without it, the plan has the recipe's name, and the matrix is checked.
@@ -144,7 +149,10 @@ class _Planner:
     """Plans a recipe and those nested in it. `name` and `sample` belong to the outermost recipe."""
 
     def __init__(self, context: Context, *, name: str | None, sample: int, worlds: bool) -> None:
-        self.context, self.name, self.sample, self.worlds = context, name, sample, worlds
+        self.context = context
+        self.name = name
+        self.sample = sample
+        self.worlds = worlds
         self.sink = context.sink
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
@@ -179,21 +187,32 @@ class _Planner:
                 recipe, document, concrete, _ = read
                 randomize = recipe.randomize
         name, sample = (None, 0) if outer else (self.name, self.sample)
-        whole, files = AngleSettings(recipe.angle, recipe.eulerseq), self.context.recipes[path].said
+        whole = AngleSettings(recipe.angle, recipe.eulerseq)
+        files = self.context.recipes[path].said
         angle_context = AngleContext(document, whole)  # a file without a setting allows no bare angles
         if concrete is not None and len(files) > 1:
             angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
             check_bare_angles(angle_context, self.sink)
         loaded = _LoadedRecipe(
-            name or recipe.name or as_text(own_name(path)), path, recipe, document=document, concrete=concrete,
-            angle_context=angle_context, source=source, extended=self.context.recipes[path].extended,
-            randomize=randomize, sample=sample, drawn=drawn,
-        )  # fmt: skip
+            name or recipe.name or as_text(own_name(path)),
+            path,
+            recipe,
+            document=document,
+            concrete=concrete,
+            angle_context=angle_context,
+            source=source,
+            extended=self.context.recipes[path].extended,
+            randomize=randomize,
+            sample=sample,
+            drawn=drawn,
+        )
         return self._assembled(loaded, (*outer, (key, span)))
 
     def _assembled(self, loaded: _LoadedRecipe, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that was read, with its base and parts planned."""
-        recipe, document, concrete = loaded.recipe, loaded.document, loaded.concrete
+        recipe = loaded.recipe
+        document = loaded.document
+        concrete = loaded.concrete
         base: AttachPart | None = None
         if recipe.base is not None and (model := self._model(recipe.base, (BASE,), loaded, inside=inside)) is not None:
             span = locate(document, (BASE, "model"))
@@ -202,20 +221,35 @@ class _Planner:
         if recipe.base is not None and base is None:
             return None
         if base is not None and base.attachment.is_placed:
-            members, base = (base, *members), None
+            members = (base, *members)
+            base = None
         given = StepInput(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)
         steps = tuple(step for each in STEPS for step in each.of(given))
         plan = Plan(
-            loaded.name, recipe.description, loaded.path,
-            file=self.context.shown(loaded.path), document=document, separator=recipe.separator,
-            conflict=recipe.conflict, angle_context=loaded.angle_context,
-            base=base, parts=without_rings(members, recipe.separator, self.sink), steps=steps,
+            loaded.name,
+            recipe.description,
+            loaded.path,
+            file=self.context.shown(loaded.path),
+            document=document,
+            separator=recipe.separator,
+            conflict=recipe.conflict,
+            angle_context=loaded.angle_context,
+            base=base,
+            parts=without_rings(members, recipe.separator, self.sink),
+            steps=steps,
             settled=frozenset(path for step in steps if isinstance(step, SetSingleton) for path in step.settled),
-            scope=concrete.scope if concrete else {}, variants=concrete.variants if concrete else {},
-            checks=tuple(checks_of(recipe.check)), datasheets=recipe.datasheets,
-            randomize=loaded.randomize, sample=loaded.sample, worlds=self.worlds, drawn=loaded.drawn,
-            source=loaded.source, extended=loaded.extended, at=loaded.at,
-        )  # fmt: skip
+            scope=concrete.scope if concrete else {},
+            variants=concrete.variants if concrete else {},
+            checks=tuple(checks_of(recipe.check)),
+            datasheets=recipe.datasheets,
+            randomize=loaded.randomize,
+            sample=loaded.sample,
+            worlds=self.worlds,
+            drawn=loaded.drawn,
+            source=loaded.source,
+            extended=loaded.extended,
+            at=loaded.at,
+        )
         check_part_names(plan, self.sink)
         return plan if self._may_have(plan) else None
 
@@ -267,7 +301,8 @@ class _Planner:
         return valid
 
     def _parts(self, loaded: _LoadedRecipe, inside: Outer) -> Iterator[AttachPart]:
-        recipe, document = loaded.recipe, loaded.document
+        recipe = loaded.recipe
+        document = loaded.document
         taken: dict[str, Span] = {}
         for key, attachment in recipe.attach.items():
             at = ("attach", key)
@@ -278,7 +313,8 @@ class _Planner:
             if (clash := next((prefix for prefix in prefixes if prefix and prefix in taken), None)) is not None:
                 place = span if attachment.prefix is None else locate(document, (*at, "prefix"))
                 notes = (Note("the other part", taken[clash]),)
-                help, message = "give one of them another key, or `prefix`", f"two parts have the prefix `{clash}`"
+                help = "give one of them another key, or `prefix`"
+                message = f"two parts have the prefix `{clash}`"
                 self.sink.error("name-clash", message, place, notes=notes, help=help, subjects=(clash,))
                 continue
             taken.update(dict.fromkeys(prefixes, span))
@@ -290,20 +326,27 @@ class _Planner:
 
     def _model(self, attachment: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
-        document, outer = around.document, around.recipe
-        reference, written = attachment.model, find(document, (*at, "model"))
+        document = around.document
+        outer = around.recipe
+        reference = attachment.model
+        written = find(document, (*at, "model"))
         if not isinstance(reference, str):
             assert isinstance(written, Mapping)
             self._no_settings(attachment, "a model that is written in place", document=document, at=at)
             return self._in_place(at, written, around, inside=inside)
-        span, environment, fetching = locate(document, (*at, "model")), self.context.environment, self.context.fetching
+        span = locate(document, (*at, "model"))
+        environment = self.context.environment
+        fetching = self.context.fetching
         folder = folder_of(span, self.context)
         try:
             source = None if self.context.attaching else self.sources.get((reference, folder))
             source = source or resolve(
-                reference, relative_to=folder, environment=environment, fetching=fetching,
+                reference,
+                relative_to=folder,
+                environment=environment,
+                fetching=fetching,
                 runs_code=not self.context.attaching,
-            )  # fmt: skip
+            )
         except SourceError as error:
             self.sink.add(error.at(span))
             return None
@@ -355,7 +398,9 @@ class _Planner:
 
     def _plan_inner(self, source: Source, inside: Outer) -> bool:
         """Plan the recipes that MJCF attaches itself. Return whether none has errors."""
-        before, context, plans = self.sink.error_count, self.context, []
+        before = self.sink.error_count
+        context = self.context
+        plans = []
         for path, folder, span in inner_recipes(source, context):
             try:
                 named = f"./{os.path.relpath(path, folder)}"
@@ -397,9 +442,14 @@ class _Planner:
         others = {} if ({"angle", "eulerseq"} & model.entries.keys()) else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         loaded = _LoadedRecipe(
-            recipe.name or str(at[-1]), around.path, recipe, document=read.document, concrete=around.concrete,
-            angle_context=angle_context, at=(*around.at, *at, "model"),
-        )  # fmt: skip
+            recipe.name or str(at[-1]),
+            around.path,
+            recipe,
+            document=read.document,
+            concrete=around.concrete,
+            angle_context=angle_context,
+            at=(*around.at, *at, "model"),
+        )
         plan = self._assembled(loaded, inside)
         if plan is not None:
             self._check_separator("the model in place", plan, around.recipe, span=model.span)

@@ -201,7 +201,8 @@ def read_recipe(path: Path, context: Context) -> Node | None:
     fetching.outer = fetching.outer or path
     if (known := context.recipes.get(path)) is None:
         own = replace(context, sink=Sink())
-        before, extended = fetching.trust, list[tuple[Source, Span]]()
+        before = fetching.trust
+        extended: list[tuple[Source, Span]] = []
         said: dict[str, Mapping] = {}
         node = _read(path, own, (), extended=extended, said=said)
         known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said=said, trust=fetching.trust)
@@ -276,9 +277,12 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         return None
     try:
         source = resolve_sources(
-            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching,
+            named.value,
+            relative_to=path.parent,
+            environment=context.environment,
+            fetching=context.fetching,
             runs_code=not context.attaching,
-        )  # fmt: skip
+        )
     except SourceError as error:
         sink.add(error.at(named.span))
         return None
@@ -286,7 +290,8 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
         message = f"`extends` names `{named.value}`, which is not a recipe"
         sink.error("source-kind", message, named.span, help=f"start from it: `base: {named.value}`")
         return None
-    most, real = in_force().nesting, os.path.realpath(source.path)
+    most = in_force().nesting
+    real = os.path.realpath(source.path)
     if len(chain) > most:
         sink.error("limit-exceeded", f"more than {most} recipes extend one another", named.span, help=advice("nesting"))
         return None

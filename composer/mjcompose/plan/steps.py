@@ -182,7 +182,8 @@ def steps_adding(
         if id(place.step) in done:
             break
         found[id(place.step)] = place.step
-        kind, name = place.step.to_kind, place.step.to
+        kind = place.step.to_kind
+        name = place.step.to
     return [*reversed(found.values())]
 
 
@@ -234,12 +235,13 @@ class DrawValues(Step):
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
         randomize = given.randomize
-        for field in randomize.fields if randomize is not None else ():
-            if randomize is not None and field.select is not None:
-                span = given.span(field.drawn_at)
-                yield cls(
-                    field, randomize.seed, given.sample, samples=randomize.samples, span=span, tabled=given.worlds
-                )
+        if randomize is not None:
+            for field in randomize.fields:
+                if randomize is not None and field.select is not None:
+                    span = given.span(field.drawn_at)
+                    yield cls(
+                        field, randomize.seed, given.sample, samples=randomize.samples, span=span, tabled=given.worlds
+                    )
 
     @property
     def words(self) -> str:
@@ -383,8 +385,9 @@ class OrderElements(Step):
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
-        for order in given.recipe.interface.orders if given.recipe.interface is not None else ():
-            yield cls(order, given.span(order.at, key=True))
+        if given.recipe.interface is not None:
+            for order in given.recipe.interface.orders:
+                yield cls(order, given.span(order.at, key=True))
 
     @property
     def words(self) -> str:

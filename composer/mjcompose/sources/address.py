@@ -97,9 +97,17 @@ def is_this_machine(netloc: str) -> bool:
 
 
 _LOCAL = (
-    ".local", ".localhost", ".localdomain", ".internal", ".lan", ".home", ".intranet", ".corp", ".private",
+    ".local",
+    ".localhost",
+    ".localdomain",
+    ".internal",
+    ".lan",
+    ".home",
+    ".intranet",
+    ".corp",
+    ".private",
     ".home.arpa",
-)  # fmt: skip
+)
 """Suffixes of names that only the local network knows."""
 
 
@@ -189,20 +197,33 @@ link-local and multicast addresses are outside."""
 _NOT_PUBLIC = tuple(
     IPv4Network(each)
     for each in (
-        "0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12", "192.0.0.0/24",
-        "192.0.2.0/24", "192.88.99.0/24", "192.168.0.0/16", "198.18.0.0/15", "198.51.100.0/24", "203.0.113.0/24",
-        "224.0.0.0/4", "240.0.0.0/4",
+        "0.0.0.0/8",
+        "10.0.0.0/8",
+        "100.64.0.0/10",
+        "127.0.0.0/8",
+        "169.254.0.0/16",
+        "172.16.0.0/12",
+        "192.0.0.0/24",
+        "192.0.2.0/24",
+        "192.88.99.0/24",
+        "192.168.0.0/16",
+        "198.18.0.0/15",
+        "198.51.100.0/24",
+        "203.0.113.0/24",
+        "224.0.0.0/4",
+        "240.0.0.0/4",
         "168.63.129.16/32",  # the host of a virtual machine of Azure, which gives it its secrets
     )
-)  # fmt: skip
+)
 _NOT_PUBLIC_6 = tuple(
     IPv6Network(each)
     for each in (
         "2001::/23",  # Teredo, which carries IPv4, and other protocols
-        "2001:db8::/32", "3fff::/20",  # for documentation
+        "2001:db8::/32",
+        "3fff::/20",  # for documentation
         "2002::/16",  # 6to4, which carries IPv4
     )
-)  # fmt: skip
+)
 _ISATAP = (0x00005EFE, 0x02005EFE)
 
 

@@ -52,12 +52,14 @@ def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
 def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
     """Return one line for each file that changed, sorted by name; empty if none has. No I/O."""
     return tuple(
-        f"`{name}` is gone" if name not in after
-        else f"`{name}` is new" if name not in before
+        f"`{name}` is gone"
+        if name not in after
+        else f"`{name}` is new"
+        if name not in before
         else f"`{name}` changed: {before[name][:12]}… was locked, {after[name][:12]}… is there"
         for name in sorted({*before, *after})
         if before.get(name) != after.get(name)
-    )  # fmt: skip
+    )
 
 
 LEASES = "leases"
@@ -228,7 +230,8 @@ def has(store: str | PathLike[str], kind: str, key: str) -> bool:
 def read(path: str | PathLike[str]) -> bytes | None:
     """Return the content of an entry's file without its hash, or None if they do not match. Raises OSError."""
     with open_regular(path, is_source=False) as stream:
-        digest, content = stream.read(_DIGEST), stream.read()
+        digest = stream.read(_DIGEST)
+        content = stream.read()
     return content if hashlib.sha256(content).digest() == digest else None
 
 

@@ -115,7 +115,9 @@ class _Download(Struct, frozen=False):
     def run(self) -> Version | None:
         from urllib3 import exceptions as errors
 
-        last, pause, attempt = "", 0.0, 0
+        last = ""
+        pause = 0.0
+        attempt = 0
         while attempt < _TRIES and not self.silence.is_nearly_over:
             if attempt:
                 own = _PAUSE * 2**attempt
@@ -127,11 +129,13 @@ class _Download(Struct, frozen=False):
             try:
                 return self._once()
             except _Broken as broken:
-                last, pause = str(broken), broken.pause
+                last = str(broken)
+                pause = broken.pause
             except errors.LocationValueError as error:
                 raise self._failed(f"cannot be fetched: {_in_short(error)}") from None
             except errors.HTTPError as error:
-                last, pause = _in_short(error), 0.0
+                last = _in_short(error)
+                pause = 0.0
                 # urllib3 also reports a refused connection as a timeout.
                 if isinstance(error, errors.TimeoutError) and not isinstance(error, errors.NewConnectionError):
                     last = f"the server said nothing for {patience(self.lookup.environment):g} s"
@@ -161,9 +165,15 @@ class _Download(Struct, frozen=False):
                 with waiting(self.lookup.fetching.progress, f"for {server.hostname}"):
                     # Retries happen in this class, which knows the received bytes.
                     response = pool.request(
-                        method, at, body=body, headers=headers, preload_content=False, decode_content=False,
-                        redirect=False, retries=False,
-                    )  # fmt: skip
+                        method,
+                        at,
+                        body=body,
+                        headers=headers,
+                        preload_content=False,
+                        decode_content=False,
+                        redirect=False,
+                        retries=False,
+                    )
             except NotPublicError:
                 raise self._outside(at) from None
             try:
@@ -305,7 +315,8 @@ class _Download(Struct, frozen=False):
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
         self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
-        seconds, of = patience(self.lookup.environment), f" of {total}" if total else ""
+        seconds = patience(self.lookup.environment)
+        of = f" of {total}" if total else ""
         reported = since = time.monotonic()
         before = size
         with self.partial.open("ab" if size else "wb") as file:
@@ -324,7 +335,8 @@ class _Download(Struct, frozen=False):
                         if size - before < _LEAST:
                             slow = f"less than 1 KiB came in {seconds:g} s"
                             raise _Broken(f"the transfer was given up after {size}{of} bytes: {slow}")
-                        since, before = now, size
+                        since = now
+                        before = size
                     if now - reported > 1:
                         reported = now
                         more = f" of {total >> 20} MiB" if total else ""

@@ -65,10 +65,21 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 ARCHIVE = SourceKind(
-    name="archive", forms=(_ARCHIVE_FORM, _PINNED), local_schemes=("http",), separator="#", is_local=False,
-    is_fetched=True, runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_archive,
-    resolve=_resolve, host=forms.host_of_url, is_of_this_machine=forms.never,
-)  # fmt: skip
+    name="archive",
+    forms=(_ARCHIVE_FORM, _PINNED),
+    local_schemes=("http",),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"sha256"}),
+    variables=(),
+    libraries=(),
+    parse=_parse_archive,
+    resolve=_resolve,
+    host=forms.host_of_url,
+    is_of_this_machine=forms.never,
+)
 
 
 _S3 = Form("s3://bucket/archive.zip#path/model.xml", "a file in a zip or tar in a bucket of S3")
@@ -131,7 +142,8 @@ def _download(url: str, partial: Path, known: Version, *, lookup: Lookup) -> Ver
 
 
 def _write_archive(stream: Any, partial: Path, url: str) -> None:
-    size, most = 0, in_force().source_size
+    size = 0
+    most = in_force().source_size
     with partial.open("wb") as file:
         while chunk := stream.read(_CHUNK):
             size += len(chunk)
@@ -148,11 +160,22 @@ def _failed(url: str, error: Exception) -> SourceError:
 
 
 BUCKET = SourceKind(
-    name="bucket", forms=(_S3, _GS), local_schemes=(), separator="#", is_local=False, is_fetched=True,
-    runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(Library("fsspec", "remote"),),
+    name="bucket",
+    forms=(_S3, _GS),
+    local_schemes=(),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"sha256"}),
+    variables=(),
+    libraries=(Library("fsspec", "remote"),),
     # The credentials are of this machine: a fetched recipe must not use them.
-    parse=_parse_bucket, resolve=_resolve, host=forms.no_host, is_of_this_machine=forms.always,
-)  # fmt: skip
+    parse=_parse_bucket,
+    resolve=_resolve,
+    host=forms.no_host,
+    is_of_this_machine=forms.always,
+)
 
 
 _OCI_FORM = Form(
@@ -187,11 +210,13 @@ def _resolve_oci(reference: Reference, lookup: Lookup) -> Source:
     """Return the file from the store or the registry. Raises SourceError."""
     from mjcompose.sources.store import Store, name_of  # a model that the cache knows is not fetched
 
-    id, fetching = reference.id, lookup.fetching
+    id = reference.id
+    fetching = lookup.fetching
     if id not in fetching.origins:
         if fetching.pin(id) is None and fetching.locked:
             raise unlocked(reference, fetching)
-        store, key = Store.of(lookup.environment), name_of(f"oci:sha256:{reference.revision}")
+        store = Store.of(lookup.environment)
+        key = name_of(f"oci:sha256:{reference.revision}")
         entry = store.get("archive", key)
         if entry is None and fetching.offline:
             raise not_at_hand(reference)
@@ -311,10 +336,21 @@ class _Artifact(Struct):
 
 
 OCI = SourceKind(
-    name="oci", forms=(_OCI_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
-    pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse_oci, resolve=_resolve_oci,
-    host=lambda reference: reference.name.partition("/")[0], is_of_this_machine=forms.never,
-)  # fmt: skip
+    name="oci",
+    forms=(_OCI_FORM,),
+    local_schemes=(),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"sha256"}),
+    variables=(),
+    libraries=(),
+    parse=_parse_oci,
+    resolve=_resolve_oci,
+    host=lambda reference: reference.name.partition("/")[0],
+    is_of_this_machine=forms.never,
+)
 
 
 _GIT_FORMS = (
@@ -337,7 +373,8 @@ def _parse_git(text: str) -> Reference:
     # Only an `@` after the host starts a revision; before it, an `@` ends a user name.
     repository, at, revision = tail.rpartition("@")
     if not at:
-        repository, revision = tail, ""
+        repository = tail
+        revision = ""
     if not repository or bool(host) == (scheme == "git+file"):
         raise malformed(text, form, "does not say the repository")
     if host:
@@ -365,11 +402,21 @@ def _resolve_git(reference: Reference, lookup: Lookup) -> Source:
 
 
 GIT = SourceKind(
-    name="git", forms=_GIT_FORMS, local_schemes=("git+http",), separator="#", is_local=False, is_fetched=True,
-    runs_code=False, pins=frozenset({"commit", "tree"}), variables=(), libraries=(), parse=_parse_git,
-    resolve=_resolve_git, host=forms.host_of_url,
+    name="git",
+    forms=_GIT_FORMS,
+    local_schemes=("git+http",),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"commit", "tree"}),
+    variables=(),
+    libraries=(),
+    parse=_parse_git,
+    resolve=_resolve_git,
+    host=forms.host_of_url,
     is_of_this_machine=lambda reference: reference.name.startswith("file:"),
-)  # fmt: skip
+)
 
 
 _HF_FORM = Form(
@@ -418,7 +465,18 @@ def _hub(reference: Reference, lookup: Lookup) -> str:
 
 
 HF = SourceKind(
-    name="hf", forms=(_HF_FORM,), local_schemes=(), separator="#", is_local=False, is_fetched=True, runs_code=False,
-    pins=frozenset({"commit", "tree"}), variables=("HF_ENDPOINT",), libraries=(), parse=_parse_hf, resolve=_resolve_hf,
-    host=lambda reference: "huggingface.co", is_of_this_machine=forms.never,
-)  # fmt: skip
+    name="hf",
+    forms=(_HF_FORM,),
+    local_schemes=(),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"commit", "tree"}),
+    variables=("HF_ENDPOINT",),
+    libraries=(),
+    parse=_parse_hf,
+    resolve=_resolve_hf,
+    host=lambda reference: "huggingface.co",
+    is_of_this_machine=forms.never,
+)

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from mjcompose.sources.lock import Lock
 
 DEFAULT = 30.0
-_SHORTEST, _LONGEST = 0.1, 24 * 3600.0
+_SHORTEST = 0.1
+_LONGEST = 24 * 3600.0
 
 
 def patience(environment: Mapping[str, str]) -> float:
@@ -67,7 +68,8 @@ class Silence:
         self._since = time.monotonic()
 
 
-_FIRST, _EVERY = 2.0, 1.0
+_FIRST = 2.0
+_EVERY = 1.0
 
 
 @contextmanager
@@ -212,9 +214,13 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     if not os.path.isfile(path):
         raise not_found(reference.text, path, existing)
     return Source(
-        path, reference.kind, reference.text, version=origin.pin, licenses=license.find(path, origin.root),
+        path,
+        reference.kind,
+        reference.text,
+        version=origin.pin,
+        licenses=license.find(path, origin.root),
         origin=origin,
-    )  # fmt: skip
+    )
 
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
@@ -282,9 +288,11 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
         message, note, corrected = _without_folder(text, wanted)
         near = corrected or near
     return SourceError(
-        "source-not-found", message, notes=(f"looked for `{wanted}`", note),
+        "source-not-found",
+        message,
+        notes=(f"looked for `{wanted}`", note),
         help=f"write `{near}`" if near else hint,
-    )  # fmt: skip
+    )
 
 
 def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
@@ -330,7 +338,8 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
         help = f"write `{beside}`" if beside else foreign.help(text)
         return SourceError("source-kind", foreign.message(text), help=help)
     if suffix.lower() in (".zip", ".mjz", ".mjb"):
-        problem, fix = ("is a bundle, which cannot be a part", "refer to the recipe or the XML that it was built from")
+        problem = "is a bundle, which cannot be a part"
+        fix = "refer to the recipe or the XML that it was built from"
     else:
         problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
         fix = (
@@ -338,6 +347,8 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
             " write `menagerie:ROBOT`"
         )
     return SourceError(
-        "source-kind", f"the model reference `{text}` {problem}",
-        notes=(exists_note("model file", known).message,) if known else (), help=f"write `{near}`" if near else fix,
-    )  # fmt: skip
+        "source-kind",
+        f"the model reference `{text}` {problem}",
+        notes=(exists_note("model file", known).message,) if known else (),
+        help=f"write `{near}`" if near else fix,
+    )

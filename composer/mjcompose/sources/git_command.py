@@ -127,7 +127,7 @@ class Git(Struct):
     @contextmanager
     def _process(
         self, arguments: tuple[str, ...], place: Mapping[str, str], *, asked: bool = False, silence: float | None = None
-    ) -> Iterator[Any]:  # fmt: skip
+    ) -> Iterator[Any]:
         limits = in_force()
         own = self._variables(place)
         with (
@@ -179,10 +179,18 @@ class Git(Struct):
 
     def _options(self) -> list[str]:
         # With `fetch.unpackLimit`, all objects arrive in one file, whose size can be limited.
-        return _options({
-            **_BOUNDS, **CONFINED, "http.lowSpeedLimit": "1", "http.lowSpeedTime": self._silence, "gc.auto": "0",
-            "fetch.fsckObjects": "false", "fetch.unpackLimit": "1", **dict(self.settings),
-        })  # fmt: skip
+        return _options(
+            {
+                **_BOUNDS,
+                **CONFINED,
+                "http.lowSpeedLimit": "1",
+                "http.lowSpeedTime": self._silence,
+                "gc.auto": "0",
+                "fetch.fsckObjects": "false",
+                "fetch.unpackLimit": "1",
+                **dict(self.settings),
+            }
+        )
 
     def _variables(self, place: Mapping[str, str]) -> dict[str, str]:
         own = {**os.environ, "GIT_ASKPASS": "", **self.environment}
@@ -284,8 +292,11 @@ def serving() -> str:
 
 
 _BOUNDS = {
-    "core.bigFileThreshold": "8m", "core.deltaBaseCacheLimit": "16m", "pack.windowMemory": "64m", "pack.threads": "1"
-}  # fmt: skip
+    "core.bigFileThreshold": "8m",
+    "core.deltaBaseCacheLimit": "16m",
+    "pack.windowMemory": "64m",
+    "pack.threads": "1",
+}
 """Settings that keep git from loading large files into memory."""
 
 
@@ -294,9 +305,12 @@ def _options(settings: Mapping[str, str]) -> list[str]:
 
 
 CONFINED = {
-    "core.hooksPath": os.devnull, "core.fsmonitor": "false", "core.attributesFile": os.devnull,
-    "submodule.recurse": "false", "fetch.recurseSubmodules": "false",
-}  # fmt: skip
+    "core.hooksPath": os.devnull,
+    "core.fsmonitor": "false",
+    "core.attributesFile": os.devnull,
+    "submodule.recurse": "false",
+    "fetch.recurseSubmodules": "false",
+}
 """Settings that keep git from running anything from a repository."""
 NO_TRANSPORT = {"GIT_ALLOW_PROTOCOL": "none", "GIT_NO_LAZY_FETCH": "1"}
 """Variables with which git contacts nobody.
@@ -363,7 +377,8 @@ def words_of(failure: GitFailure) -> tuple[str, ...]:
     return tuple(f"git said: {line}" for line in said[:3])
 
 
-_LINK, _MODULE = "120000", "160000"
+_LINK = "120000"
+_MODULE = "160000"
 _PIECE = 1024 * 1024
 _PATH_MAX = 4096
 _NOTHING = "a link to `{}`, which is not in the commit"
@@ -440,9 +455,12 @@ def _check(blobs: Iterable[_Blob], packed: int) -> None:
 
 
 def _follow(
-    links: list[_Blob], contents: Contents, files: dict[str, _Blob], written: dict[str, _Blob],
+    links: list[_Blob],
+    contents: Contents,
+    files: dict[str, _Blob],
+    written: dict[str, _Blob],
     left_out: dict[str, str],
-) -> None:  # fmt: skip
+) -> None:
     targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
     real = {name: _real(name, targets) for name in targets}
     for name, leads_to in real.items():

@@ -36,7 +36,8 @@ _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 def resolve(reference: Reference, lookup: Lookup) -> Source:
     """Return the file at a revision, whose commit the lock or the repository gives. Raises SourceError."""
-    id, known = reference.id, lookup.fetching.origins
+    id = reference.id
+    known = lookup.fetching.origins
     if id not in known:
         known[id] = _Repository(reference, id, Store.of(lookup.environment), lookup=lookup).origin()
     return source_in(known[id], reference)
@@ -73,9 +74,14 @@ class _Repository(Struct):
         entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
         without = ((name.removeprefix(_WITHOUT), why) for name, why in entry.about.items() if name.startswith(_WITHOUT))
         return Origin(
-            self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"],
-            without=(*without,), stored=entry.files,
-        )  # fmt: skip
+            self.id,
+            self.reference.kind,
+            entry.content,
+            commit=commit,
+            tree=entry.about["tree"],
+            without=(*without,),
+            stored=entry.files,
+        )
 
     @property
     def _git(self) -> Git:
@@ -83,7 +89,8 @@ class _Repository(Struct):
         return Git(self.lookup.environment, self.fetching.progress, settings=settings)
 
     def _asked(self) -> str:
-        url, revision = self.reference.name, self.reference.revision
+        url = self.reference.name
+        revision = self.reference.revision
         self.fetching.progress(f"looking up {revision} in {url}")
         try:
             listed = self._git.fetch("ls-remote", *_other_side(url), "--", url).decode("utf-8", "replace").splitlines()
@@ -132,7 +139,8 @@ class _Repository(Struct):
             about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
-        git, url = self._git, self.reference.name
+        git = self._git
+        url = self.reference.name
         self.fetching.progress(f"fetching {url} at {commit[:12]}")
         kind = "sha256" if len(commit) == 64 else "sha1"
         try:
@@ -151,7 +159,8 @@ class _Repository(Struct):
             raise self._unreachable(failure) from None
 
     def _history(self, repository: Path) -> None:
-        git, url = self._git, self.reference.name
+        git = self._git
+        url = self.reference.name
         git.create(repository)
         options = ("--no-tags", *_other_side(url))
         git.fetch("fetch", "-q", *options, "--", url, "+refs/*:refs/fetched/*", folder=repository)
@@ -177,7 +186,8 @@ class _Repository(Struct):
         return SourceError("source-fetch", message, notes=words_of(failure), help=help)
 
     def _no_revision(self, refs: Mapping[str, str]) -> SourceError:
-        wanted, url = self.reference.revision, self.reference.name
+        wanted = self.reference.revision
+        url = self.reference.name
         tags = [name[10:] for name in refs if name.startswith("refs/tags/") and not name.endswith("^{}")]
         heads = [name.removeprefix("refs/heads/") for name in refs if name.startswith("refs/heads/")]
         near = closest(wanted, [*tags, *heads])
@@ -188,7 +198,8 @@ class _Repository(Struct):
         return SourceError("source-revision", message, notes=notes, help=help)
 
     def _no_commit(self, commit: str, pinned: bool) -> SourceError:
-        url, text = self.reference.name, self.reference.text
+        url = self.reference.name
+        text = self.reference.text
         if not pinned:
             return SourceError("source-revision", f"`{url}` has no commit `{commit}`, in `{text}`")
         message = f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`"
@@ -246,7 +257,8 @@ _POINTER = re.compile(
 _LARGEST = 1024
 """Pointers of Git LFS are smaller, in bytes."""
 _TOGETHER = 100
-_HEADER, _VALUE = re.compile(r"[A-Za-z0-9-]+"), re.compile(r"[\x20-\x7e]*")
+_HEADER = re.compile(r"[A-Za-z0-9-]+")
+_VALUE = re.compile(r"[\x20-\x7e]*")
 
 
 class Pointer(Struct):
@@ -329,27 +341,30 @@ class _Server(Struct):
             return
         known = {each.sha256: each for each in batch}
         listed = answer.get("objects") if isinstance(answer, dict) else None
-        for each in listed if isinstance(listed, list) else ():
-            actions = each.get("actions") if isinstance(each, dict) else None
-            action = actions.get("download") if isinstance(actions, dict) else None
-            if isinstance(action, dict) and (pointer := known.pop(str(each.get("oid")), None)) is not None:
-                yield pointer, action
+        if isinstance(listed, list):
+            for each in listed:
+                actions = each.get("actions") if isinstance(each, dict) else None
+                action = actions.get("download") if isinstance(actions, dict) else None
+                if isinstance(action, dict) and (pointer := known.pop(str(each.get("oid")), None)) is not None:
+                    yield pointer, action
         for sha256 in known:
             self.lookup.fetching.progress(f"Git LFS of `{self.url}` does not have the file {sha256[:12]}…")
 
     def _fetched(self, pointer: Pointer, action: Mapping[str, Any]) -> Path:
         from mjcompose.sources.download import Version, download, forget
 
-        href, headers = action.get("href"), action.get("header")
+        href = action.get("href")
+        headers = action.get("header")
         parts = take_apart(href) if isinstance(href, str) else None
         is_open = parts is not None and parts.scheme == "http" and self.url.startswith("http:")
         if parts is None or not (parts.scheme == "https" or (is_open and is_this_machine(parts.netloc))):
             message = f"Git LFS of `{self.url}` names `{hide(str(href))}`, which is not an https address"
             raise SourceError("source-fetch", message)
         own = {
-            name: value for name, value in (headers.items() if isinstance(headers, dict) else ())
+            name: value
+            for name, value in (headers.items() if isinstance(headers, dict) else ())
             if isinstance(value, str) and _HEADER.fullmatch(name) and _VALUE.fullmatch(value)
-        }  # fmt: skip
+        }
         self.partial.mkdir(parents=True, exist_ok=True)
         partial = self.partial / f"{pointer.sha256}.part"
         download(parts.geturl(), partial, Version(), lookup=self.lookup, headers=own)

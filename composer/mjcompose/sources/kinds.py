@@ -35,7 +35,8 @@ def _resolve_path(reference: Reference, lookup: Lookup) -> Source:
     fetching = lookup.fetching
     if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
         raise left_out
-    door, wanted = fetching.door_of_text(lookup.folder), os.path.join(lookup.folder, reference.path)
+    door = fetching.door_of_text(lookup.folder)
+    wanted = os.path.join(lookup.folder, reference.path)
     if not door.sees(wanted):  # before any message lists existing files
         refused = door.outside(wanted)
         raise SourceError(CODE, refused.message(), refused.help)
@@ -97,22 +98,44 @@ def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
     own = license.find(source.path, origin.root)
     of_the_whole = tuple(each for each in asked.licenses if not each.is_relative_to(origin.root))
     return replace(
-        source, package=asked.package, version=asked.version, license=asked.license,
-        licenses=own or of_the_whole, origin=origin,
-    )  # fmt: skip
+        source,
+        package=asked.package,
+        version=asked.version,
+        license=asked.license,
+        licenses=own or of_the_whole,
+        origin=origin,
+    )
 
 
 PATH = SourceKind(
-    name="path", forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
-    local_schemes=(), separator="/", is_local=True, is_fetched=False, runs_code=False, pins=frozenset(),
-    variables=(), libraries=(), parse=_parse_path, resolve=_resolve_path, host=forms.no_host, is_of_this_machine=never,
-)  # fmt: skip
+    name="path",
+    forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
+    local_schemes=(),
+    separator="/",
+    is_local=True,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset(),
+    variables=(),
+    libraries=(),
+    parse=_parse_path,
+    resolve=_resolve_path,
+    host=forms.no_host,
+    is_of_this_machine=never,
+)
 
 
 KINDS: tuple[SourceKind, ...] = (
-    PATH, packages.PACKAGE, packages.MENAGERIE, packages.DESCRIPTIONS, fetched.GIT, fetched.ARCHIVE,
-    fetched.HF, fetched.BUCKET, fetched.OCI,
-)  # fmt: skip
+    PATH,
+    packages.PACKAGE,
+    packages.MENAGERIE,
+    packages.DESCRIPTIONS,
+    fetched.GIT,
+    fetched.ARCHIVE,
+    fetched.HF,
+    fetched.BUCKET,
+    fetched.OCI,
+)
 """A kind exists if its row is here; messages and docs list kinds in this order."""
 
 _BY_NAME = {kind.name: kind for kind in KINDS}
@@ -175,7 +198,8 @@ def parse(text: str, fetched: str | None = None) -> Reference:
 
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
     help = None
-    text, rest = hide(text), hide(rest)
+    text = hide(text)
+    rest = hide(rest)
     if near := closest(scheme, [*_BY_SCHEME, *EXTENDED]):
         help = f"write `{near[0]}:{rest}`"
     elif scheme.lower() == "file":

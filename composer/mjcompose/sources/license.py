@@ -105,17 +105,27 @@ _texts = Memory(lambda path: _read(path, _LARGEST), lambda _: "")
 
 
 _CLASSIFIERS = {
-    "Apache Software License": "Apache-2.0", "MIT License": "MIT", "MIT No Attribution License (MIT-0)": "MIT-0",
-    "ISC License (ISCL)": "ISC", "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
+    "Apache Software License": "Apache-2.0",
+    "MIT License": "MIT",
+    "MIT No Attribution License (MIT-0)": "MIT-0",
+    "ISC License (ISCL)": "ISC",
+    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
     "GNU General Public License v2 (GPLv2)": "GPL-2.0-only",
     "GNU General Public License v3 (GPLv3)": "GPL-3.0-only",
     "CC0 1.0 Universal (CC0 1.0) Public Domain Dedication": "CC0-1.0",
-}  # fmt: skip
+}
 _WRITTEN = {
-    "apache 2.0": "Apache-2.0", "apache-2.0": "Apache-2.0", "apache license 2.0": "Apache-2.0",
-    "apache license, version 2.0": "Apache-2.0", "mit": "MIT", "mit license": "MIT",
-    "bsd-3-clause": "BSD-3-Clause", "bsd-2-clause": "BSD-2-Clause", "isc": "ISC", "mpl-2.0": "MPL-2.0",
-}  # fmt: skip
+    "apache 2.0": "Apache-2.0",
+    "apache-2.0": "Apache-2.0",
+    "apache license 2.0": "Apache-2.0",
+    "apache license, version 2.0": "Apache-2.0",
+    "mit": "MIT",
+    "mit license": "MIT",
+    "bsd-3-clause": "BSD-3-Clause",
+    "bsd-2-clause": "BSD-2-Clause",
+    "isc": "ISC",
+    "mpl-2.0": "MPL-2.0",
+}
 
 
 def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:

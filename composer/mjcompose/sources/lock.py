@@ -197,7 +197,8 @@ def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Dispute
             return _both(ours, theirs)
     line = text.count("\n", 0, start) + 1
     choice = "which keeps the pins of both sides" if disputes is None else "after you choose one side of the merge"
-    help, message = f"run `mjcompose lock`, {choice}", f"`{shown}` contains the marks of a merge"
+    help = f"run `mjcompose lock`, {choice}"
+    message = f"`{shown}` contains the marks of a merge"
     sink.error("lock-invalid", message, Span(shown, line, 1, end_line=line, end_column=8), help=help)
     return None
 
@@ -213,8 +214,10 @@ def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, 
 
 
 _PROBLEMS = {
-    "missing": "is missing", "extra_forbidden": "is not a key of a lock", "string_pattern_mismatch": "is not a hash"
-}  # fmt: skip
+    "missing": "is missing",
+    "extra_forbidden": "is not a key of a lock",
+    "string_pattern_mismatch": "is not a hash",
+}
 
 
 def _sides(text: str) -> tuple[str, str]:
@@ -244,7 +247,8 @@ def _sides(text: str) -> tuple[str, str]:
 def _both(ours: Lock, theirs: Lock) -> Lock:
     sources = {**theirs.sources, **ours.sources}
     for id in ours.sources.keys() & theirs.sources.keys():
-        mine, other = ours.sources[id], theirs.sources[id]
+        mine = ours.sources[id]
+        other = theirs.sources[id]
         joined = {name: sorted({*getattr(mine, name), *getattr(other, name)}) for name in ("licenses", "used_by")}
         sources[id] = mine.model_copy(update={"files": {**other.files, **mine.files}, **joined})
     return ours.model_copy(update={"sources": sources, "shapes": {**theirs.shapes, **ours.shapes}})
@@ -265,9 +269,13 @@ def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
 
 
 def resolve(
-    reference: str, *, relative_to: Path, environment: AbcMapping[str, str], fetching: Fetching | None = None,
+    reference: str,
+    *,
+    relative_to: Path,
+    environment: AbcMapping[str, str],
+    fetching: Fetching | None = None,
     runs_code: bool = True,
-) -> Source:  # fmt: skip
+) -> Source:
     """Find the file of a model reference and its licenses; fetch it if necessary.
 
     `relative_to` is the folder of the file that contains the reference, `environment` replaces the environment of the

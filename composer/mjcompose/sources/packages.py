@@ -91,12 +91,15 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
     if not licenses and owner is not None:
         licenses = tuple(sorted(_licenses_of(owner)))
     return Source(
-        path, reference.kind, reference.text,
+        path,
+        reference.kind,
+        reference.text,
         package=owner.metadata["Name"] if owner is not None else reference.name,
-        version=owner.version if owner is not None else None, licenses=licenses,
+        version=owner.version if owner is not None else None,
+        licenses=licenses,
         origin=Origin(reference.id, reference.kind, root),
         license=None if owner is None else _license_of(owner),
-    )  # fmt: skip
+    )
 
 
 def _license_of(owner: Distribution) -> str | None:
@@ -121,7 +124,8 @@ def _existing(reference: Reference, roots: list[Path]) -> list[str]:
 def _not_installed(reference: Reference) -> SourceError:
     from importlib import metadata
 
-    name, text = reference.name, reference.text
+    name = reference.name
+    text = reference.text
     spec = _spec(name.partition(".")[0])
     if spec is not None and spec.submodule_search_locations is None:
         return SourceError("source-not-found", f"`{name}` is a Python module without a folder, in `{text}`")
@@ -138,10 +142,21 @@ def _normalised(distribution_name: str) -> str:
 
 
 PACKAGE = SourceKind(
-    name="package", forms=(_PACKAGE_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
-    runs_code=False, pins=frozenset({"package", "version"}), variables=("PYTHONPATH",), libraries=(),
-    parse=_parse_package, resolve=_resolve_package, host=forms.no_host, is_of_this_machine=forms.always,
-)  # fmt: skip
+    name="package",
+    forms=(_PACKAGE_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset({"package", "version"}),
+    variables=("PYTHONPATH",),
+    libraries=(),
+    parse=_parse_package,
+    resolve=_resolve_package,
+    host=forms.no_host,
+    is_of_this_machine=forms.always,
+)
 
 
 _MENAGERIE_PACKAGE = "mujoco-menagerie"
@@ -166,7 +181,8 @@ def _resolve_menagerie(reference: Reference, lookup: Lookup) -> Source:
     folder with one subfolder for each robot, and nothing is downloaded, but the package is still needed.
     `MENAGERIE_CACHE_DIR` and `MENAGERIE_BASE_URL` have the same meaning as in the package. Raises SourceError.
     """
-    environment, fetching = lookup.environment, lookup.fetching
+    environment = lookup.environment
+    fetching = lookup.fetching
     try:
         library: Any = import_module("mujoco_menagerie")
     except ImportError:
@@ -186,13 +202,20 @@ def _resolve_menagerie(reference: Reference, lookup: Lookup) -> Source:
     # The files in a given folder need not belong to the installed version.
     is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
-        path, reference.kind, reference.text, package=_MENAGERIE_PACKAGE,
-        version=library.__version__ if is_own else None, licenses=license.find(path, folder),
+        path,
+        reference.kind,
+        reference.text,
+        package=_MENAGERIE_PACKAGE,
+        version=library.__version__ if is_own else None,
+        licenses=license.find(path, folder),
         origin=Origin(
-            reference.id, reference.kind, folder,
-            commit=library.commit() if is_own else None, tree=robot.oid if is_own else None,
+            reference.id,
+            reference.kind,
+            folder,
+            commit=library.commit() if is_own else None,
+            tree=robot.oid if is_own else None,
         ),
-    )  # fmt: skip
+    )
 
 
 def _robot(library: Any, reference: Reference) -> Any:
@@ -262,13 +285,22 @@ def _folder(library: Any, robot: Any, reference: Reference, environment: Mapping
 
 
 MENAGERIE = SourceKind(
-    name="menagerie", forms=(_MENAGERIE_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
-    runs_code=False, pins=frozenset({"commit", "tree", "package", "version"}),
+    name="menagerie",
+    forms=(_MENAGERIE_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset({"commit", "tree", "package", "version"}),
     # The last two determine the folder of the package's downloads.
     variables=("MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "XDG_CACHE_HOME", "HOME"),
-    libraries=(Library(_MENAGERIE_PACKAGE, "menagerie"),), parse=_parse_menagerie, resolve=_resolve_menagerie,
-    host=forms.no_host, is_of_this_machine=forms.never,
-)  # fmt: skip
+    libraries=(Library(_MENAGERIE_PACKAGE, "menagerie"),),
+    parse=_parse_menagerie,
+    resolve=_resolve_menagerie,
+    host=forms.no_host,
+    is_of_this_machine=forms.never,
+)
 
 
 _DESCRIPTIONS_PACKAGE = "robot_descriptions"
@@ -307,10 +339,14 @@ def _resolve_descriptions(reference: Reference, lookup: Lookup) -> Source:
     repository = Path(written) if written else None
     commit = None if repository is None else _commit(repository)
     return Source(
-        path, reference.kind, reference.text, package=_DESCRIPTIONS_PACKAGE,
-        version=owner.version if owner is not None else None, licenses=license.find(path, repository),
+        path,
+        reference.kind,
+        reference.text,
+        package=_DESCRIPTIONS_PACKAGE,
+        version=owner.version if owner is not None else None,
+        licenses=license.find(path, repository),
         origin=Origin(reference.id, reference.kind, repository or path.parent, commit=commit),
-    )  # fmt: skip
+    )
 
 
 def _commit(repository: Path) -> str | None:
@@ -366,10 +402,19 @@ def _unknown(name: str, names: list[str]) -> SourceError:
 
 
 DESCRIPTIONS = SourceKind(
-    name="descriptions", forms=(_DESCRIPTIONS_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
-    runs_code=True, pins=frozenset({"commit", "tree", "package", "version"}),
+    name="descriptions",
+    forms=(_DESCRIPTIONS_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=True,
+    pins=frozenset({"commit", "tree", "package", "version"}),
     # The last two name the folder of the package's clones.
     variables=("ROBOT_DESCRIPTIONS_CACHE", "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME"),
-    libraries=(Library(_DESCRIPTIONS_PACKAGE),), parse=_parse_descriptions, resolve=_resolve_descriptions,
-    host=forms.no_host, is_of_this_machine=forms.always,
-)  # fmt: skip
+    libraries=(Library(_DESCRIPTIONS_PACKAGE),),
+    parse=_parse_descriptions,
+    resolve=_resolve_descriptions,
+    host=forms.no_host,
+    is_of_this_machine=forms.always,
+)

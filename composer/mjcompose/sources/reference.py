@@ -213,9 +213,14 @@ def is_commit(text: str) -> bool:
 Format = Literal["recipe", "mjcf", "urdf", "mesh"]
 
 FORMATS: dict[str, Format] = {
-    ".yaml": "recipe", ".yml": "recipe", ".xml": "mjcf", ".mjcf": "mjcf", ".urdf": "urdf", ".xacro": "urdf",
+    ".yaml": "recipe",
+    ".yml": "recipe",
+    ".xml": "mjcf",
+    ".mjcf": "mjcf",
+    ".urdf": "urdf",
+    ".xacro": "urdf",
     **dict.fromkeys(MESH_FILES, "mesh"),
-}  # fmt: skip
+}
 """The format of a file by its suffix in lower case."""
 
 

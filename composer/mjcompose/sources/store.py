@@ -87,7 +87,8 @@ class Store(Struct):
 
         `MJCOMPOSE_CACHE_SIZE` limits its size. Raises SourceError if another user can change it.
         """
-        folder, written = Path(store_folder(environment)), environment.get("MJCOMPOSE_CACHE_SIZE", "")
+        folder = Path(store_folder(environment))
+        written = environment.get("MJCOMPOSE_CACHE_SIZE", "")
         limit = parse_size(written) if written else DEFAULT_LIMIT
         if limit is None:
             message = f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{written}`"
@@ -125,7 +126,8 @@ class Store(Struct):
                 content = stage / "content"
                 content.mkdir(parents=True)
                 fill(content)
-                files, size = {}, 0
+                files = {}
+                size = 0
                 for name, path in blobs.files_below(content):
                     files[name] = blobs.sha256_of(path)
                     size += path.stat().st_size
@@ -301,9 +303,15 @@ class Store(Struct):
             used = (folder / ENTRY).stat().st_mtime
             record: Any = json.loads(text)
             return Entry(
-                kind, folder.name, folder, origin=record["origin"], size=record["size"],
-                files=record["files"], about=record["about"], used=used,
-            )  # fmt: skip
+                kind,
+                folder.name,
+                folder,
+                origin=record["origin"],
+                size=record["size"],
+                files=record["files"],
+                about=record["about"],
+                used=used,
+            )
         except (OSError, ValueError, KeyError, TypeError):
             return None
 

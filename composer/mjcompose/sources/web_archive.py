@@ -55,18 +55,31 @@ def check(files: int, size: int, packed: int | None = None) -> None:
 
 _CHUNK = 1024 * 1024
 _HEADER = 16 * _CHUNK
-_NAME_MAX, _PATH_MAX = 255, 2048
+_NAME_MAX = 255
+_PATH_MAX = 2048
 """Maximum bytes of a file name, and of a path below the store."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 _OPENERS: tuple[tuple[bytes, Any], ...] = (
-    (b"\x1f\x8b", gzip.open), (b"BZh", bz2.open), (b"\xfd7zXZ\x00", lzma.open),
-)  # fmt: skip
+    (b"\x1f\x8b", gzip.open),
+    (b"BZh", bz2.open),
+    (b"\xfd7zXZ\x00", lzma.open),
+)
 
 
 _BROKEN = (
-    zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError,
-    gzip.BadGzipFile, ValueError, RuntimeError, struct.error, OverflowError, IndexError,
-)  # fmt: skip
+    zipfile.BadZipFile,
+    tarfile.TarError,
+    zlib.error,
+    lzma.LZMAError,
+    EOFError,
+    NotImplementedError,
+    gzip.BadGzipFile,
+    ValueError,
+    RuntimeError,
+    struct.error,
+    OverflowError,
+    IndexError,
+)
 _OF_THE_DISK = frozenset({errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.ENXIO, errno.EBADF})
 
 
@@ -133,9 +146,12 @@ def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | No
 
 
 _KINDS = {
-    stat.S_IFLNK: "a link", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFIFO: "a pipe",
+    stat.S_IFLNK: "a link",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
-}  # fmt: skip
+}
 
 
 def _tar_members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes] | None]]:
@@ -191,7 +207,8 @@ class _Bounded:
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
-        self.tell, self.seek = stream.tell, stream.seek
+        self.tell = stream.tell
+        self.seek = stream.seek
 
     def read(self, size: int = -1) -> bytes:
         if not 0 <= size <= _HEADER:
@@ -211,7 +228,8 @@ def resolve(reference: Reference, lookup: Lookup, download: Download | None = No
     Archives that the lock or the reference pins come from the store, or else are fetched. Unpinned archives are fetched
     again if the server says that they have changed.
     """
-    id, known = reference.id, lookup.fetching.origins
+    id = reference.id
+    known = lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
         if download is None:
@@ -290,10 +308,12 @@ class _Archive(Struct):
         return entry
 
     def _changed(self, wanted: str, sha256: str, changes: tuple[str, ...]) -> SourceError:
-        pinned, help = "the reference", "if you want that archive, write the new sha256"
+        pinned = "the reference"
+        help = "if you want that archive, write the new sha256"
         if not self.reference.revision:
             upgrade = f"mjcompose lock {self.fetching.recipe} --upgrade-source {self.id}"
-            pinned, help = "the lock", f"look at its contents, then run `{upgrade}`"
+            pinned = "the lock"
+            help = f"look at its contents, then run `{upgrade}`"
         message = f"the archive `{self.reference.name}` differs from the archive that {pinned} pins"
         notes = (f"sha256 {wanted} is pinned, {sha256} is there", *changes[:8])
         return SourceError("source-changed", message, notes=notes, help=help)

@@ -40,7 +40,8 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     the model (if there are any, no file is written), the names of the elements by kind, and, if MuJoCo can read the
     files, its index.
     """
-    model, out = Path(argument["model"]), Path(argument["out"])
+    model = Path(argument["model"])
+    out = Path(argument["out"])
     try:
         draft = plain(mujoco, model)
         written = PLAIN.write(draft)
@@ -49,8 +50,10 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     except (CannotBePlain, ValueError) as error:
         return {"error": " ".join(str(error).split()), "losses": [], "differences": []}
     found: dict[str, Any] = {
-        "error": None, "differences": list(differences(draft.model, again)), "names": NameTable(draft.model).names,
-    }  # fmt: skip
+        "error": None,
+        "differences": list(differences(draft.model, again)),
+        "names": NameTable(draft.model).names,
+    }
     target = TARGETS[argument["name"]]
     if target is not PLAIN:
         for path in written:
@@ -73,7 +76,8 @@ def _put(folder: Path, files: dict[str, bytes]) -> None:
 
 def exported(bundle: Bundle, target: str, folder: Path, *, session: Session) -> dict[str, Any] | str:
     """Return the answer of `export`, which writes into `out` in a folder, or the reason that nothing can be written."""
-    source, out = folder / "in", folder / "out"
+    source = folder / "in"
+    out = folder / "out"
     source.mkdir()
     out.mkdir()
     write_files(bundle, source)
@@ -86,7 +90,9 @@ def exported(bundle: Bundle, target: str, folder: Path, *, session: Session) -> 
     return found
 
 
-CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
+CANNOT = "target-cannot"
+LOSS = "target-loss"
+FAILED = "target-failed"
 
 
 def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session) -> Bundle | None:
@@ -109,9 +115,11 @@ def aimed(bundle: Bundle, target: str, model: Unit, *, at: Span, context: Contex
         made = {path.relative_to(out).as_posix(): path.read_bytes() for path in files}
     for each in found["differences"]:
         context.sink.error(
-            FAILED, f"MuJoCo reads the plain text of the model back as a different model: {each}", at,
+            FAILED,
+            f"MuJoCo reads the plain text of the model back as a different model: {each}",
+            at,
             cause=Cause(f"{FAILED} {target}", each),
-        )  # fmt: skip
+        )
     losses = [Loss(**each) for each in found["losses"]]
     places = _Places(model, found["names"])
     for loss in losses:
@@ -152,16 +160,22 @@ def _bundle(
     title = TARGETS[target].title
     left_out = tuple(
         UnsupportedFeature(
-            feature=FEATURES[group[0].feature], tag=group[0].tag, why=in_words(title, group), count=len(group),
+            feature=FEATURES[group[0].feature],
+            tag=group[0].tag,
+            why=in_words(title, group),
+            count=len(group),
             names=tuple(loss.name for loss in group if loss.name),
         )
         for group in grouped(losses)
-    )  # fmt: skip
+    )
     index = None if found["index"] is None else manifests.index_of(Index.from_data(found["index"]))
     changed = {
-        "model": aimed.model, "target": TargetRecord(name=target, left_out=left_out), "files": files_of(aimed),
-        "index": index, "parts": (),
-    }  # fmt: skip
+        "model": aimed.model,
+        "target": TargetRecord(name=target, left_out=left_out),
+        "files": files_of(aimed),
+        "index": index,
+        "parts": (),
+    }
     return with_manifest(aimed, manifest.model_copy(update=changed))
 
 
@@ -175,7 +189,8 @@ class _Places(Struct, frozen=False):
     def span(self, loss: Loss) -> Span | None:
         """Return the place of the element, or None for a copy that MuJoCo has made."""
         self._order = self._order or compiled_order(self.model.root)
-        nodes, node = self._order.get(loss.kind, ()), None
+        nodes = self._order.get(loss.kind, ())
+        node = None
         if nodes and len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
             node = nodes[loss.number]
         elif loss.name:

@@ -20,16 +20,34 @@ Facts = dict[str, Any]
 SECONDS = 0.2
 """The motion from the home key."""
 FEATURES = {
-    "range": "limits", "damping": "damping", "friction": "friction", "armature": "armature", "stiffness": "springs",
-    "effort": "effort", "force": "effort", "joint": "actuators", "kp": "gains", "kd": "gains",
-    "control": "control ranges", "com": "inertia", "shapes": "shapes", "poses": "poses", "motion": "motion",
-    "forces": "forces", "driven": "driven",
-}  # fmt: skip
+    "range": "limits",
+    "damping": "damping",
+    "friction": "friction",
+    "armature": "armature",
+    "stiffness": "springs",
+    "effort": "effort",
+    "force": "effort",
+    "joint": "actuators",
+    "kp": "gains",
+    "kd": "gains",
+    "control": "control ranges",
+    "com": "inertia",
+    "shapes": "shapes",
+    "poses": "poses",
+    "motion": "motion",
+    "forces": "forces",
+    "driven": "driven",
+}
 """The compared quantity, by its word in the facts."""
 _WORDS = {
-    "range": "limits", "friction": "dry friction", "effort": "greatest force", "force": "greatest force",
-    "kp": "stiffness (`kp`)", "kd": "damping (`kv`)", "control": "range of the control",
-}  # fmt: skip
+    "range": "limits",
+    "friction": "dry friction",
+    "effort": "greatest force",
+    "force": "greatest force",
+    "kp": "stiffness (`kp`)",
+    "kd": "damping (`kv`)",
+    "control": "range of the control",
+}
 _ERASED = {
     "damping": ("dof_damping", "dof_dampingpoly"),
     "polynomials": ("dof_dampingpoly", "jnt_stiffnesspoly"),
@@ -37,10 +55,16 @@ _ERASED = {
     "friction": ("dof_frictionloss",),
     "armature": ("dof_armature", "actuator_armature"),
     "gravcomp": ("body_gravcomp",),
-    "tendons": ("tendon_stiffness", "tendon_stiffnesspoly", "tendon_damping", "tendon_dampingpoly",
-                "tendon_frictionloss", "tendon_armature"),
+    "tendons": (
+        "tendon_stiffness",
+        "tendon_stiffnesspoly",
+        "tendon_damping",
+        "tendon_dampingpoly",
+        "tendon_frictionloss",
+        "tendon_armature",
+    ),
     "actuators": ("actuator_armature",),
-}  # fmt: skip
+}
 """Elements that no longer affect the motion after a loss, by feature."""
 _MOVED = 0.01
 """How much of the longest way, and of 1, the end of a motion may be off: programs have integrators of their own."""
@@ -94,7 +118,8 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
         joints: dict[str, list[float]] = {}
         free: dict[str, list[float]] = {}
         for number in range(model.njnt):
-            kind, name = int(model.jnt_type[number]), model.joint(number).name
+            kind = int(model.jnt_type[number])
+            name = model.joint(number).name
             body = model.body(int(model.jnt_bodyid[number])).name
             if kind in (programs.SLIDE, programs.HINGE) and name:
                 joints[name] = [float(position(number, kind))]
@@ -117,15 +142,18 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
 
     moves = model.nv > 0 and model.nflex == 0
     return {
-        "poses": [pose(drawn) for _ in range(count)], "home": pose(at_home), "seconds": SECONDS if moves else 0,
+        "poses": [pose(drawn) for _ in range(count)],
+        "home": pose(at_home),
+        "seconds": SECONDS if moves else 0,
         "gravity": model.opt.gravity.tolist(),
-    }  # fmt: skip
+    }
 
 
 _SHARES = (1.0, 0.25, 0.05, 0.01)
 _SMOOTH = 0.002
 """Relative to the longest way: with half the step, a motion that is compared ends at most this far away."""
-_NONE, _AFFINE = 0, 1  # mjBIAS_NONE, mjBIAS_AFFINE, and also mjGAIN_FIXED, mjDYN_NONE, mjTRN_JOINT
+_NONE = 0
+_AFFINE = 1  # mjBIAS_NONE, mjBIAS_AFFINE, and also mjGAIN_FIXED, mjDYN_NONE, mjTRN_JOINT
 
 
 def drives_of(mujoco: Any, model: Any, asked: Facts) -> Facts:
@@ -137,19 +165,21 @@ def drives_of(mujoco: Any, model: Any, asked: Facts) -> Facts:
     """
     drives: Facts = {}
     for number in range(model.nu):
-        name, drive = model.actuator(number).name, _drive(model, number)
+        name = model.actuator(number).name
+        drive = _drive(model, number)
         if name and drive is not None:
             drives[name] = drive
     found: Facts = {"drives": drives, "eases": False}
-    for share in _SHARES if asked["seconds"] else ():
-        for name, drive in drives.items():
-            drive["eased"] = _controls(model, model.actuator(name).id, drive["input"], asked["home"], share=share)
-        _, once = _driven(mujoco, model, asked | found)
-        _, twice = _driven(mujoco, model, asked | found, halved=True)
-        way = max([abs(end - asked["home"]["joints"][name][0]) for name, end in twice.items()], default=0.0)
-        if max([abs(once[name] - end) for name, end in twice.items()], default=0.0) <= _SMOOTH * max(way, 0.01):
-            found["eases"] = True
-            break
+    if asked["seconds"]:
+        for share in _SHARES:
+            for name, drive in drives.items():
+                drive["eased"] = _controls(model, model.actuator(name).id, drive["input"], asked["home"], share=share)
+            _, once = _driven(mujoco, model, asked | found)
+            _, twice = _driven(mujoco, model, asked | found, halved=True)
+            way = max([abs(end - asked["home"]["joints"][name][0]) for name, end in twice.items()], default=0.0)
+            if max([abs(once[name] - end) for name, end in twice.items()], default=0.0) <= _SMOOTH * max(way, 0.01):
+                found["eases"] = True
+                break
     for name, drive in drives.items():
         drive["full"] = _controls(model, model.actuator(name).id, drive["input"], asked["home"])
     return found
@@ -163,10 +193,12 @@ def _drive(model: Any, number: int) -> Facts | None:
     delays = getattr(model, "actuator_delay", None)
     if not is_simple or not model.actuator_gear[number][0] or (delays is not None and delays[number]):
         return None
-    kind, name = int(model.jnt_type[joint]), model.joint(joint).name
+    kind = int(model.jnt_type[joint])
+    name = model.joint(joint).name
     if kind not in (programs.SLIDE, programs.HINGE) or not name or model.jnt_actgravcomp[joint]:
         return None
-    gain, bias = float(model.actuator_gainprm[number][0]), model.actuator_biasprm[number][:3].tolist()
+    gain = float(model.actuator_gainprm[number][0])
+    bias = model.actuator_biasprm[number][:3].tolist()
     if int(model.actuator_biastype[number]) == _NONE:
         return {"joint": name, "input": "force"} if gain else None
     if int(model.actuator_biastype[number]) != _AFFINE or bias[0]:
@@ -178,7 +210,8 @@ def _drive(model: Any, number: int) -> Facts | None:
 
 def _controls(model: Any, number: int, word: str, home: Facts, share: float = 1.0) -> Facts:
     """Return a share of the full control from the pose `home` on, and the same at the joint."""
-    gear, gain = float(model.actuator_gear[number][0]), float(model.actuator_gainprm[number][0])
+    gear = float(model.actuator_gear[number][0])
+    gain = float(model.actuator_gainprm[number][0])
     at_joint = gain * gear if word == "force" else 1 / gear
     full = float(model.actuator_ctrlrange[number][1]) if model.actuator_ctrllimited[number] else 0.5 / abs(at_joint)
     start = 0.0
@@ -215,9 +248,10 @@ def without_lost(asked: Facts, losses: Iterable[Loss]) -> Facts:
     """Return the questions without the drives that a target does not have, or not with all of their force."""
     lost = {(loss.feature, loss.name) for loss in losses if not loss.otherwise}
     drives = {
-        name: drive for name, drive in asked.get("drives", {}).items()
+        name: drive
+        for name, drive in asked.get("drives", {}).items()
         if not {("actuators", name), ("gears", name), ("effort", name), ("effort", drive["joint"])} & lost
-    }  # fmt: skip
+    }
     return {**asked, "drives": drives}
 
 
@@ -225,7 +259,8 @@ def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ())
     """Return the facts of a compiled model, as consumers write them, with the end of the motion after the losses."""
 
     def placed(rows: Any) -> Any:
-        data, found = mujoco.MjData(model), []
+        data = mujoco.MjData(model)
+        found = []
         for row in rows:
             data.qpos = row
             mujoco.mj_kinematics(model, data)
@@ -254,7 +289,8 @@ def _erased(model: Any, losses: Sequence[Loss]) -> Any:
     model = copy.copy(model)
     for loss in losses:
         if loss.feature == "computing":
-            model.opt.density, model.opt.viscosity = 0, 0
+            model.opt.density = 0
+            model.opt.viscosity = 0
         if loss.feature == "gains" and loss.kind == "actuator":
             model.actuator_biasprm[loss.number][2] = 0
         for array in _ERASED.get(loss.feature, ()):
@@ -361,7 +397,8 @@ def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iter
 def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator[Difference]:
     composite = bool(facts.get("composite"))
     for body in range(1, model.nbody):
-        name, message = model.body(body).name, None
+        name = model.body(body).name
+        message = None
         # Each program gives nameless bodies a name of its own; in a composite, a fixed body is part of its holder.
         if not name or (composite and model.body_weldid[body] != body):
             continue
@@ -387,7 +424,8 @@ def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[fl
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    frame, origin = data.xmat[body].reshape(3, 3), data.xpos[body]
+    frame = data.xmat[body].reshape(3, 3)
+    origin = data.xpos[body]
     masses = model.body_mass[parts]
     mass = float(masses.sum())
     if mass == 0:
@@ -403,13 +441,15 @@ def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[fl
 
 
 def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float) -> Iterator[Difference]:
-    worst, where = 0.0, ""
+    worst = 0.0
+    where = ""
     for true, each in zip(mine, read, strict=True):
         for name, pose in true.items():
             if name in each:
                 off = max(float(np.abs(np.subtract(*pair)).max()) for pair in zip(each[name], pose, strict=True))
                 if off > worst:
-                    worst, where = off, name
+                    worst = off
+                    where = name
             elif not composite:
                 yield Difference("poses", "body", name, message=f"the body `{name}` has no pose")
                 return
@@ -431,5 +471,7 @@ def _motions(mine: dict[str, float], read: dict[str, float], start: Facts, featu
 def _shown(value: Any) -> str:
     if value is None:
         return "without limit"
-    return " ".join(each if isinstance(each, str) else "none" if each is None else f"{each:.6g}"
-                    for each in np.ravel(np.array(value, dtype=object)))  # fmt: skip
+    return " ".join(
+        each if isinstance(each, str) else "none" if each is None else f"{each:.6g}"
+        for each in np.ravel(np.array(value, dtype=object))
+    )

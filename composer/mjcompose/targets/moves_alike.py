@@ -127,6 +127,7 @@ def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, An
 
 def _apart(check: MovesAlike, program: str, moved: Sequence[Moved]) -> Fault:
     first, *more = with_rest([each.words for each in moved])
-    message, unit = f"the model moves differently in {program}: {first}", moved[0].unit
+    message = f"the model moves differently in {program}: {first}"
+    unit = moved[0].unit
     found = failed(message, f"at most {check.tol:g} {unit}", f"{moved[0].amount:.4g} {unit}", more=more)
     return replace(found, at=("tol",))

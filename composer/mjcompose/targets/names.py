@@ -5,8 +5,18 @@ from __future__ import annotations
 MUJOCO = "mujoco"
 """The target that a bundle is for as it is composed."""
 NAMES = (
-    MUJOCO, "plain", "drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "isaac", "urdf",
-)  # fmt: skip
+    MUJOCO,
+    "plain",
+    "drake",
+    "pinocchio",
+    "pybullet",
+    "newton",
+    "genesis",
+    "mjx",
+    "warp",
+    "isaac",
+    "urdf",
+)
 READ_IN = ("drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "urdf")
 """The targets in which a model can be read back."""
 CONSUMERS = "MJCOMPOSE_CONSUMERS"

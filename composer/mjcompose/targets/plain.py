@@ -106,8 +106,9 @@ def without_classes(root: Node) -> None:
                     text = " ".join([linear, *higher])
                 element.set(name, text)
     for element in root.iter("*"):
-        for name in ("class", "childclass") if element.tag != "default" else ():
-            element.attrib.pop(name, "")
+        if element.tag != "default":
+            for name in ("class", "childclass"):
+                element.attrib.pop(name, "")
     for section in list(root.iterchildren("default")):
         root.remove(section)
 
@@ -160,9 +161,19 @@ def keep_files(root: Node, folder: Path, spec: Any) -> dict[str, bytes]:
 
 FOLDER = "assets"
 _GONE = (
-    "file", "content_type", "vertex", "normal", "texcoord", "face", "refpos", "refquat", "scale", "smoothnormal",
-    "builtin", "params",
-)  # fmt: skip
+    "file",
+    "content_type",
+    "vertex",
+    "normal",
+    "texcoord",
+    "face",
+    "refpos",
+    "refquat",
+    "scale",
+    "smoothnormal",
+    "builtin",
+    "params",
+)
 _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
@@ -177,8 +188,10 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
         mesh.set("name", names[number])
         for attribute in _GONE:
             mesh.attrib.pop(attribute, "")
-        name, copies = f"{FOLDER}/{portable_step(_NOT_IN_FILES.sub('_', names[number]))}", 1
-        path, taken = f"{name}.obj", {each.casefold() for each in files}
+        name = f"{FOLDER}/{portable_step(_NOT_IN_FILES.sub('_', names[number]))}"
+        copies = 1
+        path = f"{name}.obj"
+        taken = {each.casefold() for each in files}
         while path.casefold() in taken:
             copies += 1
             path = f"{name}_{copies}.obj"
@@ -211,8 +224,13 @@ def _lines(model: Any, number: int) -> Iterator[str]:
 
 _DYNAMICS = ("dyntype", "dynprm", "actrange", "actlimited", "actdim", "actearly")
 _MOTOR = {
-    *GRAMMAR.element("actuator/motor").attributes, "gaintype", "gainprm", "biastype", "biasprm", "input",
-}  # fmt: skip
+    *GRAMMAR.element("actuator/motor").attributes,
+    "gaintype",
+    "gainprm",
+    "biastype",
+    "biasprm",
+    "input",
+}
 _GAIN = ("gaintype", "gainprm", "biastype", "biasprm", "input")
 
 
@@ -233,7 +251,8 @@ def simple_actuators(root: Node, *, any_input: bool = False) -> None:
     for actuator in list(root.iterfind("actuator/general")):
         if any(actuator.get(name) for name in _DYNAMICS) or actuator.get("gaintype", "fixed") != "fixed":
             continue
-        gain, bias = _numbers(actuator, "gainprm", 1.0), _numbers(actuator, "biasprm", 0.0)
+        gain = _numbers(actuator, "gainprm", 1.0)
+        bias = _numbers(actuator, "biasprm", 0.0)
         affine = actuator.get("biastype", "none") == "affine"
         said = actuator.get("input", "")
         if any(gain[1:]) or any(bias[3:]) or not _MOTOR.issuperset(map(str, actuator.keys())):
@@ -325,9 +344,11 @@ def _joint(model: Any, number: int, joint: Node) -> None:
     if limited:
         joint.set("range", text(model.jnt_range[number]))
     for name, value in (
-        ("armature", model.dof_armature[dof]), ("frictionloss", model.dof_frictionloss[dof]),
-        ("damping", model.dof_damping[dof]), ("stiffness", model.jnt_stiffness[number]),
-    ):  # fmt: skip
+        ("armature", model.dof_armature[dof]),
+        ("frictionloss", model.dof_frictionloss[dof]),
+        ("damping", model.dof_damping[dof]),
+        ("stiffness", model.jnt_stiffness[number]),
+    ):
         if joint.get(name) is None:
             joint.set(name, text(value))
 
@@ -363,11 +384,25 @@ def _geom(model: Any, number: int, geom: Node) -> None:
 
 
 _DONE = (
-    "boundmass", "boundinertia", "balanceinertia", "settotalmass", "fusestatic", "discardvisual", "alignfree",
-    "fitaabb", "inertiagrouprange", "saveinertial", "savecompiled", "savecanonical", "strippath", "meshdir",
+    "boundmass",
+    "boundinertia",
+    "balanceinertia",
+    "settotalmass",
+    "fusestatic",
+    "discardvisual",
+    "alignfree",
+    "fitaabb",
+    "inertiagrouprange",
+    "saveinertial",
+    "savecompiled",
+    "savecanonical",
+    "strippath",
+    "meshdir",
     "texturedir",
-    "assetdir", "eulerseq", "passthrough",
-)  # fmt: skip
+    "assetdir",
+    "eulerseq",
+    "passthrough",
+)
 
 _WITH_INPUTS = 4_000_000
 """MuJoCo before 4.0 saves a servo as its gains alone."""

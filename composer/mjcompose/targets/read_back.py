@@ -98,7 +98,8 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     The facts are as in `judge.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
     written next to the folder of the model.
     """
-    asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
+    asked = model.parent.with_suffix(".poses.json")
+    out = model.parent.with_suffix(".facts.json")
     asked.write_text(json.dumps(questions), encoding="utf-8")
     program = _READERS / f"{reader.program}.py"
     command = isolated(python, [facts_module.__file__, str(program), str(model), str(asked), str(out)])
@@ -121,7 +122,8 @@ def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any
     return facts
 
 
-_FAILED, _MISSING = "check-failed", "consumer-missing"
+_FAILED = "check-failed"
+_MISSING = "consumer-missing"
 _SHOWN = 8
 _POSES = 50
 LOSS = "target-loss"
@@ -224,7 +226,8 @@ def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], 
 
 
 def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
-    lines, several = _sentences(name, lacked), "s" * (len(lacked) != 1)
+    lines = _sentences(name, lacked)
+    several = "s" * (len(lacked) != 1)
     actual = f"actual: it lacks {len(lacked)} thing{several}"
     notes = ["expected: nothing that it lacks", actual, *lines[1:_SHOWN]]
     if len(lines) > _SHOWN:

@@ -56,19 +56,23 @@ def single_joints(mass: str = "0") -> Limit:
 
     def apply(draft: Draft) -> None:
         for body in list(draft.root.iterfind(".//body")):
-            joints, holder = list(body.iterchildren("joint")), body.getparent()
+            joints = list(body.iterchildren("joint"))
+            holder = body.getparent()
             if len(joints) < 2 or holder is None:
                 continue
             draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
             draft.lose("joints", body, "each joint but the last has a body of its own", outcome=Outcome.WRITTEN)
-            at, place = holder.index(body), {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
+            at = holder.index(body)
+            place = {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
             for joint in joints[:-1]:
                 between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
                 heavy = {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
                 etree.SubElement(between, "inertial", _EMPTY | heavy)
                 between.append(joint)
                 holder.insert(at, between)
-                holder, at, place = between, len(between), {"pos": "0 0 0", "quat": "1 0 0 0"}
+                holder = between
+                at = len(between)
+                place = {"pos": "0 0 0", "quat": "1 0 0 0"}
             body.set("pos", place["pos"])
             body.set("quat", place["quat"])
             holder.append(body)
@@ -100,7 +104,8 @@ def _zeroed(draft: Draft) -> None:
 
 def _moved(joint: Node, by: float) -> Pose:
     """Return the motion of a joint's body, in its frame, when the joint moves by an angle (rad) or a distance (m)."""
-    anchor, axis = shifted(_numbers(joint, "pos")), _numbers(joint, "axis")
+    anchor = shifted(_numbers(joint, "pos"))
+    axis = _numbers(joint, "axis")
     return shifted(by * axis) if joint.get("type") == "slide" else joined(anchor, about(axis, by), back(anchor))
 
 
@@ -145,9 +150,15 @@ def refused(feature: str, path: str, why: str, help: str) -> Limit:
 
 
 def without_attribute(
-    feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = (),
+    feature: str,
+    path: str,
+    name: str,
+    what: str,
+    why: str = "",
+    *,
+    also: Collection[str] = (),
     outcome: Outcome = Outcome.LEFT_OUT,
-) -> Limit:  # fmt: skip
+) -> Limit:
     """Return a limit that removes an attribute, and attributes that have no meaning without it.
 
     A value other than zero is a loss. The outcome is `PARTLY` if other elements or attributes keep the feature.
@@ -406,20 +417,27 @@ SYMMETRIC_EFFORTS = Limit("effort", Outcome.PARTLY, _symmetric_efforts)
 REFLECTED_ARMATURE = Limit("armature", Outcome.PARTLY, _reflected)
 CARRIED_FORCES = Limit("effort", Outcome.WRITTEN, _carried)
 NO_SERVO_DAMPING = without_attribute("gains", "actuator/position", "kv", what="`kv`")
-NO_ACTUATOR_ARMATURE = without_attribute(
-    "armature", "actuator/*", "armature", what="armature", outcome=Outcome.PARTLY
-)  # fmt: skip
+NO_ACTUATOR_ARMATURE = without_attribute("armature", "actuator/*", "armature", what="armature", outcome=Outcome.PARTLY)
 NO_DELAY = without_attribute(
     "actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"), outcome=Outcome.PARTLY
-)  # fmt: skip
+)
 NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping", outcome=Outcome.PARTLY)
 
 
 _PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
 _OPTIONS = (
-    "timestep", "integrator", "cone", "impratio", "density", "viscosity", "wind", "magnetic", "noslip_iterations",
-    "disableflags", "enableflags",
-)  # fmt: skip
+    "timestep",
+    "integrator",
+    "cone",
+    "impratio",
+    "density",
+    "viscosity",
+    "wind",
+    "magnetic",
+    "noslip_iterations",
+    "disableflags",
+    "enableflags",
+)
 _SOFTNESS = ("solref", "solimp", "margin", "gap", "priority", "solmix", "condim")
 _FRICTION = {"sliding": 0, "torsional": 1, "rolling": 2}
 
@@ -432,7 +450,8 @@ def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
     names = [each for each in _SOFTNESS if each not in but]
 
     def apply(draft: Draft) -> None:
-        model, plain = draft.model, _plain(draft)
+        model = draft.model
+        plain = _plain(draft)
         for number, node in draft.of("geom"):
             if model.geom_contype[number] or model.geom_conaffinity[number]:
                 changed = _changed(model, plain, number, names=names, kind="geom")
@@ -451,7 +470,8 @@ def _plain(draft: Draft) -> Any:
 
 
 def _options(draft: Draft) -> None:
-    mine, plain = draft.model.opt, _plain(draft).opt
+    mine = draft.model.opt
+    plain = _plain(draft).opt
     names = [name for name in _OPTIONS if not np.array_equal(getattr(mine, name), getattr(plain, name))]
     changed = ["flag" if name.endswith("flags") else name for name in names]
     for option in draft.root.iterchildren("option"):
@@ -481,7 +501,8 @@ def _bits(draft: Draft) -> None:
 
 
 def _soft_limits(draft: Draft) -> None:
-    model, plain = draft.model, _plain(draft)
+    model = draft.model
+    plain = _plain(draft)
     for number, node in draft.of("joint"):
         changed = _changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt")
         if changed and model.jnt_limited[number]:

@@ -39,7 +39,8 @@ def joined(*poses: Pose) -> Pose:
     """Return the product of poses: each pose is in the frame of the previous pose."""
     at, turned = shifted((0, 0, 0))
     for pos, by in poses:
-        at, turned = at + turned @ pos, turned @ by
+        at = at + turned @ pos
+        turned = turned @ by
     return at, turned
 
 
@@ -97,7 +98,8 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
         return both and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
     if before.shape != after.shape or not np.issubdtype(before.dtype, np.floating):
         return before.shape == after.shape and bool((before[rows] == after[rows]).all())
-    before, after = before[rows].astype(float), after[rows].astype(float)
+    before = before[rows].astype(float)
+    after = after[rows].astype(float)
     finite = before[np.isfinite(before)]
     scale = max(1.0, float(np.abs(finite).max())) if finite.size else 1.0
     return bool(np.isclose(before, after, rtol=0, atol=TOLERANCE * scale, equal_nan=True).all())
@@ -167,6 +169,7 @@ def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]
 
 def rotated(quat: Any, points: Any) -> Any:
     """Return points, shape (n, 3), rotated by a quaternion (w, x, y, z)."""
-    w, axis = quat[0], np.asarray(quat[1:])
+    w = quat[0]
+    axis = np.asarray(quat[1:])
     turned = 2 * np.cross(axis, points)
     return points + w * turned + np.cross(axis, turned)

@@ -63,7 +63,8 @@ def refused_options(
 
     def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
         for field, enum, names in enums:
-            members, value = getattr(mujoco, enum).__members__, int(getattr(model.opt, field))
+            members = getattr(mujoco, enum).__members__
+            value = int(getattr(model.opt, field))
             for word in names:
                 if word in members and int(members[word]) == value:
                     yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
@@ -116,14 +117,17 @@ def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 def colliding(model: Any) -> Iterator[tuple[int, int]]:
     """Yield the pairs of geoms that may touch by MuJoCo's filters: bits, bodies, parents and excludes."""
     excluded = set(model.exclude_signature.tolist())
-    welded, parents = model.body_weldid.tolist(), model.body_parentid.tolist()
-    bodies, bits = model.geom_bodyid.tolist(), model.geom_contype.tolist()
+    welded = model.body_weldid.tolist()
+    parents = model.body_parentid.tolist()
+    bodies = model.geom_bodyid.tolist()
+    bits = model.geom_contype.tolist()
     others = model.geom_conaffinity.tolist()
     for first in range(model.ngeom):
         for second in range(first + 1, model.ngeom):
             if not (bits[first] & others[second] or bits[second] & others[first]):
                 continue
-            one, other = bodies[first], bodies[second]
+            one = bodies[first]
+            other = bodies[second]
             roots = welded[one], welded[other]
             if roots[0] == roots[1] or (min(one, other) << 16) + max(one, other) in excluded:
                 continue
@@ -134,41 +138,73 @@ def colliding(model: Any) -> Iterator[tuple[int, int]]:
 
 
 MJX_COLLISIONS = refused_elements(
-    "collisions", "geom", _unknown_pairs,
-    help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`", outcome=Outcome.REFUSED,
-)  # fmt: skip
+    "collisions",
+    "geom",
+    _unknown_pairs,
+    help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`",
+    outcome=Outcome.REFUSED,
+)
 
 
 _SENSORS = (
-    "JOINTLIMITPOS", "JOINTLIMITVEL", "JOINTLIMITFRC", "TENDONLIMITPOS", "TENDONLIMITVEL", "TENDONLIMITFRC",
-    "INSIDESITE", "GEOMDIST", "GEOMNORMAL", "GEOMFROMTO", "E_POTENTIAL", "E_KINETIC", "PLUGIN", "USER",
-)  # fmt: skip
+    "JOINTLIMITPOS",
+    "JOINTLIMITVEL",
+    "JOINTLIMITFRC",
+    "TENDONLIMITPOS",
+    "TENDONLIMITVEL",
+    "TENDONLIMITFRC",
+    "INSIDESITE",
+    "GEOMDIST",
+    "GEOMNORMAL",
+    "GEOMFROMTO",
+    "E_POTENTIAL",
+    "E_KINETIC",
+    "PLUGIN",
+    "USER",
+)
 _OUT = "remove it with `edit`"
 _NETFORCE = 3  # of `reduce`, in `sensor_intprm`
 
 MJX_ACTUATORS = refused_members(
-    "actuators", "actuator",
+    "actuators",
+    "actuator",
     (
-        ("actuator_trntype", "mjtTrn", ("mjTRN_SLIDERCRANK", "mjTRN_BODY", "mjTRN_SO3"),
-         "MJX has no such transmission"),
+        (
+            "actuator_trntype",
+            "mjtTrn",
+            ("mjTRN_SLIDERCRANK", "mjTRN_BODY", "mjTRN_SO3"),
+            "MJX has no such transmission",
+        ),
         ("actuator_dyntype", "mjtDyn", ("mjDYN_DCMOTOR", "mjDYN_PID", "mjDYN_USER"), "MJX has no such dynamics"),
-        ("actuator_gaintype", "mjtGain", ("mjGAIN_DCMOTOR", "mjGAIN_SO3", "mjGAIN_PID", "mjGAIN_USER"),
-         "MJX has no such gain"),
+        (
+            "actuator_gaintype",
+            "mjtGain",
+            ("mjGAIN_DCMOTOR", "mjGAIN_SO3", "mjGAIN_PID", "mjGAIN_USER"),
+            "MJX has no such gain",
+        ),
         ("actuator_biastype", "mjtBias", ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"), "MJX has no such bias"),
     ),
     help=f"{_OUT}, or write a `motor` instead",
-)  # fmt: skip
+)
 MJX_EQUALITY = refused_members(
-    "equality", "equality",
-    (("eq_type", "mjtEq", ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
-      "MJX has no such constraint"),),
+    "equality",
+    "equality",
+    (
+        (
+            "eq_type",
+            "mjtEq",
+            ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
+            "MJX has no such constraint",
+        ),
+    ),
     help=_OUT,
-)  # fmt: skip
+)
 MJX_SENSORS = refused_members(
-    "sensors", "sensor",
+    "sensors",
+    "sensor",
     (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
     help=_OUT,
-)  # fmt: skip
+)
 
 
 def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -179,9 +215,11 @@ def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_OPTIONS = refused_options(
-    "MJX", (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
-    flags=("override", "energy", "fwdinv", "diagexact", "speculative"), together=_medium,
-)  # fmt: skip
+    "MJX",
+    (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
+    flags=("override", "energy", "fwdinv", "diagexact", "speculative"),
+    together=_medium,
+)
 
 
 _NO_MARGIN = "MJX has no margin for contacts with meshes and height fields"
@@ -246,7 +284,8 @@ _DENSE_DOFS = 60
 _AXES = np.eye(3)
 
 WARP_ACTUATORS = refused_members(
-    "actuators", "actuator",
+    "actuators",
+    "actuator",
     (
         ("actuator_trntype", "mjtTrn", ("mjTRN_SO3",), "MuJoCo Warp has no such transmission"),
         ("actuator_dyntype", "mjtDyn", ("mjDYN_PID",), "MuJoCo Warp has no such dynamics"),
@@ -254,17 +293,19 @@ WARP_ACTUATORS = refused_members(
         ("actuator_biastype", "mjtBias", ("mjBIAS_SO3",), "MuJoCo Warp has no such bias"),
     ),
     help="write a `motor` or a `position` instead: `convert: {to: position}`",
-)  # fmt: skip
+)
 WARP_EQUALITY = refused_members(
-    "equality", "equality",
+    "equality",
+    "equality",
     (("eq_type", "mjtEq", ("mjEQ_FLEXVERT", "mjEQ_DISTANCE"), "MuJoCo Warp has no such constraint"),),
     help=_OUT,
-)  # fmt: skip
+)
 
 
 def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     """Yield options that MuJoCo Warp refuses in combination with other options."""
-    option, sleeps = model.opt, is_enabled(mujoco, model, "sleep")
+    option = model.opt
+    sleeps = is_enabled(mujoco, model, "sleep")
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     if option.noslip_iterations > 0 and discrete is not None and option.integrator == int(discrete):
         yield 0, "MuJoCo Warp has no `noslip_iterations` with the integrator `discrete`"
@@ -294,9 +335,11 @@ def _simple(mujoco: Any, model: Any, flex: int) -> bool:
 
 
 WARP_OPTIONS = refused_options(
-    "MuJoCo Warp", (("solver", "mjtSolver", ("mjSOL_PGS",)),),
-    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"), together=_options,
-)  # fmt: skip
+    "MuJoCo Warp",
+    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
+    together=_options,
+)
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)
@@ -348,10 +391,11 @@ def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     """Yield the shapes that MuJoCo Warp refuses in a model with flexes, even if they touch none."""
-    for word in ("sdf", "hfield") if model.nflex else ():
-        shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
-        for number in np.flatnonzero(model.geom_type == shape).tolist():
-            yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
+    if model.nflex:
+        for word in ("sdf", "hfield"):
+            shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
+            for number in np.flatnonzero(model.geom_type == shape).tolist():
+                yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
 
 
 def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:

@@ -15,70 +15,169 @@ from mjcompose.targets.urdf import write_urdf
 
 # The plainest MJCF, for programs that have no target of their own.
 PLAIN = Target(
-    "plain", "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes", (),
-    write=write_mjcf, package="mujoco",
-)  # fmt: skip
+    "plain",
+    "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes",
+    (),
+    write=write_mjcf,
+    package="mujoco",
+)
 
 # Drake. Its parser of MJCF reads bodies, joints, geoms, motors, position servos and `connect`.
 # Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque. With
 # `ctrllimited` alone, the torque is limited to zero, which it refuses.
 _NO_CONTROL_RANGE = limits.without_attribute(
-    "control ranges", "actuator/position", "ctrlrange", what="`ctrlrange`",
-    why="the program would take it for the range of the force", also=("ctrllimited",),
-)  # fmt: skip
+    "control ranges",
+    "actuator/position",
+    "ctrlrange",
+    what="`ctrlrange`",
+    why="the program would take it for the range of the force",
+    also=("ctrllimited",),
+)
 
 DRAKE = Target(
-    "drake", "Drake, through its MJCF parser", (
-        limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_EMPTY_INERTIA, limits.NO_KEYS, limits.NO_SENSORS,
-        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES, limits.NO_TENDONS, limits.NO_PAIRS, limits.NO_SOFT,
-        limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS, limits.NO_SPRINGS, limits.NO_FRICTION,
-        limits.NO_JOINT_EFFORT, *limits.unread_in("free", "damping"), limits.no_shapes("hfield"),
-        limits.NO_HIDDEN_SHAPES, limits.NO_TEXTURES, limits.servos("motor", "position"), _NO_CONTROL_RANGE,
+    "drake",
+    "Drake, through its MJCF parser",
+    (
+        limits.NO_REFERENCES,
+        limits.SINGLE_JOINTS,
+        limits.NO_EMPTY_INERTIA,
+        limits.NO_KEYS,
+        limits.NO_SENSORS,
+        limits.NO_CAMERAS,
+        limits.NO_LIGHTS,
+        limits.NO_SITES,
+        limits.NO_TENDONS,
+        limits.NO_PAIRS,
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_CUSTOM,
+        limits.NO_POLYNOMIALS,
+        limits.NO_SPRINGS,
+        limits.NO_FRICTION,
+        limits.NO_JOINT_EFFORT,
+        *limits.unread_in("free", "damping"),
+        limits.no_shapes("hfield"),
+        limits.NO_HIDDEN_SHAPES,
+        limits.NO_TEXTURES,
+        limits.servos("motor", "position"),
+        _NO_CONTROL_RANGE,
         limits.AT_JOINTS,
-        limits.SYMMETRIC_FORCES, limits.NO_SERVO_DAMPING, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE,
-        limits.NO_ACTUATOR_DAMPING, limits.REFLECTED_ARMATURE, limits.left_out("equality", "equality/*",
-        but=("connect",), why="what they couple moves freely"), limits.COMPUTING, limits.GRAVCOMP, limits.BITS,
-        limits.SOFTNESS, limits.unread_contacts("torsional", "rolling"),
-    ), write=write_mjcf, package="drake",
-)  # fmt: skip
+        limits.SYMMETRIC_FORCES,
+        limits.NO_SERVO_DAMPING,
+        limits.NO_DELAY,
+        limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING,
+        limits.REFLECTED_ARMATURE,
+        limits.left_out("equality", "equality/*", but=("connect",), why="what they couple moves freely"),
+        limits.COMPUTING,
+        limits.GRAVCOMP,
+        limits.BITS,
+        limits.SOFTNESS,
+        limits.unread_contacts("torsional", "rolling"),
+    ),
+    write=write_mjcf,
+    package="drake",
+)
 
 # Pinocchio. It reads one body in the world, and one joint in each body.
 PINOCCHIO = Target(
-    "pinocchio", "Pinocchio, through its MJCF parser", (
-        limits.one_root(with_free=True), limits.NO_REFERENCES, limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS,
-        limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS,
-        limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_POLYNOMIALS,
-        limits.NO_SPRINGS, *limits.unread_in("free", "damping", "frictionloss"), *limits.unread_in("ball", "damping",
-        "frictionloss"), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.servos(), limits.COMPUTING,
-        limits.GRAVITY, limits.GRAVCOMP, limits.BITS, limits.SOFTNESS, limits.unread_contacts("sliding", "torsional",
-        "rolling"),
-    ), write=write_mjcf, package="pin",
-)  # fmt: skip
+    "pinocchio",
+    "Pinocchio, through its MJCF parser",
+    (
+        limits.one_root(with_free=True),
+        limits.NO_REFERENCES,
+        limits.SINGLE_JOINTS,
+        limits.NO_KEYS,
+        limits.NO_SENSORS,
+        limits.NO_CAMERAS,
+        limits.NO_LIGHTS,
+        limits.NO_TENDONS,
+        limits.NO_EQUALITY,
+        limits.NO_PAIRS,
+        limits.NO_EXCLUDES,
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_CUSTOM,
+        limits.NO_POLYNOMIALS,
+        limits.NO_SPRINGS,
+        *limits.unread_in("free", "damping", "frictionloss"),
+        *limits.unread_in("ball", "damping", "frictionloss"),
+        limits.no_shapes("hfield"),
+        limits.CARRIED_FORCES,
+        limits.servos(),
+        limits.COMPUTING,
+        limits.GRAVITY,
+        limits.GRAVCOMP,
+        limits.BITS,
+        limits.SOFTNESS,
+        limits.unread_contacts("sliding", "torsional", "rolling"),
+    ),
+    write=write_mjcf,
+    package="pin",
+)
 
 # PyBullet. It reads bodies, joints and geoms, and places a body in the world by its center of mass.
 PYBULLET = Target(
-    "pybullet", "PyBullet, through its MJCF parser", (
-        limits.refused("ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF",
-        help="convert it to three hinges"), limits.one_root(with_free=False), limits.NO_REFERENCES,
-        limits.SINGLE_JOINTS, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_SITES,
-        limits.NO_TENDONS, limits.NO_EQUALITY, limits.NO_PAIRS, limits.NO_EXCLUDES, limits.NO_SOFT, limits.NO_PLUGINS,
-        limits.NO_CUSTOM, limits.NO_DAMPING, limits.NO_FRICTION, limits.NO_ARMATURE, limits.NO_EFFORT,
-        limits.NO_SPRINGS, limits.no_shapes("ellipsoid", "hfield"), limits.servos(), limits.COMPUTING, limits.GRAVITY,
-        limits.GRAVCOMP, limits.SOFTNESS, limits.unread_contacts(but=("condim",)),
-    ), write=write_mjcf, package="pybullet",
-)  # fmt: skip
+    "pybullet",
+    "PyBullet, through its MJCF parser",
+    (
+        limits.refused(
+            "ball", ".//joint[@type='ball']", "PyBullet has no ball joints in MJCF", help="convert it to three hinges"
+        ),
+        limits.one_root(with_free=False),
+        limits.NO_REFERENCES,
+        limits.SINGLE_JOINTS,
+        limits.NO_KEYS,
+        limits.NO_SENSORS,
+        limits.NO_CAMERAS,
+        limits.NO_LIGHTS,
+        limits.NO_SITES,
+        limits.NO_TENDONS,
+        limits.NO_EQUALITY,
+        limits.NO_PAIRS,
+        limits.NO_EXCLUDES,
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_CUSTOM,
+        limits.NO_DAMPING,
+        limits.NO_FRICTION,
+        limits.NO_ARMATURE,
+        limits.NO_EFFORT,
+        limits.NO_SPRINGS,
+        limits.no_shapes("ellipsoid", "hfield"),
+        limits.servos(),
+        limits.COMPUTING,
+        limits.GRAVITY,
+        limits.GRAVCOMP,
+        limits.SOFTNESS,
+        limits.unread_contacts(but=("condim",)),
+    ),
+    write=write_mjcf,
+    package="pybullet",
+)
 
 # Newton. It merges several joints of a body into one, and does not read flexes.
 _MASS = "1e-10"
 """Newton's MuJoCo solver needs moving bodies to have mass."""
 
 NEWTON = Target(
-    "newton", "Newton, through its MJCF parser", (
-        limits.NO_REFERENCES, limits.single_joints(_MASS), limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS,
-        limits.NO_YIELD, *limits.unread_in("free", "damping", "armature", "frictionloss"), limits.CARRIED_FORCES,
-        limits.GEARS, limits.GRAVITY,
-    ), write=write_mjcf, package="newton",
-)  # fmt: skip
+    "newton",
+    "Newton, through its MJCF parser",
+    (
+        limits.NO_REFERENCES,
+        limits.single_joints(_MASS),
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_POLYNOMIALS,
+        limits.NO_YIELD,
+        *limits.unread_in("free", "damping", "armature", "frictionloss"),
+        limits.CARRIED_FORCES,
+        limits.GEARS,
+        limits.GRAVITY,
+    ),
+    write=write_mjcf,
+    package="newton",
+)
 
 
 # Genesis. It reads MJCF with MuJoCo.
@@ -100,61 +199,133 @@ def _springs(draft: Draft) -> None:
 
 
 GENESIS = Target(
-    "genesis", "Genesis, which reads MJCF with MuJoCo", (
-        limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_KEYS, limits.NO_SENSORS, limits.NO_CAMERAS,
-        limits.NO_LIGHTS, limits.NO_PAIRS, limits.NO_POLYNOMIALS, limits.NO_YIELD, Limit("springs", Outcome.PARTLY,
-        _springs), limits.no_shapes("hfield"), limits.CARRIED_FORCES, limits.AT_JOINTS, limits.ONE_FOR_EACH_JOINT,
-        limits.left_out("equality", "equality/tendon"), limits.NO_TENDONS, Limit("no armature", Outcome.WRITTEN,
-        _without_armature), limits.GRAVCOMP,
-    ), write=write_mjcf, package="genesis-world",
-)  # fmt: skip
+    "genesis",
+    "Genesis, which reads MJCF with MuJoCo",
+    (
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_CUSTOM,
+        limits.NO_KEYS,
+        limits.NO_SENSORS,
+        limits.NO_CAMERAS,
+        limits.NO_LIGHTS,
+        limits.NO_PAIRS,
+        limits.NO_POLYNOMIALS,
+        limits.NO_YIELD,
+        Limit("springs", Outcome.PARTLY, _springs),
+        limits.no_shapes("hfield"),
+        limits.CARRIED_FORCES,
+        limits.AT_JOINTS,
+        limits.ONE_FOR_EACH_JOINT,
+        limits.left_out("equality", "equality/tendon"),
+        limits.NO_TENDONS,
+        Limit("no armature", Outcome.WRITTEN, _without_armature),
+        limits.GRAVCOMP,
+    ),
+    write=write_mjcf,
+    package="genesis-world",
+)
 
 # MJX, MuJoCo in JAX. It refuses to load a model with a feature that it does not support.
 MJX = Target(
-    "mjx", "MJX, MuJoCo in JAX", (
-        simulators.MJX_SOFT, limits.NO_PLUGINS, limits.NO_POLYNOMIALS, limits.NO_YIELD, limits.NO_ACTUATOR_ARMATURE,
-        limits.NO_ACTUATOR_DAMPING, limits.NO_DELAY, simulators.MJX_COLLISIONS, simulators.MJX_MARGINS,
-        simulators.MJX_PAIR_MARGINS, simulators.MJX_ACTUATORS, simulators.MJX_EQUALITY, simulators.MJX_SENSORS,
-        simulators.MJX_CONTACT_SENSORS, simulators.MJX_OPTIONS,
-    ), write=write_mjcf, package="mujoco-mjx",
-)  # fmt: skip
+    "mjx",
+    "MJX, MuJoCo in JAX",
+    (
+        simulators.MJX_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_POLYNOMIALS,
+        limits.NO_YIELD,
+        limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING,
+        limits.NO_DELAY,
+        simulators.MJX_COLLISIONS,
+        simulators.MJX_MARGINS,
+        simulators.MJX_PAIR_MARGINS,
+        simulators.MJX_ACTUATORS,
+        simulators.MJX_EQUALITY,
+        simulators.MJX_SENSORS,
+        simulators.MJX_CONTACT_SENSORS,
+        simulators.MJX_OPTIONS,
+    ),
+    write=write_mjcf,
+    package="mujoco-mjx",
+)
 
 # MuJoCo Warp, MuJoCo on NVIDIA GPUs. It refuses to load a model with a feature that it does not support.
 WARP = Target(
-    "warp", "MuJoCo Warp, MuJoCo on GPUs of NVIDIA", (
-        limits.NO_YIELD, simulators.WARP_ACTUATORS, simulators.WARP_EQUALITY, simulators.WARP_SENSORS,
-        simulators.WARP_OPTIONS, simulators.WARP_PLUGINS, simulators.WARP_FLEXES, simulators.WARP_BESIDE_FLEXES,
-        simulators.WARP_VELOCITIES, simulators.WARP_ACTUATOR_PLUGINS, simulators.WARP_SLEEP,
-    ), write=write_mjcf, package="mujoco-warp",
-)  # fmt: skip
+    "warp",
+    "MuJoCo Warp, MuJoCo on GPUs of NVIDIA",
+    (
+        limits.NO_YIELD,
+        simulators.WARP_ACTUATORS,
+        simulators.WARP_EQUALITY,
+        simulators.WARP_SENSORS,
+        simulators.WARP_OPTIONS,
+        simulators.WARP_PLUGINS,
+        simulators.WARP_FLEXES,
+        simulators.WARP_BESIDE_FLEXES,
+        simulators.WARP_VELOCITIES,
+        simulators.WARP_ACTUATOR_PLUGINS,
+        simulators.WARP_SLEEP,
+    ),
+    write=write_mjcf,
+    package="mujoco-warp",
+)
 
 # Isaac Sim, through its MJCF importer.
 ISAAC = Target(
-    "isaac", "Isaac Sim, through its MJCF importer",
-    (limits.NO_KEYS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM), write=write_mjcf,
-)  # fmt: skip
+    "isaac",
+    "Isaac Sim, through its MJCF importer",
+    (limits.NO_KEYS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM),
+    write=write_mjcf,
+)
 
 
 # A ROS package with URDF, `ros2_control` and SRDF. Its writer records these losses, so no function looks for them.
 _IN_WRITING = tuple(
     Limit(feature, outcome, lambda _draft: None)
     for feature, outcome in (
-        ("roots", Outcome.WRITTEN), ("shapes", Outcome.LEFT_OUT), ("armature", Outcome.LEFT_OUT),
-        ("equality", Outcome.PARTLY), ("keys", Outcome.PARTLY),
+        ("roots", Outcome.WRITTEN),
+        ("shapes", Outcome.LEFT_OUT),
+        ("armature", Outcome.LEFT_OUT),
+        ("equality", Outcome.PARTLY),
+        ("keys", Outcome.PARTLY),
     )
-)  # fmt: skip
+)
 
 URDF = Target(
-    "urdf", "URDF, in a ROS package with `ros2_control` and SRDF", (
+    "urdf",
+    "URDF, in a ROS package with `ros2_control` and SRDF",
+    (
         limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
-        *_IN_WRITING, limits.servos("motor", "position", "velocity"), limits.ONE_FOR_EACH_JOINT, limits.AT_JOINTS,
-        limits.SYMMETRIC_EFFORTS, limits.NO_DELAY, limits.NO_ACTUATOR_ARMATURE, limits.NO_ACTUATOR_DAMPING,
-        limits.NO_POLYNOMIALS, limits.NO_SENSORS, limits.NO_CAMERAS, limits.NO_LIGHTS, limits.NO_TENDONS,
-        limits.NO_PAIRS, limits.NO_SOFT, limits.NO_PLUGINS, limits.NO_CUSTOM, limits.NO_SPRINGS, limits.COMPUTING,
-        limits.GRAVITY, limits.GRAVCOMP, limits.BITS, limits.SOFTNESS, limits.unread_contacts("sliding", "torsional",
-        "rolling"),
-    ), write=write_urdf, package="pin",
-)  # fmt: skip
+        *_IN_WRITING,
+        limits.servos("motor", "position", "velocity"),
+        limits.ONE_FOR_EACH_JOINT,
+        limits.AT_JOINTS,
+        limits.SYMMETRIC_EFFORTS,
+        limits.NO_DELAY,
+        limits.NO_ACTUATOR_ARMATURE,
+        limits.NO_ACTUATOR_DAMPING,
+        limits.NO_POLYNOMIALS,
+        limits.NO_SENSORS,
+        limits.NO_CAMERAS,
+        limits.NO_LIGHTS,
+        limits.NO_TENDONS,
+        limits.NO_PAIRS,
+        limits.NO_SOFT,
+        limits.NO_PLUGINS,
+        limits.NO_CUSTOM,
+        limits.NO_SPRINGS,
+        limits.COMPUTING,
+        limits.GRAVITY,
+        limits.GRAVCOMP,
+        limits.BITS,
+        limits.SOFTNESS,
+        limits.unread_contacts("sliding", "torsional", "rolling"),
+    ),
+    write=write_urdf,
+    package="pin",
+)
 
 ALL = (PLAIN, DRAKE, PINOCCHIO, PYBULLET, NEWTON, GENESIS, MJX, WARP, ISAAC, URDF)
 
@@ -238,9 +409,13 @@ READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
 
 
 _CELLS: Mapping[Outcome, str] = {
-    Outcome.KEPT: "", Outcome.WRITTEN: "rewritten", Outcome.PARTLY: "partly", Outcome.LEFT_OUT: "no",
-    Outcome.SOME_REFUSED: "some", Outcome.REFUSED: "error",
-}  # fmt: skip
+    Outcome.KEPT: "",
+    Outcome.WRITTEN: "rewritten",
+    Outcome.PARTLY: "partly",
+    Outcome.LEFT_OUT: "no",
+    Outcome.SOME_REFUSED: "some",
+    Outcome.REFUSED: "error",
+}
 
 
 def features() -> str:

@@ -58,12 +58,20 @@ class Loss(Struct):
 
 
 _PLURALS = {
-    "body": "bodies", "equality": "equality constraints", "key": "keyframes", "flex": "flexes", "pair": "contact pairs",
-    "exclude": "excluded contacts", "mesh": "meshes",
-}  # fmt: skip
+    "body": "bodies",
+    "equality": "equality constraints",
+    "key": "keyframes",
+    "flex": "flexes",
+    "pair": "contact pairs",
+    "exclude": "excluded contacts",
+    "mesh": "meshes",
+}
 _SINGULARS = {
-    "equality": "equality constraint", "key": "keyframe", "pair": "contact pair", "exclude": "excluded contact",
-}  # fmt: skip
+    "equality": "equality constraint",
+    "key": "keyframe",
+    "pair": "contact pair",
+    "exclude": "excluded contact",
+}
 _NAMED = 3
 OPTION = "option"
 
@@ -97,7 +105,8 @@ def in_words(title: str, group: list[Loss]) -> str:
         return f"{counted}: {first.why}"
     of = f"{first.what} of " if first.what else ""
     if first.tag == OPTION and first.what:
-        counted, of = first.what, ""
+        counted = first.what
+        of = ""
     return f"{title} ignores {of}{counted}" + (f"; {first.why}" if first.why else "")
 
 
@@ -124,11 +133,19 @@ class Draft(Struct, frozen=False):
             self.rows.update((node, (kind, number)) for number, node in enumerate(nodes))
 
     def lose(
-        self, feature: str, node: Node, why: str = "", *, what: str = "", outcome: Outcome = Outcome.LEFT_OUT,
+        self,
+        feature: str,
+        node: Node,
+        why: str = "",
+        *,
+        what: str = "",
+        outcome: Outcome = Outcome.LEFT_OUT,
         help: str | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Record that the target cannot express an element, or the part `what` of it."""
-        row, tag, name = self.rows.get(node, ("", -1)), str(node.tag), str(node.get("name") or "")
+        row = self.rows.get(node, ("", -1))
+        tag = str(node.tag)
+        name = str(node.get("name") or "")
         self.losses.append(Loss(feature, *row, tag, name, why=why, what=what, outcome=outcome, help=help))
 
     def remove(self, node: Node) -> None:
@@ -147,9 +164,17 @@ class Draft(Struct, frozen=False):
 
 
 _SECTIONS = (
-    "actuator", "sensor", "equality", "tendon", "contact", "keyframe", "asset", "custom", "deformable",
+    "actuator",
+    "sensor",
+    "equality",
+    "tendon",
+    "contact",
+    "keyframe",
+    "asset",
+    "custom",
+    "deformable",
     "extension",
-)  # fmt: skip
+)
 
 
 def write_mjcf(draft: Draft) -> dict[str, bytes]:

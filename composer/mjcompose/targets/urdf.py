@@ -52,7 +52,8 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
     return found
 
 
-_MASS, _MOMENT = "1e-9", "1e-12"
+_MASS = "1e-9"
+_MOMENT = "1e-12"
 """The mass (kg) and the moments (kg·m²) of a link that moves and weighs nothing: MuJoCo needs more than 1e-14."""
 
 
@@ -97,7 +98,8 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
             holder.append(origin(joined(where, at)))
             etree.SubElement(holder, "geometry").append(etree.fromstring(etree.tostring(shape)))
             if kind == "visual":
-                color, at_material = model.geom_rgba[number], int(model.geom_matid[number])
+                color = model.geom_rgba[number]
+                at_material = int(model.geom_matid[number])
                 if at_material >= 0 and np.allclose(color, (0.5, 0.5, 0.5, 1)):  # MuJoCo's default
                     color = model.mat_rgba[at_material]
                 material = etree.SubElement(holder, "material", name=f"{into.get('name')}_{number}")
@@ -105,7 +107,9 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
 
 
 def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[tuple[Pose, Node]]:
-    size, kind, here = draft.model.geom_size[number], geom.get("type"), shifted((0, 0, 0))
+    size = draft.model.geom_size[number]
+    kind = geom.get("type")
+    here = shifted((0, 0, 0))
     if kind == "box":
         yield here, etree.Element("box", size=text(2 * size))
     elif kind == "sphere":
@@ -122,7 +126,8 @@ def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[t
 
 NO_LIMIT = "1000000"
 """URDF needs a number even if MuJoCo has no limit."""
-_FREE, _SLIDE = 0, 2  # mjJNT_FREE, mjJNT_SLIDE
+_FREE = 0
+_SLIDE = 2  # mjJNT_FREE, mjJNT_SLIDE
 
 
 def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
@@ -143,7 +148,8 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
         ends = at == len(joints) - 1 and not anchor.any()
         child = name if ends else f"{name}__{called}"
         # URDF has the frame at the zero of a joint, not at its reference.
-        back, axis = -float(model.qpos0[model.jnt_qposadr[number]]), model.jnt_axis[number]
+        back = -float(model.qpos0[model.jnt_qposadr[number]])
+        axis = model.jnt_axis[number]
         slides = int(model.jnt_type[number]) == _SLIDE
         frame = joined(stands, shifted(anchor - last), shifted(back * axis) if slides else about(axis, back))
         kind = "prismatic" if slides else "revolute" if model.jnt_limited[number] else "continuous"
@@ -152,7 +158,9 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
         yield found
         if not ends:
             yield massless(child, moves=True)
-        parent, last, stands = child, anchor, shifted((0, 0, 0))
+        parent = child
+        last = anchor
+        stands = shifted((0, 0, 0))
     if last.any():
         yield fixed(f"{name}_fixed", parent, name, frame=shifted(-last))
 
@@ -182,7 +190,8 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
     elif joint.get("type") == "prismatic":
         limit.set("lower", f"-{NO_LIMIT}")
         limit.set("upper", NO_LIMIT)
-    damping, friction = text(model.dof_damping[dof]), text(model.dof_frictionloss[dof])
+    damping = text(model.dof_damping[dof])
+    friction = text(model.dof_frictionloss[dof])
     etree.SubElement(joint, "dynamics", damping=damping, friction=friction)
     if model.dof_armature[dof]:
         draft.lose("armature", node, what="armature")
@@ -192,7 +201,8 @@ def mimics(draft: Draft, joints: dict[str, Node]) -> None:
     """Write proportional constraints as `<mimic>`. Other equality constraints are recorded as losses."""
     model = draft.model
     for number, node in list(draft.of("equality")):
-        leader, follower = str(node.get("joint2") or ""), str(node.get("joint1") or "")
+        leader = str(node.get("joint2") or "")
+        follower = str(node.get("joint1") or "")
         polynomial = model.eq_data[number][:5]
         if node.tag != "joint" or leader not in joints or follower not in joints:
             draft.lose("equality", node, "what they couple moves freely")
@@ -205,7 +215,8 @@ def mimics(draft: Draft, joints: dict[str, Node]) -> None:
         else:
             ids = model.eq_obj1id[number], model.eq_obj2id[number]
             zeros = [float(model.qpos0[model.jnt_qposadr[each]]) for each in ids]
-            factor, offset = polynomial[1], zeros[0] + polynomial[0] - polynomial[1] * zeros[1]
+            factor = polynomial[1]
+            offset = zeros[0] + polynomial[0] - polynomial[1] * zeros[1]
             etree.SubElement(joints[follower], "mimic", joint=leader, multiplier=text(factor), offset=text(offset))
 
 
@@ -224,7 +235,8 @@ def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
     found = etree.Element("ros2_control", name=str(draft.root.get("model") or "model"), type="system")
     etree.SubElement(etree.SubElement(found, "hardware"), "plugin").text = _PLUGIN
     for number, node in list(draft.of("actuator")):
-        name, tag = str(node.get("joint")), str(node.tag)
+        name = str(node.get("joint"))
+        tag = str(node.tag)
         if name not in joints:
             draft.lose("actuators", node, "their joints are not in this URDF")
             continue
@@ -309,7 +321,8 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     """Return `model.urdf`, `model.srdf`, the meshes and the files of a ROS package, by path."""
     draft.output = "model.urdf"
     simple_actuators(draft.root, any_input=True)
-    model, title = draft.model, str(draft.root.get("model") or "model")
+    model = draft.model
+    title = str(draft.root.get("model") or "model")
     package = package_name(title)
     bodies = draft.elements["body"]
     names = [WORLD, *(str(body.get("name") or f"body{number}") for number, body in enumerate(bodies) if number)]

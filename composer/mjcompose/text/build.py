@@ -19,9 +19,11 @@ FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for ea
 
 _STANDARD = "tag:yaml.org,2002:"
 _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
-    _STANDARD + "null": (type(None),), _STANDARD + "bool": (bool,), _STANDARD + "int": (int,),
+    _STANDARD + "null": (type(None),),
+    _STANDARD + "bool": (bool,),
+    _STANDARD + "int": (int,),
     _STANDARD + "float": (int, float),
-}  # fmt: skip
+}
 # Replaces a key whose value is read only to report its faults, and then dropped.
 _DROPPED = Key("", Span("", 0, 0))
 
@@ -74,7 +76,8 @@ class Builder:
         self._expanded = 0
         self._root: Node | None = None
         self._lone: list[Diagnostic] = []
-        self._most, self._deepest = in_force().yaml_values, in_force().yaml_depth
+        self._most = in_force().yaml_values
+        self._deepest = in_force().yaml_depth
 
     @property
     def in_flow(self) -> bool:
@@ -82,15 +85,20 @@ class Builder:
 
     def build(self, events: Iterable[Any]) -> Node | None:
         """Return the tree, or None if a value is missing or a limit is exceeded. Raises the reader's exceptions."""
-        stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
+        stack = self._stack
+        file = self._file
+        marks = self._marks
+        restore = self._restore
         for event in events:
             kind = type(event)
             if kind is yaml.ScalarEvent:
-                start, end = event.start_mark, event.end_mark
+                start = event.start_mark
+                end = event.end_mark
                 line = start.line + 1
                 # Nearly every event is a scalar on one line without properties: this path is kept short.
                 simple = end.line + 1 == line and event.anchor is None and event.tag is None
-                column, last = start.column + 1, end.column + 1
+                column = start.column + 1
+                last = end.column + 1
                 span = Span(file, line, column, end_line=line, end_column=last) if simple else marks.span(event)
                 text = event.value if restore is None else self._restored(event.value, span)
                 if is_template(text):
@@ -160,15 +168,26 @@ class Builder:
             message = f"more than {self._deepest} lists and mappings within each other"
             self._sink.error("yaml-too-deep", message, self._marks.span(event), help=advice("yaml-depth"))
             return False
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        line = event.start_mark.line + 1
+        column = event.start_mark.column + 1
         if event.anchor is not None or event.tag is not None:
             column += self._marks.properties(event)
         tag = None if event.tag is None else (event.tag, self._marks.tag(event))
         entries: dict[str, tuple[Key, Node]] | None = {} if mapping else None
-        self._stack.append(_Frame(
-            entries, None if mapping else [], bool(event.flow_style), line=line, column=column, total=self._total,
-            first_end=column + 1, anchor=event.anchor, tag=tag, is_key=is_key,
-        ))  # fmt: skip
+        self._stack.append(
+            _Frame(
+                entries,
+                None if mapping else [],
+                bool(event.flow_style),
+                line=line,
+                column=column,
+                total=self._total,
+                first_end=column + 1,
+                anchor=event.anchor,
+                tag=tag,
+                is_key=is_key,
+            )
+        )
         self._total += 1
         return True
 
@@ -180,11 +199,13 @@ class Builder:
         span = Span(self._file, frame.line, frame.column, end_line=frame.line, end_column=max(end, frame.column + 1))
         node: Node
         if frame.entries is not None:
-            node, standard = Mapping(frame.entries, span), _STANDARD + "map"
+            node = Mapping(frame.entries, span)
+            standard = _STANDARD + "map"
         else:
             items = tuple(frame.items or ())
             template = next((item.span.template for item in items if item.span.template is not None), None)
-            node, standard = Sequence(items, replace(span, template=template)), _STANDARD + "seq"
+            node = Sequence(items, replace(span, template=template))
+            standard = _STANDARD + "seq"
         if frame.tag is not None and frame.tag[0] not in ("!", standard):
             self._refuse_tag(*frame.tag)
         if frame.anchor is not None:
@@ -223,13 +244,15 @@ class Builder:
     def _key(self, event: Any, name: str, span: Span, frame: _Frame) -> None:
         if span.line == frame.line and span.end_column is not None:
             frame.first_end = span.end_column
-        frame.key, frame.key_end = _DROPPED, None
+        frame.key = _DROPPED
+        frame.key_end = None
         if frame.has_lone:
             return
         if type(event) is yaml.ScalarEvent:
             if self._restore is None:
                 end: Any = event.end_mark
-                frame.key_end, frame.is_quoted = end.index, bool(event.style)
+                frame.key_end = end.index
+                frame.is_quoted = bool(event.style)
             if event.tag not in (None, "!", _STANDARD + "str"):
                 self._refuse_tag(event.tag, self._marks.tag(event))
             if event.anchor is not None:
@@ -239,7 +262,8 @@ class Builder:
             help = "write the keys out, or use `extends` or `variants`, which merge recipes"
             self._sink.error("yaml-merge-key", "the merge key `<<` is not part of the language", span, help=help)
         elif found is not None:
-            message, help = f"the key `{name}` appears twice in this mapping", "remove or rename one of the two"
+            message = f"the key `{name}` appears twice in this mapping"
+            help = "remove or rename one of the two"
             notes = [Note("it first appears here", found[0].span)]
             self._sink.error("yaml-duplicate-key", message, span, notes=notes, help=help)
         else:
@@ -247,13 +271,15 @@ class Builder:
 
     def _check_colon(self, event: Any, frame: _Frame) -> None:
         """Refuse a key in `{ }` that has neither a value nor a colon."""
-        key, end = frame.key, frame.key_end
+        key = frame.key
+        end = frame.key_end
         if key is None or key is _DROPPED or end is None or frame.is_key or frame.tag is not None:
             return
         if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
             return
         before = next(reversed(frame.entries or {}), None)
-        frame.key, frame.has_lone = _DROPPED, True
+        frame.key = _DROPPED
+        frame.has_lone = True
         text = " ".join(key.name.split())  # it may span several lines
         message = f"`{text}` is in `{{ }}` without a colon"
         help = for_lone_key(text, frame.is_quoted, before)
@@ -268,7 +294,8 @@ class Builder:
             self._sink.error("yaml-alias-bomb", message, span)
             return False
         if anchored is None:
-            message, text = f"`*{name}` is an alias in YAML, and no anchor `&{name}` precedes it", quoted(f"*{name}")
+            message = f"`*{name}` is an alias in YAML, and no anchor `&{name}` precedes it"
+            text = quoted(f"*{name}")
             self._sink.error("yaml-alias", message, span, help=f"if it is text, quote it: {text}", fix=Fix(text))
             anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", plain=True), 1, 0)
         frame = self._stack[-1] if self._stack else None

@@ -40,14 +40,24 @@ from mjcompose.text.node import OPENING
 _MAX_EXPONENT = 1024
 _SHOWN_ROWS = 12
 _ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv,
-    "%": operator.mod, "**": operator.pow,
-}  # fmt: skip
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "//": operator.floordiv,
+    "%": operator.mod,
+    "**": operator.pow,
+}
 _OF_ANGLES = ("+", "-", "//", "%")  # both operands are angles, or none is; `//` counts how often one is in the other
 _FIELDS = {kind: tuple(each.name for each in fields(kind)) for kind in get_args(Expression)}
 _ORDER: Mapping[str, Callable[[Any, Any], bool]] = {
-    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
-}  # fmt: skip
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 
 
 def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
@@ -179,14 +189,16 @@ def _binary(tree: syntax.Binary, scope: Mapping[str, Value]) -> Value:
     # Evaluate each operand once: sums nest on the left, and twice each would be exponential in the number of terms.
     first = evaluate(tree.left, scope)
     if tree.operator == "+" and isinstance(first, str):
-        second, most = evaluate(tree.right, scope), in_force().string
+        second = evaluate(tree.right, scope)
+        most = in_force().string
         if not isinstance(second, str):
             raise ExpressionError(f"`+` of text and {kind(second)}", tree.at)
         if len(first) + len(second) > most:
             raise ExpressionError(f"text is at most {most} characters long", tree.at, advice("string"))
         return first + second
     what = f"`{tree.operator}`"
-    a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
+    a = _as_number(first, tree.left, what)
+    b = _number(tree.right, what, scope)
     if isinstance(a, Angle) or isinstance(b, Angle):
         return _of_angles(tree, a, b)
     return _arithmetic(tree, a, b)
@@ -245,7 +257,8 @@ def _comparison(tree: syntax.Comparison, scope: Mapping[str, Value]) -> bool:
     values = [evaluate(operand, scope) for operand in tree.operands]
     for at, (symbol, left, right) in enumerate(zip(tree.operators, values, values[1:], strict=False)):
         if isinstance(left, Angle) or isinstance(right, Angle):
-            left, right = _difference(symbol, [(tree.operands[at], left), (tree.operands[at + 1], right)]), 0
+            left = _difference(symbol, [(tree.operands[at], left), (tree.operands[at + 1], right)])
+            right = 0
         if kind(left) != kind(right):
             raise ExpressionError(f"`{symbol}` of {kind(left)} and {kind(right)}", tree.at)
         if symbol not in ("==", "!=") and kind(left) not in ("a number", "text"):

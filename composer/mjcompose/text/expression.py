@@ -228,7 +228,9 @@ class ExpressionError(Exception):
 
     def __init__(self, message: str, at: Range, help: str | None = None) -> None:
         super().__init__(message)
-        self.message, self.at, self.help = message, at, help
+        self.message = message
+        self.at = at
+        self.help = help
 
     def moved(self, by: int) -> ExpressionError:
         self.at = self.at[0] + by, self.at[1] + by
@@ -240,7 +242,8 @@ class UnknownName(ExpressionError):
 
     def __init__(self, name: str, at: Range, space: str = "") -> None:
         super().__init__(f"`{space}.{name}` does not exist" if space else f"`{name}` does not exist", at)
-        self.name, self.space = name, space
+        self.name = name
+        self.space = space
 
 
 class Rewrite(NamedTuple):
@@ -277,7 +280,8 @@ class Constant(Struct):
     at: Range
 
 
-PARAMETERS, ELEMENT = "params", "element"
+PARAMETERS = "params"
+ELEMENT = "element"
 
 
 class Name(Struct):
@@ -409,7 +413,8 @@ def _unreadable(text: str, at: int) -> ExpressionError:
 
 def _run_on(text: str, start: int) -> ExpressionError:
     word = re.split(r"[^\w.]", text[start:], maxsplit=1)[0]
-    number, unit = word.rstrip(ascii_letters + "°"), word.lstrip(digits + ".")
+    number = word.rstrip(ascii_letters + "°")
+    unit = word.lstrip(digits + ".")
     near = {"°": "deg", "degrees": "deg", "degree": "deg", "radians": "rad", "radian": "rad"}.get(unit)
     help = f"write `{number}{near}`" if near else None
     return ExpressionError(f"`{word}` is not a number", (start, start + len(word)), help)

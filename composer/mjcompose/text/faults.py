@@ -78,7 +78,8 @@ def unquoted_start(text: str, index: int) -> int:
 
 def in_flow(text: str, index: int, outer: bool) -> bool:
     """Return whether `index` is in `[ ]` or `{ }`; `outer` says whether the start of its line is in brackets."""
-    depth, quote = int(outer), ""
+    depth = int(outer)
+    quote = ""
     begin = max(text.rfind("\n", 0, index), text.rfind("\r", 0, index)) + 1
     for character in text[begin:index]:
         if quote:
@@ -123,9 +124,14 @@ class ParserStop(Struct):
         return Span(self.file, line, column, end_line=line, end_column=column + length)
 
     def fault(
-        self, message: str, span: Span, help: str | None = None, *, notes: Iterable[Note] = (),
+        self,
+        message: str,
+        span: Span,
+        help: str | None = None,
+        *,
+        notes: Iterable[Note] = (),
         code: str = "yaml-syntax",
-    ) -> SyntaxFault:  # fmt: skip
+    ) -> SyntaxFault:
         return SyntaxFault(Diagnostic(code, message, span, notes=tuple(notes), help=help))
 
     def unquoted(self, start: int, end: int, message: str, code: str = "yaml-syntax") -> SyntaxFault:
@@ -264,7 +270,8 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault:
 
 def _glob_choice(it: ParserStop) -> SyntaxFault | None:
     """Handle `{left,right}/*_link`, which YAML reads as a list or mapping with text after it."""
-    before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
+    before = it.text[it.at - 1 : it.at]
+    after = it.text[it.at : it.at + 1]
     if before not in ("]", "}") or not after or after in "[]{},:# \t\r\n":
         return None
     opening, kind = ("[", "list") if before == "]" else ("{", "mapping")
@@ -283,7 +290,8 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault:
     for where, line in ((begin, it.line_of(it.at)), (above_begin, above)):
         tight = _TIGHT_COLON.match(line)
         if tight and where + tight.end(2) < it.at:
-            key, value = tight.group(2), tight.group(3).rstrip()
+            key = tight.group(2)
+            value = tight.group(3).rstrip()
             colon = it.span(where + tight.end(2))
             return it.fault(f"the colon after `{key}` needs a space after it", colon, f"write `{key}: {value}`")
     first = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(?=\S)", lead)
@@ -309,7 +317,8 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault:
 
 def _no_colon(it: ParserStop) -> SyntaxFault:
     end = max(unquoted_end(it.text, it.since, False), it.since + 1)
-    key, help = it.text[it.since : end], "a line among the keys of a mapping has the form `key: value`"
+    key = it.text[it.since : end]
+    help = "a line among the keys of a mapping has the form `key: value`"
     if tight := _TIGHT_COLON.match(key):
         help = f"put a space after the colon: {tight.group(2)}: {tight.group(3)}"
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
@@ -366,7 +375,8 @@ def _block(it: ParserStop) -> SyntaxFault:
         message += " among the keys of a mapping"
         help = "give the list a key of its own, or write `key: value`"
     elif it.text.startswith("-", it.at):
-        message, help = "the `-` of a list item needs a space after it", "write `- ` and then the item"
+        message = "the `-` of a list item needs a space after it"
+        help = "write `- ` and then the item"
     else:
         message = "a line without `-` is among the items of a list"
         help = "begin it with `- `, or indent it so that it belongs to the item above"

@@ -50,7 +50,8 @@ class _Reader:
         return waiting.pop(0) if waiting and not waiting[0].own_line else None
 
     def rest(self) -> list[Comment]:
-        waiting, self.next.comments = self.next.comments, []
+        waiting = self.next.comments
+        self.next.comments = []
         return waiting
 
     def document(self) -> Document:
@@ -67,7 +68,9 @@ class _Reader:
         while self.next.kind != "StreamEnd":
             tail += self.rest()
             self.take()
-        header, parted, entries = root.inner, False, root.value.entries
+        header = root.inner
+        parted = False
+        entries = root.value.entries
         if entries and not root.value.flow:
             header, parted = _header(entries[0])
         return Document(preface, header, parted, head=root.head, root=root.value, tail=[*tail, *self.rest()])
@@ -212,7 +215,8 @@ class _Reader:
         else:
             self.value(entry, in_mapping=False)
         entry.lead += [each for each in (entry.head, *entry.inner) if each is not None]
-        entry.head, entry.inner = None, []
+        entry.head = None
+        entry.inner = []
 
 
 def _header(first: Entry) -> tuple[list[Comment], bool]:
@@ -222,7 +226,8 @@ def _header(first: Entry) -> tuple[list[Comment], bool]:
         split = len(lead)
     else:
         split = max((index for index, each in enumerate(lead) if each.blank_before and index), default=len(lead))
-    header, first.lead = lead[:split], lead[split:]
+    header = lead[:split]
+    first.lead = lead[split:]
     parted = bool(header) and first.parted
     first.parted = False
     return header, parted
@@ -452,8 +457,9 @@ def difference(one: Node, other: Node) -> str | None:
             waiting += [(x, y, (*path, "*"), f"{shown}[{index}]") for index, (x, y) in pairs]
         elif isinstance(a, Mapping) and isinstance(b, Mapping):
             same = a.entries.keys() == b.entries.keys() and (is_free(path) or list(a.entries) == list(b.entries))
-            for name, (_, value) in a.entries.items() if same else ():
-                waiting.append((value, b.entries[name][1], (*path, name), f"{shown}.{name}".lstrip(".")))
+            if same:
+                for name, (_, value) in a.entries.items():
+                    waiting.append((value, b.entries[name][1], (*path, name), f"{shown}.{name}".lstrip(".")))
         else:
             same = False
         if not same:
@@ -477,7 +483,8 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     try:
         document = _Reader(tokens(text)).document()
     except Unusual as unusual:
-        message, place = f"`{file}` is left unchanged: {unusual}", Span(file, unusual.line, 1)
+        message = f"`{file}` is left unchanged: {unusual}"
+        place = Span(file, unusual.line, 1)
         sink.error("cannot-format", message, place, help="write it in the usual form")
         return None
     put_in_order(document.root)

@@ -42,7 +42,8 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
     if bad is None:
         return text
     line, column = position(text, bad.start())
-    others, code = len(_UNPRINTABLE.findall(text)) - 1, ord(bad.group())
+    others = len(_UNPRINTABLE.findall(text)) - 1
+    code = ord(bad.group())
     notes = [Note(f"the file has {others} more such characters; it may not be a text file")] if others else ()
     help = "remove it" if 0xD800 <= code <= 0xDFFF else f'remove it, or write "\\u{code:04x}" inside double quotes'
     span = Span(file, line, column, end_line=line, end_column=column + 1)
@@ -105,7 +106,8 @@ class Mask:
         found = self._stand_ins.get(character)
         if found is None:
             if self._pool is None:
-                text, lowered = self._original, self._original.lower()
+                text = self._original
+                lowered = self._original.lower()
                 codes = (code for code in range(0xE000, 0xF900) if f"{code:x}" not in lowered)
                 self._pool = (chr(code) for code in codes if chr(code) not in text)
             found = next(self._pool, None)
@@ -223,7 +225,8 @@ def tokens(text: str) -> list[Token]:
     last = 0
     found: Iterator[Any] = yaml.scan(Mask(text).text, Loader=reader_of(text))
     for each in found:
-        start, end = each.start_mark.index, each.end_mark.index
+        start = each.start_mark.index
+        end = each.end_mark.index
         line = bisect_right(starts, start) - 1
         kind = type(each).__name__.removesuffix("Token")
         token = Token(kind, text[start:end], line, end_line=0, column=start - starts[line])

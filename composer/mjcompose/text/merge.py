@@ -17,8 +17,11 @@ _EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit")
 _OF_ELEMENTS = ("set", "scale", "convert", "move", "rename")
 # Paths with selectors, besides edits.
 _SELECTING: tuple[Path, ...] = (
-    ("base", "drop"), ("attach", "*", "drop"), ("check", "*", "*"), ("randomize", "fields", "*", "select"),
-)  # fmt: skip
+    ("base", "drop"),
+    ("attach", "*", "drop"),
+    ("check", "*", "*"),
+    ("randomize", "fields", "*", "select"),
+)
 
 
 def in_own_model(path: Path) -> Path:
@@ -108,11 +111,18 @@ _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {
     ("randomize", "fields", "*"): (
         (("select", "attr"), ("param",)),
         (
-            ("uniform",), ("loguniform",), ("normal",), ("truncnormal",), ("lognormal",), ("choice",), ("integers",),
-            ("scale",), ("offset",),
+            ("uniform",),
+            ("loguniform",),
+            ("normal",),
+            ("truncnormal",),
+            ("lognormal",),
+            ("choice",),
+            ("integers",),
+            ("scale",),
+            ("offset",),
         ),
     ),
-}  # fmt: skip
+}
 
 
 def merge(lower: Mapping, upper: Mapping, sink: Sink, path: MergePath = ()) -> Mapping:
@@ -147,7 +157,8 @@ def _values(lower: Node, upper: Node, path: MergePath, sink: Sink) -> Node:
     kind = _pattern(path)
     short = _SHORT.get(kind)
     if short is not None and isinstance(lower, Mapping) != isinstance(upper, Mapping):
-        lower, upper = _long(lower, short), _long(upper, short)
+        lower = _long(lower, short)
+        upper = _long(upper, short)
     if isinstance(lower, Mapping) and isinstance(upper, Mapping):
         if kind in _TYPED and _differ(lower, upper, "type"):
             return upper
@@ -176,7 +187,8 @@ def _check_ids(written: Sequence, sink: Sink) -> None:
     for item in written.items:
         name = _id(item)
         if name in seen:
-            notes, help = (Note("the other one", locate(seen[name], ("id",))),), "give one of them another `id`"
+            notes = (Note("the other one", locate(seen[name], ("id",))),)
+            help = "give one of them another `id`"
             message = f"two items have the `id` `{name}`"
             sink.error("name-clash", message, locate(item, ("id",)), notes=notes, help=help)
         if name is not None:
@@ -208,7 +220,8 @@ def _long(node: Node, key: str) -> Node:
 def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
     if key not in lower.entries or key not in upper.entries:
         return False
-    a, b = lower.entries[key][1], upper.entries[key][1]
+    a = lower.entries[key][1]
+    b = upper.entries[key][1]
     return not (isinstance(a, Scalar) and isinstance(b, Scalar) and a.value == b.value)
 
 

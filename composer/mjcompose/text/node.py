@@ -79,8 +79,10 @@ class Marks:
 
     def span(self, event: Any) -> Span:
         """Return the place of an event without anchor and tag; if it has several lines, the first."""
-        start, end = event.start_mark, event.end_mark
-        line, column = start.line + 1, start.column + 1
+        start = event.start_mark
+        end = event.end_mark
+        line = start.line + 1
+        column = start.column + 1
         if end.line + 1 == line:
             last = end.column + 1
         else:
@@ -106,7 +108,8 @@ class Marks:
 
     def tag(self, event: Any) -> Span:
         found = _TAG.match(self.text, event.start_mark.index)
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        line = event.start_mark.line + 1
+        column = event.start_mark.column + 1
         if found is None or "\n" in found.group():
             return Span(self.file, line, column, end_line=line, end_column=column + 1)
         column += found.start(1) - found.start()
@@ -215,7 +218,8 @@ def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
     `key`, or if the path ends in `"[key]"`, return the place of the last key on the way instead of its value's.
     """
     if path and path[-1] == "[key]":
-        path, key = path[:-1], True
+        path = path[:-1]
+        key = True
     span = node.span
     for step, following in zip(path, (*path, None)[1:], strict=True):
         if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
@@ -260,11 +264,13 @@ def position(text: str, index: int) -> tuple[int, int]:
     >>> position("ab\r\ncd", 5)
     (2, 2)
     """
-    line, begin = 1, 0
+    line = 1
+    begin = 0
     for found in LINE_BREAK.finditer(text):
         if found.end() > index:
             break
-        line, begin = line + 1, found.end()
+        line = line + 1
+        begin = found.end()
     return line, index - begin + 1
 
 
@@ -301,7 +307,8 @@ def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str)
     last = node.items[-1].span
     if _is_flow(node, lines):
         return _insert(file, last.end_line or last.line, last.end_column or last.column, f", {value}")
-    line, indent = last.line, lines[last.line - 1].index("-")
+    line = last.line
+    indent = lines[last.line - 1].index("-")
     return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}- {value}")
 
 
@@ -351,7 +358,8 @@ def changed(text: str, changes: Iterable[Change]) -> str:
     """
     starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]
     for each in sorted(changes, key=lambda each: (each.span.line, each.span.column), reverse=True):
-        line, column = each.span.line, each.span.column
+        line = each.span.line
+        column = each.span.column
         end = starts[(each.span.end_line or line) - 1] + (each.span.end_column or column) - 1
         text = text[: starts[line - 1] + column - 1] + each.text + text[end:]
     return text

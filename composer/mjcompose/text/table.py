@@ -27,7 +27,8 @@ class _Unreadable(Exception):
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
-        self.message, self.span = message, span
+        self.message = message
+        self.span = span
 
 
 def load_table(source: bytes, file: str, sink: Sink) -> Mapping | None:

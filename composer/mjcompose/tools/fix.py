@@ -79,7 +79,8 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
     Edit(start=6, end=12, text='"arm/tip"')
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("tip", "tipp")), 'site: "other"')
     """
-    fix, span = diagnostic.fix, place_of(diagnostic)
+    fix = diagnostic.fix
+    span = place_of(diagnostic)
     if fix is None or span is None:
         return None
     bounds = _bounds(span, source, is_verbatim=fix.replaces is None and fix.span is not None)
@@ -178,7 +179,8 @@ def applied(source: str, edits: Iterable[Edit]) -> str:
     >>> applied("a b c", [Edit(0, 1, "x"), Edit(4, 5, "z"), Edit(0, 3, "y")])
     'x b z'
     """
-    result, done = "", 0
+    result = ""
+    done = 0
     for edit in sorted(dict.fromkeys(edits), key=lambda each: (each.start, each.end)):
         if edit.start >= done:
             result += source[done : edit.start] + edit.text

@@ -38,7 +38,8 @@ _MODEL = re.compile(rb"<mujoco[\s>].*<(worldbody|include|attach)[\s/>]", re.DOTA
 _RECIPE = re.compile(rb"^(recipe|extends)\s*:", re.MULTILINE)
 _INCLUDE = re.compile(rb"""<include\s+file\s*=\s*["']([^"']+)""")
 _GLOB = re.compile(r"[*?\[]")
-_HEAD, _MOST_NEAR = 1 << 20, 200
+_HEAD = 1 << 20
+_MOST_NEAR = 200
 
 
 class Target(Struct):
@@ -79,7 +80,8 @@ def _is_bundle(folder: Path) -> bool:
 
 
 def _models_below(top: Path) -> list[Target]:
-    models, included = list[Path](), set[str]()
+    models: list[Path] = []
+    included: set[str] = set()
     for folder, folders, names in os.walk(top):
         here = Path(folder)
         bundles = [here / name for name in folders if _is_bundle(here / name)]
@@ -103,8 +105,13 @@ def _included(path: Path, head: bytes) -> set[str]:
 def _others(path: Path) -> bytes:
     """Return the text of the models near a file that include it, of their files, and of recipes that name it."""
     path = Path(os.path.abspath(path))
-    near = [each for folder in (path.parent, path.parent.parent) for kind in (*MJCF_FILES, *RECIPES)
-            for each in islice(folder.glob(f"*{kind}"), _MOST_NEAR) if os.path.isfile(each)]  # fmt: skip
+    near = [
+        each
+        for folder in (path.parent, path.parent.parent)
+        for kind in (*MJCF_FILES, *RECIPES)
+        for each in islice(folder.glob(f"*{kind}"), _MOST_NEAR)
+        if os.path.isfile(each)
+    ]
     heads = {str(each): _head(each) for each in near}
     recipes = [text for name, text in heads.items() if name.endswith(RECIPES) and os.fsencode(path.name) in text]
     waiting = [name for name, text in heads.items() if str(path) in _included(Path(name), text)]
@@ -194,7 +201,8 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
         operand.report(context.sink)
         if side is None or side.traced is None:
             return None
-        unit, is_part = side.traced.model, path.suffix.lower() in URDF_FILES
+        unit = side.traced.model
+        is_part = path.suffix.lower() in URDF_FILES
         return _Model(unit, write(unit.root), is_part, is_compiled=True, is_written=False)
     read = parse_file(path, context.sink, file=context.shown(path))
     if read is None or not all_admitted(read, context.sink, context.shown):
@@ -214,7 +222,9 @@ def _of_reading(sink: Sink) -> Iterator[Diagnostic]:
 
 
 def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
-    error, crash, at = compiled.error or "", compiled.crash, Span(unit.file, 1, 1)
+    error = compiled.error or ""
+    crash = compiled.crash
+    at = Span(unit.file, 1, 1)
     if crash is not None:
         context.sink.error(CRASHES.get(crash, "mujoco-crash"), f"`{unit.file}`: {error}", at)
         return
@@ -226,7 +236,8 @@ def _refused(compiled: engine.Compiled, unit: Unit, text: bytes, context: Contex
 def _in_mujoco(
     read: _Model, context: Context, session: Session, selected: Sequence[Rule]
 ) -> Iterator[tuple[Rule, Finding]]:
-    by_code, unit = {each.code: each for each in selected}, read.unit
+    by_code = {each.code: each for each in selected}
+    unit = read.unit
     asked = {"text": read.text.decode(), "codes": list(by_code), "is_part": read.is_part}
     answer = engine.call(session, in_child, [_KEPT], argument=asked)
     if not answer.ok:
@@ -241,7 +252,8 @@ def _in_mujoco(
 
 
 def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> Diagnostic:
-    element, span = finding.element, Span(unit.file, 1, 1)
+    element = finding.element
+    span = Span(unit.file, 1, 1)
     if element is not None:
         span = unit.origins.span(element, unit.file, finding.attribute)
     fix = None if element is None or finding.edit is None or not is_written else fix_of(element, finding.edit, unit)
@@ -250,13 +262,15 @@ def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> D
 
 def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
     """Return the change of the file's text, or None if the file has the element in another form."""
-    owner, line = unit.origins.owner(element, unit.file), line_of(element)
+    owner = unit.origins.owner(element, unit.file)
+    line = line_of(element)
     text = unit.origins.text(owner) if isinstance(owner, str) else None
     if text is None or line is None or element in unit.origins.settings or not isinstance(owner, str):
         return None
     if owner != unit.file and (edit.removes or any(name == "name" for name, _ in edit.attributes)):
         return None  # other models may include the file
-    tag, written = str(element.tag), {str(name): str(value) for name, value in element.items()}
+    tag = str(element.tag)
+    written = {str(name): str(value) for name, value in element.items()}
 
     def replaced(first: Stretch, replacement: str, *, start: int, last: Stretch | None = None) -> Fix:
         last = last or first
@@ -324,9 +338,12 @@ def _ignored(line: str, word: str) -> list[str]:
 
 
 def lint_all(
-    targets: Sequence[Target], new_context: Callable[[], Context], selected: Sequence[Rule], jobs: int,
+    targets: Sequence[Target],
+    new_context: Callable[[], Context],
+    selected: Sequence[Rule],
+    jobs: int,
     done: Callable[[Path], None],
-) -> list[tuple[Linted, Context]]:  # fmt: skip
+) -> list[tuple[Linted, Context]]:
     """Lint files with `jobs` processes of MuJoCo; each result has a context with the errors of its model.
 
     Each file has a new context, because the lock file of a recipe belongs to its context.
@@ -341,7 +358,8 @@ def lint_all(
             free.put(opened.enter_context(Session()))
 
         def one(target: Target) -> tuple[Linted, Context]:
-            own, session = new_context(), free.get()
+            own = new_context()
+            session = free.get()
             try:
                 linted = lint(target.path, own, session, selected=selected, may_be_part=target.may_be_part)
             finally:

@@ -171,7 +171,8 @@ _WIDTHS = {"qpos": "nq", "qvel": "nv", "act": "na", "ctrl": "nu", "mpos": "3 * n
 
 def to_cpp(names: Names) -> str:
     """Return a C++17 header that includes only the standard library."""
-    data, space = names.as_data(), _identifier(names.model or "model", _CPP)
+    data = names.as_data()
+    space = _identifier(names.model or "model", _CPP)
     lines = [f"// {line}" for line in _head(names, data)]
     lines += ["#pragma once", "", "#include <array>", "#include <limits>", "", f"namespace {space} {{", ""]
     lines += [f"inline constexpr char model[] = {_cpp(names.model)};"]
@@ -190,7 +191,8 @@ def to_cpp(names: Names) -> str:
         members = [type + between.join(each.split()) for (type, between), each in types if each]
         members += [f"std::array<double, {width}> {vector}" for vector, width in vectors.items()]
         lines += ["", f"struct {name} {{", *(f"  {each};" for each in members), "};"]
-        kind, order = f"{name.lower()}s", " ".join((*fields, *vectors)).split()
+        kind = f"{name.lower()}s"
+        order = " ".join((*fields, *vectors)).split()
         lines += _array(name, kind, [[_cpp(row[key]) for key in order] for row in data[kind]])
     return "\n".join([*lines, "", f"}}  // namespace {space}"]) + "\n"
 

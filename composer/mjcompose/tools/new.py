@@ -31,7 +31,8 @@ _NOT_MODELS = ("README.md", "make_meshes.py")
 
 def examples(schema: str) -> dict[str, bytes]:
     """Return the files of the examples by path, with their license; `schema` is the schema of recipes."""
-    folder, license = _shipped("examples", "recipes"), _shipped("examples/LICENSE", "LICENSE")
+    folder = _shipped("examples", "recipes")
+    license = _shipped("examples/LICENSE", "LICENSE")
     paths = (path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS)
     files = {path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts}
     return {**files, "LICENSE": license.read_bytes(), "recipe.schema.json": schema.encode()}
@@ -127,7 +128,8 @@ def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
     """Return whether a file exists already. Raises OutputError for anything that blocks the project."""
     above = (each for each in place.parents if each.is_relative_to(folder) and each != folder)
     files = [each for each in above if os.path.lexists(each) and not os.path.isdir(each)]
-    exists, blocked = os.path.lexists(place), (files or [place])[-1]
+    exists = os.path.lexists(place)
+    blocked = (files or [place])[-1]
     why = "and is a folder" if os.path.isdir(place) else "and is no folder" if files else ""
     if not why and exists and needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
         why = "with another content than the project needs"

@@ -112,7 +112,8 @@ def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
     `depth` limits the levels of bodies. Meters and radians; poses are relative to the body (`pos`, `quat`) and to
     the world at the reference configuration.
     """
-    bodies, parts = list(_bodies(outline.world, None, depth)), list(map(asdict, outline.parts))
+    bodies = list(_bodies(outline.world, None, depth))
+    parts = list(map(asdict, outline.parts))
     return {"name": outline.name, "model": outline.label, "parts": parts, "bodies": bodies}
 
 
@@ -122,9 +123,13 @@ def _bodies(body: Body, parent: str | None, depth: int | None) -> Iterator[dict[
         for each in body.places
     ]
     yield {
-        "name": body.name, "parent": parent, "part": body.part, "copies": body.copies,
-        "joints": list(map(asdict, body.joints)), "places": places,
-    }  # fmt: skip
+        "name": body.name,
+        "parent": parent,
+        "part": body.part,
+        "copies": body.copies,
+        "joints": list(map(asdict, body.joints)),
+        "places": places,
+    }
     if depth is None or depth > 0:
         for child in body.children:
             yield from _bodies(child, body.name, None if depth is None else depth - 1)
@@ -168,12 +173,15 @@ def _first_too_deep(root: Node) -> Node | None:
 
 class _Outliner:
     def __init__(self, unit: Unit, part_of: PartOf) -> None:
-        self.unit, self.part_of = unit, part_of
-        self.degrees, self.sequence = unit.settings.angle == "degree", unit.settings.eulerseq
+        self.unit = unit
+        self.part_of = part_of
+        self.degrees = unit.settings.angle == "degree"
+        self.sequence = unit.settings.eulerseq
 
     def body(self, name: str | None, part: str | None, holders: list[Node], pose: Pose, copies: int = 1) -> Body:
         """Return a body with the contents of `holders`; `pose` is its pose in the world."""
-        joints, children = list[Joint](), list[Body]()
+        joints: list[Joint] = []
+        children: list[Body] = []
         is_named = name is not None and any(holder.tag == "body" for holder in holders)
         places = [Place("body", str(name), Pose(), world=pose)] if is_named else []
         for node, inside, times in self.members(holders, Pose(), copies):
@@ -203,7 +211,8 @@ class _Outliner:
         """Return the limits in effect. `limited` decides; if it is not set, a written range counts."""
         if type == "free":
             return None
-        kind, classes = kind_of(node), self.unit.classes
+        kind = kind_of(node)
+        classes = self.unit.classes
         limited = text_in_effect(node, kind, "limited", classes=classes) or "auto"
         if limited == "false" or (limited == "auto" and self.unit.settings.autolimits == "false"):
             return None
@@ -351,10 +360,13 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
     if composed is None:
         return None
     parts = tuple(
-        Part(each.part, context.shown(each.source.path) if each.source.origin is None else each.source.reference,
-             each.body)
+        Part(
+            each.part,
+            context.shown(each.source.path) if each.source.origin is None else each.source.reference,
+            each.body,
+        )
         for each in composed.members
-    )  # fmt: skip
+    )
     part_of = _part_of(composed.model, composer.parts, plan.separator)
     world = world_of(composed.model, part_of, context.sink)
     return None if world is None else Outline(plan.name, text, world, parts=parts)

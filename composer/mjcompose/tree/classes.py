@@ -212,10 +212,11 @@ def chain(element: Node, classes: Classes) -> list[DefaultClass]:
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
     """Return every level that an attribute may come from, the element first and MuJoCo's default last."""
     found = [Level("element", None, element, text=written(element, attribute.name))]
-    for step in chain(element, classes) if kind.takes_class and attribute.in_default else ():
-        holders = reversed(_holders(step, element, attribute))  # the last one of several sets it
-        writer = next((each for each in holders if written(each, attribute.name) is not None), None)
-        found.append(Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name)))
+    if kind.takes_class and attribute.in_default:
+        for step in chain(element, classes):
+            holders = reversed(_holders(step, element, attribute))  # the last one of several sets it
+            writer = next((each for each in holders if written(each, attribute.name) is not None), None)
+            found.append(Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name)))
     found.append(Level("mujoco", None, None, text=default_text(attribute)))
     return list(_taken(found, attribute))
 
@@ -240,20 +241,21 @@ def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[
     """Yield every attribute that some class sets for an element, with the nearest level that sets it."""
     seen = {name for name in map(str, element.keys()) if written(element, name) is not None}
     turned = not seen.isdisjoint(ORIENTATIONS) or element.get("quat") is not None
-    for step in chain(element, classes) if kind.takes_class else ():
-        orientation = False
-        for writer in reversed(_holders(step, element)):
-            is_shared = writer.tag != element.tag and kind.family == "actuator"
-            for name in map(str, writer.keys()):
-                attribute = kind.attributes.get(name)
-                if attribute is None or name in seen or written(writer, name) is None:
-                    continue
-                if (is_shared and name not in _common()) or (turned and name in ORIENTATIONS):
-                    continue
-                orientation |= name in ORIENTATIONS
-                seen.add(name)
-                yield attribute, Level("class", step.name, writer, text=str(writer.get(name)))
-        turned |= orientation
+    if kind.takes_class:
+        for step in chain(element, classes):
+            orientation = False
+            for writer in reversed(_holders(step, element)):
+                is_shared = writer.tag != element.tag and kind.family == "actuator"
+                for name in map(str, writer.keys()):
+                    attribute = kind.attributes.get(name)
+                    if attribute is None or name in seen or written(writer, name) is None:
+                        continue
+                    if (is_shared and name not in _common()) or (turned and name in ORIENTATIONS):
+                        continue
+                    orientation |= name in ORIENTATIONS
+                    seen.add(name)
+                    yield attribute, Level("class", step.name, writer, text=str(writer.get(name)))
+            turned |= orientation
 
 
 @cache
@@ -270,7 +272,8 @@ def _may_go_on(attribute: Attribute, count: int) -> bool:
 
 
 def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
-    joins, at = _may_go_on(attribute, 1), 0
+    joins = _may_go_on(attribute, 1)
+    at = 0
     for step in steps:
         if step.text is not None and (at == 0 or joins):
             end = max(at, len(step.text.split()), 1)

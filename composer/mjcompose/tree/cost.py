@@ -111,7 +111,8 @@ class Weight(NamedTuple):
 
     def in_body(self) -> Weight:
         """The weight of a body that contains this piece."""
-        own, carried = self.loose, self.dofs - self.loose
+        own = self.loose
+        carried = self.dofs - self.loose
         matrix = self.matrix + own * (own + 1) // 2 + own * carried
         return self._replace(elements=self.elements + 1, bodies=self.bodies + 1, matrix=matrix, loose=0)
 
@@ -143,7 +144,8 @@ def default_dofs(root: Node) -> int:
 
 
 CODE = "limit-exceeded"
-_FLEX_COUNT, _COMPOSITE_COUNT = "10 10 10", "1 1 1"
+_FLEX_COUNT = "10 10 10"
+_COMPOSITE_COUNT = "1 1 1"
 _COUNTED = ("grid", "box", "cylinder", "ellipsoid", "square", "disc", "circle")
 """The types of `<flexcomp>` that make `count` points; others have them from a file or an attribute."""
 _COUNT = XPath("count(descendant-or-self::*)")  # compiled once: that takes as long as to count 100 elements
@@ -208,7 +210,8 @@ def _is_small(root: Node, elements: int) -> bool:
     if dofs <= limits.dofs and dofs * (dofs + 1) // 2 <= limits.mass_matrix:
         return True
     # At most all in one tree carry each other: different trees in the world have nothing in common.
-    by_default, trees = default_dofs(root), []
+    by_default = default_dofs(root)
+    trees = []
     for section in root.iterchildren("*"):
         if section.tag == "worldbody":
             trees += [sum(joint_dofs(joint, by_default) for joint in place.iter(*_JOINTS)) for place in section]
@@ -229,7 +232,8 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
     matrix takes 5 s if it has two million numbers, and eight times that if each body depends on twice as many.
     """
     for limit, count, words in _COUNTS:
-        most, needed = getattr(in_force(), limit.replace("-", "_")), getattr(total, count)
+        most = getattr(in_force(), limit.replace("-", "_"))
+        needed = getattr(total, count)
         if needed <= most:
             continue
         sizes = {node: getattr(weight, count) for node, weight in made.items()}
@@ -283,7 +287,8 @@ def _made(
     below: dict[Node, tuple[int, Weight]] = {}
     for node in reversed(nodes):  # inner elements come first
         count, inside = below.pop(node, (0, NOTHING))
-        tag, above = node.tag, node.getparent()
+        tag = node.tag
+        above = node.getparent()
         if node in made:
             weight = _expanded(node, inside, attached, in_file=in_file)
             made[node] = weight._replace(elements=weight.elements - 1 - count)
@@ -323,7 +328,8 @@ def _soft(flexcomp: Node, points: int) -> Weight:
     if flexcomp.get("rigid") == "true":
         return NOTHING
     dof = flexcomp.get("dof") or "full"
-    bodies, dofs = points, _DOFS_OF_A_POINT.get(dof, 3)
+    bodies = points
+    dofs = _DOFS_OF_A_POINT.get(dof, 3)
     if dof in _NODES:
         cells = [number(word, 1) for word in str(flexcomp.get("cellcount") or "1 1 1").split()[:3]]
         bodies = math.prod(_NODES[dof] * each + 1 for each in cells)
@@ -354,7 +360,8 @@ _OF_A_KEY = 2000
 
 def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
     """Return whether a model with this many elements reserves no more than allowed; report the attribute if not."""
-    most, total = in_force().reserved, 0
+    most = in_force().reserved
+    total = 0
     for node, attribute, count in _reserving(unit, elements):
         total += count
         if total > most:
@@ -369,11 +376,13 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
 def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
     root = unit.root
     for node in root.iter("texture", "hfield", "size", "lengthrange"):
-        for attribute in ("file", *CUBE) if node.tag in ("texture", "hfield") else ():
-            if node.get(attribute):
-                yield node, attribute, pixels(node, attribute, unit)
+        if node.tag in ("texture", "hfield"):
+            for attribute in ("file", *CUBE):
+                if node.get(attribute):
+                    yield node, attribute, pixels(node, attribute, unit)
         if node.tag == "texture" and node.get("file") is None:
-            width, height = number(node.get("width")), number(node.get("height"))
+            width = number(node.get("width"))
+            height = number(node.get("height"))
             height = 6 * width if (node.get("type") or "cube") != "2d" else height
             yield node, "width", _CHANNELS * width * height
         elif node.tag == "hfield" and node.get("file") is None:
@@ -455,7 +464,8 @@ def _check_stretches(data: bytes, file: str, sink: Sink) -> bool:
     spans = (found.span() for found in _STRETCH.finditer(data))
     at, end = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
     if end - at > limit:
-        line, begin = data.count(b"\n", 0, at) + 1, data.rfind(b"\n", 0, at) + 1
+        line = data.count(b"\n", 0, at) + 1
+        begin = data.rfind(b"\n", 0, at) + 1
         column = len(data[begin:at].decode("utf-8", "replace")) + 1 if at - begin < _COLUMNS else 1
         message = f"an attribute, comment or text has {end - at} bytes; {limit} are allowed"
         sink.error(CODE, message, Span(file, line, column), help=advice("text-size", end - at))

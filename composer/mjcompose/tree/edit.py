@@ -193,11 +193,12 @@ def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, 
     for here, prefix in model.levels():
         full = prefix + name
         yield here, prefix, namespace, full
-        for kind in kinds if has_copies else ():
-            for used in list(here.names.uses.get(kind, ())):
-                of_it = is_copy(used, full) if kind == namespace else _is_of_flex(here, used, full)
-                if of_it and here.find_node(kind, used) is None:
-                    yield here, prefix, kind, used
+        if has_copies:
+            for kind in kinds:
+                for used in list(here.names.uses.get(kind, ())):
+                    of_it = is_copy(used, full) if kind == namespace else _is_of_flex(here, used, full)
+                    if of_it and here.find_node(kind, used) is None:
+                        yield here, prefix, kind, used
 
 
 def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
@@ -246,9 +247,18 @@ def resolves(model: Lookup, namespace: str, name: str) -> bool:
 
 
 def unresolved(
-    model: Lookup, namespace: str, name: str, span: Span | None, *, written: str = "{}", typed_by: str = "",
-    purpose: str = "", message: str | None = None, help: str | None = None, notes: Iterable[Note] = (),
-) -> Diagnostic:  # fmt: skip
+    model: Lookup,
+    namespace: str,
+    name: str,
+    span: Span | None,
+    *,
+    written: str = "{}",
+    typed_by: str = "",
+    purpose: str = "",
+    message: str | None = None,
+    help: str | None = None,
+    notes: Iterable[Note] = (),
+) -> Diagnostic:
     """Return the error for a missing name: existing names, the likely one, and other kinds with the name.
 
     `written` is the format of a name in the file, and `typed_by` is the attribute next to it that sets the kind.
@@ -261,9 +271,15 @@ def unresolved(
     if help is None and typed_by and types:
         help = f"`{name}` is {word(types[0], article=True)}: write `{typed_by}: {types[0]}`"
     found = unknown_name(
-        word(namespace), name, model.known_names(namespace), span=span, purpose=purpose, message=message,
-        written=written, help=help,
-    )  # fmt: skip
+        word(namespace),
+        name,
+        model.known_names(namespace),
+        span=span,
+        purpose=purpose,
+        message=message,
+        written=written,
+        help=help,
+    )
     if found.help is None:
         notes = (*notes, *(Note(f"`{name}` is {word(kind, article=True)}") for kind in others[:1]))
     return dataclasses.replace(found, notes=(*notes, *found.notes), fix=fix)
@@ -349,9 +365,10 @@ class Renaming(Struct, Generic[M]):
         """Yield references in lists of names whose new name has a space, which a list cannot hold."""
         for (model, namespace), names in self.followed.items():
             for old, new in names.items():
-                for node, attribute in model.names.users(namespace, old) if len(new.split()) != 1 else ():
-                    if is_list(node, attribute, section_of(node)):
-                        yield Reference(model, node, attribute, namespace=namespace, name=old), new
+                if len(new.split()) != 1:
+                    for node, attribute in model.names.users(namespace, old):
+                        if is_list(node, attribute, section_of(node)):
+                            yield Reference(model, node, attribute, namespace=namespace, name=old), new
 
     def carry_out(self) -> None:
         """Write the new names into all references."""

@@ -73,7 +73,8 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 def join(folder: str, name: str) -> str:
     """Return `name` in `folder`, normalized as text (`a/../b` is `b`, even without `a`). Backslashes also separate."""
     if "\\" in name or "\\" in folder:
-        name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
+        name = name.replace("\\", "/")
+        folder = folder.replace("\\", "/")
     path = name if is_absolute(name) or not folder else f"{folder}/{name}"
     return posixpath.normpath(path) if _has_empty_steps(path) else path
 
@@ -132,7 +133,8 @@ class FromFolder(Mapping[str, bytes | Path]):
     """
 
     def __init__(self, contents: Mapping[str, bytes | Path], folder: str) -> None:
-        self._contents, self._folder = contents, folder
+        self._contents = contents
+        self._folder = folder
 
     def __getitem__(self, name: str) -> bytes | Path:
         return self._contents[join(self._folder, name)]

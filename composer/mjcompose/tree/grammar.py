@@ -296,7 +296,8 @@ class Grammar:
         of a body, not of a composite.
         """
         if (known := self._within.get(section)) is None:
-            known, waiting = {}, [self.section(section)]
+            known = {}
+            waiting = [self.section(section)]
             for parent in waiting:  # which grows
                 for tag, child in parent.children.items():
                     if known.setdefault(tag, child) is child and child not in waiting:
@@ -345,7 +346,8 @@ class Grammar:
     def _build(self, path: str) -> ElementType:
         raw = self._data["elements"][path]
         if (rows_of := raw.get("rows_of")) is None:
-            rows, has_default = self._rows(path, raw), "default" in raw
+            rows = self._rows(path, raw)
+            has_default = "default" in raw
             attributes = {name: self._attribute(place, name, row, has_default=has_default) for place, name, row in rows}
             constraints = self._constraints(raw)
         else:
@@ -354,12 +356,21 @@ class Grammar:
             constraints = tuple(rule for rule in rules if attributes.keys() >= set(chain(*rule.bundles)))
         low, high = COUNTS[raw["occurs"]]
         element = self._elements[path] = ElementType(
-            path, path.rpartition("/")[2], attributes,
+            path,
+            path.rpartition("/")[2],
+            attributes,
             children=Children({child.rpartition("/")[2]: child for child in raw.get("children", ())}, self.element),
-            min_count=low, max_count=high, constraints=constraints, since=raw.get("since"), until=raw.get("until"),
-            family=self._family(raw), default=raw.get("default"), rows_of=rows_of,
-            doc=self._data.get("docs", {}).get("elements", {}).get(path, ""), ignored=tuple(raw.get("ignored", ())),
-        )  # fmt: skip
+            min_count=low,
+            max_count=high,
+            constraints=constraints,
+            since=raw.get("since"),
+            until=raw.get("until"),
+            family=self._family(raw),
+            default=raw.get("default"),
+            rows_of=rows_of,
+            doc=self._data.get("docs", {}).get("elements", {}).get(path, ""),
+            ignored=tuple(raw.get("ignored", ())),
+        )
         return element
 
     def _constraints(self, raw: dict[str, Any]) -> tuple[Constraint, ...]:
@@ -373,7 +384,8 @@ class Grammar:
         for place, name, row in self._rows(path, self._data["elements"][path]):
             allowed = row.get("in_default", True)
             if allowed and allowed is not True:
-                place, row = f"default/{place}", {**row, "since": allowed}
+                place = f"default/{place}"
+                row = {**row, "since": allowed}
             if allowed:
                 attributes[name] = self._attribute(place, name, row, has_default=True)
         return attributes
@@ -386,26 +398,39 @@ class Grammar:
         words, versions, ordered = self._keywords(row.get("keywords"))
         lengths = row.get("lengths")
         unwritten = {
-            "keywords": (1, len(words)), "references": (1, None),
+            "keywords": (1, len(words)),
+            "references": (1, None),
             **dict.fromkeys(("string", "file", "name", "reference"), (None, None)),
-        }  # fmt: skip
+        }
         low, high = unwritten.get(kind, (1, 1))
         if lengths is not None:
-            low, high = min(lengths), max(lengths)
+            low = min(lengths)
+            high = max(lengths)
         elif (length := row.get("length")) is not None:
             low, high = (length, length) if isinstance(length, int) else length
         default = row.get("default")
         docs = self._data.get("docs", {}).get("attributes", {})
         self._attributes[key] = attribute = Attribute(
-            name=name, type=kind, min_length=low, max_length=high,
-            lengths=None if lengths is None else tuple(lengths), keywords=words, keyword_versions=versions,
-            ordered=ordered, default=tuple(default) if isinstance(default, list) else default,
-            required=row.get("required", False), declares=row.get("declares"), refers=row.get("refers"),
-            refers_by=row.get("refers_by"), folder=row.get("folder"), angle=row.get("angle"),
-            since=row.get("since"), until=row.get("until"),
+            name=name,
+            type=kind,
+            min_length=low,
+            max_length=high,
+            lengths=None if lengths is None else tuple(lengths),
+            keywords=words,
+            keyword_versions=versions,
+            ordered=ordered,
+            default=tuple(default) if isinstance(default, list) else default,
+            required=row.get("required", False),
+            declares=row.get("declares"),
+            refers=row.get("refers"),
+            refers_by=row.get("refers_by"),
+            folder=row.get("folder"),
+            angle=row.get("angle"),
+            since=row.get("since"),
+            until=row.get("until"),
             in_default=has_default and bool(row.get("in_default", True)),
             doc=docs.get(f"{place.removeprefix('default/')}/{name}") or docs.get(name, ""),
-        )  # fmt: skip
+        )
         return attribute
 
     def _keywords(self, name: str | None) -> tuple[tuple[str, ...], Mapping[str, tuple[str | None, str | None]], bool]:

@@ -108,7 +108,8 @@ def place(node: Node) -> str:
 
 def unread(root: Node, version: str) -> Iterator[Unread]:
     """Everything in a tree that this version of MuJoCo lacks; of nested elements, only the outermost."""
-    known, waiting = spans(), list(reversed(list(root.iterchildren("*"))))
+    known = spans()
+    waiting = list(reversed(list(root.iterchildren("*"))))
     while waiting:
         node = waiting.pop()
         path = place(node)

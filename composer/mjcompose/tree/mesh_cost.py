@@ -20,7 +20,8 @@ from mjcompose.tree.classes import Classes, class_in_force, written
 from mjcompose.tree.files import join, stem, written_path
 from mjcompose.tree.unit import Unit
 
-_FACE, _HEAD = 50, 84
+_FACE = 50
+_HEAD = 84
 """Bytes of a face and of the head of a binary STL file."""
 _PIECE = 1 << 24
 _INDENTED = re.compile(rb"\n +")
@@ -103,7 +104,8 @@ def _of_obj(data: bytes) -> int:
         ends = np.flatnonzero(view[:-1] == 10)
         spaces = np.cumsum(view == 32, dtype=np.int32)
         words = np.diff(spaces[ends])
-        first, second = view[ends[:-1] + 1], view[ends[:-1] + 2]
+        first = view[ends[:-1] + 1]
+        second = view[ends[:-1] + 2]
         points += int(np.count_nonzero((first == ord("v")) & (second == 32)))
         corners = words[(first == ord("f")) & (second == 32)].astype(np.int64)
         triangles += int(np.maximum(corners - 2, 0).sum())
@@ -144,7 +146,8 @@ def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
     path = written_path(unit.settings, element, str(element.get("file") or ""))
     # MuJoCo believes `content_type` rather than the name.
     told = str(element.get("content_type") or "").lower().rpartition("/")[2]
-    kind, held = told or path.lower().rpartition(".")[2], unit.contents.get(path)
+    kind = told or path.lower().rpartition(".")[2]
+    held = unit.contents.get(path)
     try:
         if isinstance(held, bytes):
             return most_points(len(held), kind) if count is most_points else count(held, kind)
@@ -164,7 +167,8 @@ def _memory(count: _Count, kind: str) -> Memory[int | None]:
 
 _WITHOUT_HULL = 10
 """How many points of a mesh without a hull cost as much as one of a mesh with a hull (MuJoCo 4.0: 1.5 and 18 us)."""
-_MESHES, _WITHOUT_FILE = XPath("asset/mesh"), XPath("asset/mesh[not(@file)]")
+_MESHES = XPath("asset/mesh")
+_WITHOUT_FILE = XPath("asset/mesh[not(@file)]")
 _MULTIPLIED = {"cone": 1, "wedge": 2, "plate": 2}
 _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
 """Built-in meshes by the beginning of their `params`; MuJoCo itself bounds the other kinds."""
@@ -207,7 +211,8 @@ def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
     by_size = [_points(each, unit, most_points) for each in meshes]
     if None not in by_size and (total := attached + sum(filter(None, by_size))) <= in_force().mesh_points:
         return total
-    total, hulled = attached, _hulled(unit.root)
+    total = attached
+    hulled = _hulled(unit.root)
     for mesh, known in zip(meshes, by_size, strict=True):
         if (points := _points(mesh, unit, most_points_in) if known is None else known) is None:
             return math.inf

@@ -58,19 +58,20 @@ def word(namespace: str, article: bool = False) -> str:
 def naming_table(section: str) -> dict[str, dict[str, Action]]:
     """Return, for each tag in a section, the attributes with names and their kinds; none for an unknown section."""
     table: dict[str, dict[str, Action]] = {}
-    for tag, element in GRAMMAR.within(section).items() if section in GRAMMAR.root.children else ():
-        actions: dict[str, Action] = {}
-        for name, each in element.attributes.items():
-            if each.declares:
-                actions[name] = DECLARES, each.declares
-            elif each.refers_by:
-                actions[name] = REFERS_BY, each.refers_by
-            elif each.refers and not each.refers.startswith("attached:"):
-                actions[name] = LISTS if each.type == "references" else REFERS, each.refers
-        if tag in ("attach", "composite"):
-            actions["prefix"] = (GENERATES, "")
-        if actions:
-            table[tag] = actions
+    if section in GRAMMAR.root.children:
+        for tag, element in GRAMMAR.within(section).items():
+            actions: dict[str, Action] = {}
+            for name, each in element.attributes.items():
+                if each.declares:
+                    actions[name] = DECLARES, each.declares
+                elif each.refers_by:
+                    actions[name] = REFERS_BY, each.refers_by
+                elif each.refers and not each.refers.startswith("attached:"):
+                    actions[name] = LISTS if each.type == "references" else REFERS, each.refers
+            if tag in ("attach", "composite"):
+                actions["prefix"] = (GENERATES, "")
+            if actions:
+                table[tag] = actions
     return table
 
 
@@ -174,35 +175,38 @@ class NameIndex(Names, frozen=False):
     def of(cls, root: Node) -> NameIndex:
         """Return the names of a whole `<mujoco>` tree."""
         index = cls()
-        declared, uses = index.declared, index.uses
+        declared = index.declared
+        uses = index.uses
         for section in root.iterchildren("*"):
             rows = _rows(str(section.tag))
             for node in section.iterdescendants(*rows) if rows else ():  # as `note` does, in a third of the time
                 values: dict[str, str] = dict(node.items())  # type: ignore[arg-type]  # of a parsed tree
-                for attribute, kind, namespace in rows[node.tag] if values else ():
-                    value = values.get(attribute)
-                    if kind == DECLARES:
-                        own = value or (own_name(node, attribute) if node.tag in NAMED_AFTER_FILE else None)
-                        if own:
-                            declared.setdefault(namespace, {}).setdefault(own, node)
-                        continue
-                    if not value:
-                        continue
-                    target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
-                    for name in value.split() if kind == LISTS else (value,):
-                        if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
-                            uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
+                if values:
+                    for attribute, kind, namespace in rows[node.tag]:
+                        value = values.get(attribute)
+                        if kind == DECLARES:
+                            own = value or (own_name(node, attribute) if node.tag in NAMED_AFTER_FILE else None)
+                            if own:
+                                declared.setdefault(namespace, {}).setdefault(own, node)
+                            continue
+                        if not value:
+                            continue
+                        target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
+                        for name in value.split() if kind == LISTS else (value,):
+                            if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
+                                uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
         index.leads_out = any(name.startswith(UP) for names in uses.values() for name in names)
         LEADING_OUT.extend([1] if index.leads_out else [])
         return index
 
     def note(self, node: Node, section: str, *, declares: bool = True) -> None:
         """Add the names of one node, without the nodes below it; the first of two equal names keeps it."""
-        for attribute, namespace in declaring(section).get(node.tag, ()) if declares else ():
-            if (own := own_name(node, attribute)) is not None:
-                self.declared.setdefault(namespace, {}).setdefault(own, node)
-                if namespace in self._orders:
-                    self._orders[namespace][1].add(own)
+        if declares:
+            for attribute, namespace in declaring(section).get(node.tag, ()):
+                if (own := own_name(node, attribute)) is not None:
+                    self.declared.setdefault(namespace, {}).setdefault(own, node)
+                    if namespace in self._orders:
+                        self._orders[namespace][1].add(own)
         for attribute, namespace, name, _ in own_references(node, section):
             if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
@@ -213,7 +217,8 @@ class NameIndex(Names, frozen=False):
     def forget(self, node: Node, section: str) -> None:
         """Drop the names of one node, as they are written in it now."""
         for attribute, namespace in declaring(section).get(node.tag, ()):
-            names, own = self.declared.get(namespace, {}), own_name(node, attribute)
+            names = self.declared.get(namespace, {})
+            own = own_name(node, attribute)
             if own is not None and names.get(own) is node:
                 del names[own]
                 if namespace in self._orders:

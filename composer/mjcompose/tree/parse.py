@@ -107,7 +107,8 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
         folder = included.get(element)
         if folder is None or not name or is_absolute(name) or name in unit.contents:
             continue
-        there, beside = join(directory, usual), join(str(folder), name)
+        there = join(directory, usual)
+        beside = join(str(folder), name)
         if there != beside and usual not in unit.contents:
             places.append((element, attribute, there, beside))
     found = {path for _, paths in files_among(there for _, _, there, _ in places) for path in paths}
@@ -136,15 +137,21 @@ Assumed = Sequence[tuple[str, str, Span]]
 
 
 def parse_file(
-    path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None,
+    path: Path,
+    sink: Sink,
+    *,
+    file: str | None = None,
+    span: Span | None = None,
+    door: Door | None = None,
     assumed: Assumed = (),
-) -> Unit | None:  # fmt: skip
+) -> Unit | None:
     """Return the unit of an MJCF file, or None after errors, which go to `sink`.
 
     `file` is its name in messages, and `span` is the place where it is requested; `door` limits the files that it may
     read, by default to its project. The file is read as if it began with a `<compiler>` with the `assumed` attributes.
     """
-    shown, door = file or str(path), door or own_door(path)
+    shown = file or str(path)
+    door = door or own_door(path)
     if (data := read_file(path, sink, door, file=shown, span=span)) is None:
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door, assumed=assumed)
@@ -177,9 +184,16 @@ def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | Non
 
 
 def parse_text(
-    data: bytes | str, sink: Sink, *, file: str, directory: Path, label: str,
-    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None, assumed: Assumed = (),
-) -> Unit | None:  # fmt: skip
+    data: bytes | str,
+    sink: Sink,
+    *,
+    file: str,
+    directory: Path,
+    label: str,
+    contents: Mapping[str, bytes | Path] | None = None,
+    door: Door | None = None,
+    assumed: Assumed = (),
+) -> Unit | None:
     """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
 
     `door` limits the files that it may read besides `contents`, by default as for a file in `directory`. `assumed` is
@@ -199,9 +213,10 @@ def parse_text(
     expand_includes(unit, sink)
     if first is not None:
         join_compiler(unit, first)
-    for section in list(root.iterchildren("*")) if sink.error_count == before else ():
-        if section.tag not in GRAMMAR.root.children:
-            _unknown_section(section, unit, sink)
+    if sink.error_count == before:
+        for section in list(root.iterchildren("*")):
+            if section.tag not in GRAMMAR.root.children:
+                _unknown_section(section, unit, sink)
     note_unread(unit)
     if sink.error_count == before:
         check_size(unit, sink, opens_files=False)
@@ -254,7 +269,8 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else is left, the
     file is a fragment for `<include>`, which is an error.
     """
-    tag, known = str(section.tag), list(GRAMMAR.root.children)
+    tag = str(section.tag)
+    known = list(GRAMMAR.root.children)
     if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
         if _has_unknown(section, unit, sink):
             return
@@ -266,7 +282,8 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
     help = did_you_mean(tag, known, "<{}>")
     if tag in GRAMMAR.section("worldbody").children:
         help = f"put it into `<worldbody>`; if other models include this file, {_INCLUDED}"
-    message, span = f"`<{tag}>` cannot be in `<mujoco>`", unit.origins.span(section, unit.file)
+    message = f"`<{tag}>` cannot be in `<mujoco>`"
+    span = unit.origins.span(section, unit.file)
     sink.error("unknown-element", message, span, notes=(exists_note("section", known, tag),), help=help)
 
 
@@ -279,11 +296,13 @@ def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
         child = next((each for each in node.iterchildren("*") if each.tag not in kind.children), None)
         help = f"remove the `<{dropped.tag}>` it is in"
         if name is not None:
-            message, span = f"`{name}` is not an attribute of `<{node.tag}>`", unit.origins.span(node, unit.file, name)
+            message = f"`{name}` is not an attribute of `<{node.tag}>`"
+            span = unit.origins.span(node, unit.file, name)
             sink.error("unknown-attribute", message, span, help=help)
             return True
         if child is not None:
-            message, span = f"`<{child.tag}>` cannot be in `<{node.tag}>`", unit.origins.span(child, unit.file)
+            message = f"`<{child.tag}>` cannot be in `<{node.tag}>`"
+            span = unit.origins.span(child, unit.file)
             sink.error("unknown-element", message, span, help=help)
             return True
         waiting += [(each, kind.children[str(each.tag)]) for each in node.iterchildren("*")]
@@ -294,7 +313,8 @@ class _Includes:
     """Expands each `<include>` in place; MuJoCo reads each file at most once."""
 
     def __init__(self, unit: Unit, sink: Sink) -> None:
-        self.unit, self.sink = unit, sink
+        self.unit = unit
+        self.sink = sink
         self.seen: dict[str, tuple[Node, str]] = {}
         self.folders: dict[Node, Path] = {}
 
@@ -352,7 +372,8 @@ class _Includes:
         self.expand(included, shown, path.parent, depth=depth)
         for each in included.iter("*"):
             self.folders.setdefault(each, path.parent)
-        parent, children = element.getparent(), list(included)
+        parent = element.getparent()
+        children = list(included)
         assert parent is not None
         at = parent.index(element)
         parent[at : at + 1] = children
@@ -404,9 +425,14 @@ def _parser() -> etree.XMLParser:
 
 def _new_parser(*, recover: bool = False) -> etree.XMLParser:
     parser = etree.XMLParser(
-        remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
-        collect_ids=False, recover=recover,
-    )  # fmt: skip
+        remove_blank_text=True,
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=True,
+        collect_ids=False,
+        recover=recover,
+    )
     parser.resolvers.add(_NoFiles())
     return parser
 
@@ -475,7 +501,8 @@ def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = N
 def _admit(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None, models: set[str]) -> None:
     check_meshes(unit, 0, sink)
     for element, attribute, name, written in _files_named(unit):
-        path, is_model = join(str(unit.directory), written), element.tag == "model"
+        path = join(str(unit.directory), written)
+        is_model = element.tag == "model"
         if not name or written in unit.contents or (is_model and path in models):
             continue
         try:

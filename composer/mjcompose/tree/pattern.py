@@ -144,7 +144,8 @@ class _Name:
     """The name to match. Positions are bits: the lowest is before its first character."""
 
     def __init__(self, name: str, stops: str) -> None:
-        self.name, self.end = name, 1 << len(name)
+        self.name = name
+        self.end = 1 << len(name)
         self.stops = reduce(or_, map(self._at, stops), 0)
         self.within = (self.end - 1) & ~self.stops
 
@@ -193,7 +194,9 @@ class BadPattern(Exception):
 
     def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
         super().__init__(message)
-        self.message, self.help, self.is_slow = message, help, is_slow
+        self.message = message
+        self.help = help
+        self.is_slow = is_slow
 
 
 def is_regular(pattern: str) -> bool:

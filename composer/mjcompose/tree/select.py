@@ -25,7 +25,8 @@ WORLD_SECTION = "worldbody"
 # Elements whose children, one of each, are created on first access; empty ones are not written.
 HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
 # Python names for MJCF's: `class` is a keyword.
-_SPELLED, _SPOKEN = {"dclass": "class"}, {"class": "dclass"}
+_SPELLED = {"dclass": "class"}
+_SPOKEN = {"class": "dclass"}
 
 
 def section_of(node: Node) -> str:
@@ -34,7 +35,8 @@ def section_of(node: Node) -> str:
     while above is not None:
         if (over := above.getparent()) is None:
             return str(node.tag) if above.tag == ROOT else WORLD_SECTION
-        node, above = above, over
+        node = above
+        above = over
     return WORLD_SECTION
 
 
@@ -113,10 +115,12 @@ def query(tag: str, section: str | None) -> Query:
         paths = frozenset(path for known in reached.values() for path in known if path.rpartition("/")[2] == tag)
     namespaces = {GRAMMAR.element(path).family for path in paths}
     return Query(
-        tag, paths, tuple(sorted({path.rpartition("/")[2] for path in paths})),
+        tag,
+        paths,
+        tuple(sorted({path.rpartition("/")[2] for path in paths})),
         sections=frozenset(each for each, known in reached.items() if known & paths),
         namespaces=tuple(sorted(name for name in namespaces if name)),
-    )  # fmt: skip
+    )
 
 
 @cache
@@ -348,7 +352,8 @@ class Selection:
 
     def _called(self, selector: Selector) -> list[Node] | None:
         """Find elements by a single name without visiting all others; return None if that is not possible."""
-        name, paths = selector.pattern, paths_of(selector.tag)
+        name = selector.pattern
+        paths = paths_of(selector.tag)
         if name == WORLD or is_pattern(name) or not _is_written_as_name(paths):
             return None
         if NOT_XML.search(name):

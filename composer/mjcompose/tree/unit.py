@@ -231,11 +231,17 @@ class Origins(Struct, frozen=False):
         return self.in_file(owner, line_of(element), str(element.tag), written=written, attribute=attribute, key=key)
 
     def in_file(
-        self, file: str, line: int | None, tag: str, written: Mapping[str, str], attribute: str | None = None,
+        self,
+        file: str,
+        line: int | None,
+        tag: str,
+        written: Mapping[str, str],
+        attribute: str | None = None,
         key: bool = False,
-    ) -> Span:  # fmt: skip
+    ) -> Span:
         """Return the start tag of the element that ends on that line of a file, or the place of its attribute."""
-        text, found = self.text(file), None
+        text = self.text(file)
+        found = None
         if text is not None and line is not None:
             if attribute is not None:
                 found = text.attribute(tag, line, written, name=attribute, key=key)
@@ -258,10 +264,11 @@ class Origins(Struct, frozen=False):
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         names = ("owners", "settings", "renamed", "keys", "delays", "values")
         tables = [(getattr(self, name), getattr(found, name)) for name in names]
-        for node, twin in pairs if any(known for known, _ in tables) else ():
-            for known, kept in tables:
-                if (each := known.get(node)) is not None:
-                    kept[twin] = each.copy() if isinstance(each, dict | list) else each
+        if any(known for known, _ in tables):
+            for node, twin in pairs:
+                for known, kept in tables:
+                    if (each := known.get(node)) is not None:
+                        kept[twin] = each.copy() if isinstance(each, dict | list) else each
         return found
 
     def count(self, more: int, most: int) -> None:

@@ -94,7 +94,8 @@ REAL = re.compile(
 )
 INTEGER = re.compile(r"[+-]?[0-9]+", re.ASCII)
 SPACE = " \t\n\r\f\v"
-INT_MIN, INT_MAX = -(2**31), 2**31 - 1
+INT_MIN = -(2**31)
+INT_MAX = 2**31 - 1
 
 
 def items(text: str) -> list[str]:
@@ -279,7 +280,8 @@ def check_characters(attribute: Attribute, text: str) -> Refusal | None:
 
 
 def check_length(attribute: Attribute, count: int) -> Refusal | None:
-    low, high = attribute.min_length, attribute.max_length
+    low = attribute.min_length
+    high = attribute.max_length
     fits = (low is None or count >= low) and (high is None or count <= high)
     if attribute.lengths is not None:
         fits = count in attribute.lengths
@@ -291,14 +293,20 @@ def expected(attribute: Attribute) -> str:
     if attribute.is_number:
         return counted(attribute, "number" if attribute.type == "real" else "integer")
     return {
-        "bool": "`true` or `false`", "keyword": "a keyword", "keywords": "a list of keywords", "file": "a file name",
-        "name": "a name", "reference": "a name", "references": "a list of names",
-    }.get(attribute.type, "text")  # fmt: skip
+        "bool": "`true` or `false`",
+        "keyword": "a keyword",
+        "keywords": "a list of keywords",
+        "file": "a file name",
+        "name": "a name",
+        "reference": "a name",
+        "references": "a list of names",
+    }.get(attribute.type, "text")
 
 
 def counted(attribute: Attribute, noun: str) -> str:
     """Return a noun phrase with the number of values."""
-    low, high = attribute.min_length, attribute.max_length
+    low = attribute.min_length
+    high = attribute.max_length
     if attribute.lengths is not None:
         return f"{' or '.join(str(length) for length in attribute.lengths)} {noun}s"
     if low == high and low is not None:
@@ -325,7 +333,8 @@ def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
 
 def refused_number(attribute: Attribute, part: str) -> Refusal:
     """Return the refusal of one item of a list of numbers."""
-    noun, instead = expected(attribute), None
+    noun = expected(attribute)
+    instead = None
     if attribute.type == "int":
         real = parse_real(part)
         if part.lstrip("+-").isdigit():

@@ -129,9 +129,12 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
     first = (said.strip().splitlines() or ["it cannot be read"])[0]
     plain = first if first[:2].isupper() else first[:1].lower() + first[1:]
     message, help = next(explained, (plain, ""))
-    message, notes = f"`{file}` is not XML: {message}", tuple[Note, ...]()
+    message = f"`{file}` is not XML: {message}"
+    notes = tuple[Note, ...]()
     if opened := _OPENED.search(said):
-        lines, at, tag = text.splitlines(), int(opened["line"]), opened["tag"]
+        lines = text.splitlines()
+        at = int(opened["line"])
+        tag = opened["tag"]
         begin = lines[at - 1].rfind(f"<{tag}") if 0 < at <= len(lines) else -1
         if begin >= 0:
             span = Span(file, at, begin + 1, end_line=at, end_column=begin + 2 + len(tag))
@@ -139,8 +142,10 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
     sink.error("xml-syntax", message, Span(file, line, column), notes=notes, help=help or None)
 
 
-_OPENED = re.compile(r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
-                     r" (?P<tag>\S+) line (?P<line>\d+)")  # fmt: skip
+_OPENED = re.compile(
+    r"(?:Opening and ending tag mismatch:|Premature end of data in tag|Couldn't find end of Start Tag)"
+    r" (?P<tag>\S+) line (?P<line>\d+)"
+)
 
 
 _KNOWN: tuple[tuple[str, str, str | None], ...] = (

@@ -40,7 +40,8 @@ def place_of_fragment(tags: set[str]) -> Mapping[str, ElementType]:
 
 def outermost(parts: list[Piece]) -> set[str]:
     """Return the tags of the children of the root."""
-    depth, found = 0, set()
+    depth = 0
+    found = set()
     for each in parts:
         if each.kind == "start" and depth == 1 and each.tag not in ("", "include"):
             found.add(each.tag)
@@ -62,7 +63,8 @@ _LEADS = re.compile(r"[ \t]*\n[ \t]*<(?!/)")
 
 class _Layout:
     def __init__(self, text: str) -> None:
-        self.text, self.parts = text, list(pieces(text))
+        self.text = text
+        self.parts = list(pieces(text))
         self.written: list[str] = []
         """The pieces of the result: a long line is not copied for each comment on it."""
         self.kinds: list[Mapping[str, ElementType]] = []
@@ -74,7 +76,8 @@ class _Layout:
     def write(self) -> str:
         numbered = enumerate(self.parts)
         for at, piece in numbered:
-            text, breaks = self.text[piece.start : piece.end], 0
+            text = self.text[piece.start : piece.end]
+            breaks = 0
             match piece.kind:
                 case "text" if not text.strip():
                     breaks = text.count("\n")
@@ -110,7 +113,8 @@ class _Layout:
         content = self.text[piece.end : self.parts[inner].start] if is_leaf else ""
         content = content if content.strip() else ""
         piece = piece._replace(closed=piece.closed or (is_leaf and not content))
-        kind, before = around.get(piece.tag), self.before
+        kind = around.get(piece.tag)
+        before = self.before
         is_section = len(self.kinds) == 1 and before is not None and before.kind != "comment"
         is_section = is_section and piece.tag in GRAMMAR.root.children
         alike = before is not None and before.closed and piece.closed and before.tag == piece.tag
@@ -127,7 +131,8 @@ class _Layout:
 
     def end(self, piece: Piece) -> None:
         self.kinds.pop()
-        self.breaks, self.before = 0, piece
+        self.breaks = 0
+        self.before = piece
         self.line(f"</{piece.tag}>")
 
     def comment(self, piece: Piece) -> None:
@@ -149,13 +154,17 @@ class _Layout:
             raise Unusual(f"the tag `<{piece.tag}` has no end", piece.start)
         order = {} if kind is None else attribute_order(kind)
         indent = "  " * len(self.kinds)
-        text, width, several = f"<{piece.tag}", len(indent) + 1 + len(piece.tag), False
+        text = f"<{piece.tag}"
+        width = len(indent) + 1 + len(piece.tag)
+        several = False
         for at, each in enumerate(sorted(piece.attributes, key=lambda each: order.get(each.name, len(order)))):
             shown = f"{each.name}={self.quoted(each)}"
             if at and (several or "\n" in shown or width + 1 + len(shown) > WIDTH):
-                text, width = f"{text}\n{indent}  {shown}", len(indent) + 2 + len(shown)
+                text = f"{text}\n{indent}  {shown}"
+                width = len(indent) + 2 + len(shown)
             else:
-                text, width = f"{text} {shown}", width + 1 + len(shown)
+                text = f"{text} {shown}"
+                width = width + 1 + len(shown)
             several = "\n" in shown
         return text + ("/>" if piece.closed else ">")
 
@@ -185,7 +194,8 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
     try:
         result = _Layout(text).write()
     except Unusual as unusual:
-        line, column = text.count("\n", 0, unusual.at) + 1, unusual.at - text.rfind("\n", 0, unusual.at)
+        line = text.count("\n", 0, unusual.at) + 1
+        column = unusual.at - text.rfind("\n", 0, unusual.at)
         message = f"`{file}` is left unchanged: {unusual} has no place in the layout"
         help = "remove it, or write it as a comment: `<!-- … -->`"
         sink.error("cannot-format", message, Span(file, line, column), help=help)

@@ -55,8 +55,13 @@ class Piece(NamedTuple):
 
 
 _KINDS: dict[str, Kind] = {
-    "<!--": "comment", "<![CDATA[": "cdata", "<?": "other", "<!": "other", "</": "end", "<": "start",
-}  # fmt: skip
+    "<!--": "comment",
+    "<![CDATA[": "cdata",
+    "<?": "other",
+    "<!": "other",
+    "</": "end",
+    "<": "start",
+}
 
 
 def pieces(text: str) -> Iterator[Piece]:
@@ -79,7 +84,8 @@ def pieces(text: str) -> Iterator[Piece]:
 
 def start_tag(text: str, start: int, tag: str) -> Piece:
     """Return the start tag of an element that begins at a character."""
-    attributes, at = [], start + 1 + len(tag)
+    attributes = []
+    at = start + 1 + len(tag)
     while found := _ATTRIBUTE.match(text, at):
         at = found.end()
         group = next((each for each in (2, 3) if found[each] is not None), None)
@@ -174,7 +180,9 @@ class SourceText:
         """Return the ends of an element, of whole lines if it is alone on them; None if it has no end."""
         if (found := self._find(tag, line, attributes)) is None:
             return None
-        start, last, depth = found.start, found.end, 0 if found.closed else 1
+        start = found.start
+        last = found.end
+        depth = 0 if found.closed else 1
         ends = last
         for tags in re.finditer(rf"""<(/?){re.escape(tag)}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>""", self._bare[ends:]):
             if depth == 0:
@@ -186,7 +194,8 @@ class SourceText:
         before = self._text.rfind("\n", 0, start) + 1
         after = self._text.find("\n", last)
         if after >= 0 and not self._text[before:start].strip() and not self._text[last:after].strip():
-            start, last = before, after + 1
+            start = before
+            last = after + 1
         return self._stretch(start, start + 1), self._stretch(last, last)
 
     def items(
@@ -257,9 +266,13 @@ _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
 def take_cdata_in(root: Node, data: bytes) -> None:
     """Move the CDATA of each `<text>` without `data` into `data`: the tree does not distinguish it from text."""
     parser = etree.XMLParser(
-        remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True, strip_cdata=False,
+        remove_blank_text=True,
+        resolve_entities=False,
+        no_network=True,
+        huge_tree=True,
+        strip_cdata=False,
         recover=True,
-    )  # fmt: skip
+    )
     texts = etree.fromstring(data, parser).iter("text")
     for node, asked in zip(root.iter("text"), texts, strict=False):
         found = _FIRST.search(etree.tostring(asked, encoding="unicode", with_tail=False))

@@ -74,7 +74,8 @@ def _of_ros2_control(root: Node) -> Iterator[Drive]:
 def _of_transmissions(root: Node) -> Iterator[Drive]:
     for transmission in root.iterchildren("transmission"):
         kind = transmission.findtext("type") or transmission.get("type") or ""
-        joints, actuators = transmission.findall("joint"), transmission.findall("actuator")
+        joints = transmission.findall("joint")
+        actuators = transmission.findall("actuator")
         if kind.strip().endswith("SimpleTransmission") and len(joints) == 1 and len(actuators) < 2:
             words = [each.text or "" for each in transmission.iterfind(".//hardwareInterface")]
             names = [each.strip().rpartition("/")[2].removesuffix("JointInterface").lower() for each in words]
@@ -92,11 +93,16 @@ def _element(drive: Drive, joint: Node) -> Node:
     kp, kd, kv = (next(filter(None, each), None) for each in numbers)
     gains: dict[str, float] = {}
     if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
-        tag, gains, span = "position", {"kp": kp, **({"kv": kd} if kd else {})}, _joint_range(joint)
+        tag = "position"
+        gains = {"kp": kp, **({"kv": kd} if kd else {})}
+        span = _joint_range(joint)
     elif "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
-        tag, gains, span = "velocity", {"kv": kv}, (-velocity, velocity) if velocity else None
+        tag = "velocity"
+        gains = {"kv": kv}
+        span = (-velocity, velocity) if velocity else None
     else:
-        tag, span = "motor", (-effort, effort) if effort else None
+        tag = "motor"
+        span = (-effort, effort) if effort else None
     interface = drive.interfaces.get("effort" if tag == "motor" else tag)
     params = {} if interface is None else by_name(interface, "param")
     own = _ordered(*(parse(params[name].text) if name in params else None for name in ("min", "max")))
@@ -114,7 +120,8 @@ def _ordered(low: float | None, high: float | None) -> tuple[float, float] | Non
 
 def _joint_range(joint: Node) -> tuple[float, float] | None:
     """Return the soft limits of a joint, or else its limits, if it has any."""
-    soft, hard = joint.find("safety_controller"), joint.find("limit")
+    soft = joint.find("safety_controller")
+    hard = joint.find("limit")
     places = ((soft, "soft_lower_limit", "soft_upper_limit"), (hard, "lower", "upper"))
     found = (_ordered(*(parse(each.get(end)) for end in ends)) for each, *ends in places if each is not None)
     return next(filter(None, found), None) if joint.get("type") != "continuous" else None
@@ -126,9 +133,12 @@ def _unknown(drive: Drive, known: list[str], robot: Unit, sink: Sink) -> None:
     span = robot.origins.span(drive.source if element is None else element, robot.file, "name")
     help = did_you_mean(drive.joint, known, 'name="{}"') or "correct the name, or remove the entry"
     sink.warning(
-        "unknown-name", f"`<{tag}>` commands the joint `{drive.joint}`, which does not exist", span,
-        notes=(exists_note("joint", known, drive.joint),), help=help,
-    )  # fmt: skip
+        "unknown-name",
+        f"`<{tag}>` commands the joint `{drive.joint}`, which does not exist",
+        span,
+        notes=(exists_note("joint", known, drive.joint),),
+        help=help,
+    )
 
 
 def parse(text: str | None) -> float | None:
@@ -155,11 +165,13 @@ class Extras(Struct, frozen=False):
 
     def add(self) -> dict[Node, str]:
         """Add everything. Return the URDF elements that were read, and their results."""
-        links, joints = by_name(self.robot.root, "link"), by_name(self.robot.root, "joint")
+        links = by_name(self.robot.root, "link")
+        joints = by_name(self.robot.root, "joint")
         contacts = ((link, contact) for link in links.values() if (contact := link.find("contact")) is not None)
         read = {contact: "friction" for link, contact in contacts if self._contact(link, contact)}
         for setting in self.robot.root.iterfind("gazebo/*"):
-            value, gazebo = (setting.text or setting.get("value") or "").strip(), setting.getparent()
+            value = (setting.text or setting.get("value") or "").strip()
+            gazebo = setting.getparent()
             name = None if gazebo is None else gazebo.get("reference")
             became = None
             if name in links:
@@ -211,11 +223,15 @@ class Extras(Struct, frozen=False):
             mimic = joint.find("mimic")
             if mimic is None or name not in moving or name in held or mimic.get("joint") not in moving:
                 continue
-            factor, offset = mimic.get("multiplier") or "1", mimic.get("offset") or "0"
+            factor = mimic.get("multiplier") or "1"
+            offset = mimic.get("offset") or "0"
             made = etree.SubElement(
-                self.unit.section("equality"), "joint", joint1=name, joint2=str(mimic.get("joint")),
+                self.unit.section("equality"),
+                "joint",
+                joint1=name,
+                joint2=str(mimic.get("joint")),
                 polycoef=f"{offset} {factor} 0 0 0",
-            )  # fmt: skip
+            )
             locate_as(self.unit, made, mimic, written=self.robot.origins)
 
     def _set(self, elements: list[Node], name: str, value: str, source: Node) -> str | None:
@@ -229,11 +245,16 @@ class Extras(Struct, frozen=False):
 _SPRINGS = {"springStiffness": "stiffness", "springReference": "springref"}
 CODE = "urdf-unread"
 _READ = {
-    "link": "body or frame", "link/inertial": "inertial", "link/collision": "geom",
-    "joint": "joint, or nothing if it is fixed", "joint/limit": "range and actuatorfrcrange",
-    "joint/dynamics": "damping and frictionloss", "joint/mimic": "equality",
-    "mujoco": "compiler, option and size", "include": "what it includes",
-}  # fmt: skip
+    "link": "body or frame",
+    "link/inertial": "inertial",
+    "link/collision": "geom",
+    "joint": "joint, or nothing if it is fixed",
+    "joint/limit": "range and actuatorfrcrange",
+    "joint/dynamics": "damping and frictionloss",
+    "joint/mimic": "equality",
+    "mujoco": "compiler, option and size",
+    "include": "what it includes",
+}
 _OF_LINKS_AND_JOINTS = frozenset(
     "origin mass inertia geometry box cylinder sphere capsule mesh parent child axis color texture".split()
 )
@@ -320,9 +341,10 @@ def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterat
             yield fate(tag, child)
             if tag == "ros2_control":
                 yield from _fates_of_control(child)
-            for reduction in child.iter("mechanicalReduction") if child in known else ():
-                if reduction.text and parse(reduction.text) != 1:
-                    yield fate("transmission/mechanicalReduction", reduction)
+            if child in known:
+                for reduction in child.iter("mechanicalReduction"):
+                    if reduction.text and parse(reduction.text) != 1:
+                        yield fate("transmission/mechanicalReduction", reduction)
     for texture in root.iter("texture"):
         why = "MuJoCo reads no textures of URDF" if keeps_visuals else "MuJoCo omits the visuals that have it"
         yield "material/texture", texture, known.get(texture, ""), "" if texture in known else why
@@ -346,6 +368,9 @@ def note_unread(rows: tuple[ReadRow, ...], unit: Unit, sink: Sink) -> None:
         are = "kinds of elements are" if len(missing) > 1 else "kind of element is"
         notes = [Note(f"{row.span}: {row.called}: {row.why}") for row in missing]
         sink.note(
-            CODE, f"{len(missing)} {are} not in the model", unit.origins.span(unit.root, unit.file), notes=notes,
+            CODE,
+            f"{len(missing)} {are} not in the model",
+            unit.origins.span(unit.root, unit.file),
+            notes=notes,
             help=f"`allow: [{CODE}]` acknowledges it",
-        )  # fmt: skip
+        )

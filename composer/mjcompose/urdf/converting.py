@@ -115,7 +115,8 @@ def _own(path: str, door: Door) -> dict[str, Any]:
 
 class _Resolver:
     def __init__(self, folder: str, door: Door) -> None:
-        self.folder, self.door = folder, door
+        self.folder = folder
+        self.door = door
         self.read: list[str] = []
         self.refused: list[str] = []
         self.lost: list[str] = []
@@ -188,7 +189,8 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
         return [round(float(each), 4) for each in numpy.asarray(visual.main_color, float) / 255], None
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
     colors = (getattr(material, name, None) for name in ("baseColorFactor", "diffuse"))
-    color, rgba = next((each for each in colors if each is not None), None), None
+    color = next((each for each in colors if each is not None), None)
+    rgba = None
     if color is not None:
         numbers = numpy.asarray(color, float).ravel()
         numbers = numbers / 255 if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1 else numbers
@@ -208,7 +210,8 @@ def _obj(vertices: Any, faces: Any, uv: Any) -> str:
     rows = columns.astype(numpy.float32)  # the precision of MuJoCo
     _, first, same = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
     order = numpy.argsort(numpy.argsort(first))
-    rows, faces = rows[numpy.sort(first)], order[same.ravel()][faces] + 1
+    rows = rows[numpy.sort(first)]
+    faces = order[same.ravel()][faces] + 1
     if len(rows) < _FEWEST:
         rows = numpy.concatenate([rows, numpy.repeat(rows[-1:], _FEWEST - len(rows), axis=0)])
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in rows[:, :3].tolist()]
@@ -249,7 +252,8 @@ def _stl(data: bytes) -> tuple[Any, Any]:
 def _wavefront(data: bytes) -> tuple[Any, Any]:
     import numpy
 
-    vertices, faces = [], []
+    vertices = []
+    faces = []
     for line in data.decode("utf-8", "replace").splitlines():
         if line.startswith("v "):
             vertices.append(line.split()[1:4])

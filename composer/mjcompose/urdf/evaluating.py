@@ -18,9 +18,12 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct
 
-LONGEST, DEEPEST = 10_000, 100
+LONGEST = 10_000
+DEEPEST = 100
 """The most characters of an expression, and its deepest nesting."""
-STEPS, LARGEST, BITS = 500_000, 200_000, 4096
+STEPS = 500_000
+LARGEST = 200_000
+BITS = 4096
 """Limits: steps of all expressions of a template, length of one value, bits of an integer."""
 Names = Callable[[str], Any]
 """Return the meaning of a name. Raises KeyError."""
@@ -31,7 +34,8 @@ class Stopped(Exception):
 
     def __init__(self, code: str, message: str, subject: str = "") -> None:
         super().__init__(message)
-        self.code, self.subject = code, subject
+        self.code = code
+        self.subject = subject
 
 
 class Function(Struct, frozen=False, eq=False):
@@ -56,30 +60,52 @@ class Space(Struct, frozen=False, eq=False):
 
 
 _SCALARS: tuple[type, ...] = (int, float, bool, type(None), datetime.date, datetime.datetime)
-_MAPPINGS, _LISTS = (dict,), (list, tuple)
+_MAPPINGS = (dict,)
+_LISTS = (list, tuple)
 _VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))
 _BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow, ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift, ast.BitAnd: operator.and_, ast.BitOr: operator.or_, ast.BitXor: operator.xor,
-}  # fmt: skip
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+    ast.Pow: operator.pow,
+    ast.LShift: operator.lshift,
+    ast.RShift: operator.rshift,
+    ast.BitAnd: operator.and_,
+    ast.BitOr: operator.or_,
+    ast.BitXor: operator.xor,
+}
 _UNARY: Mapping[type, Callable[[Any], Any]] = {
-    ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_, ast.Invert: operator.invert
-}  # fmt: skip
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Not: operator.not_,
+    ast.Invert: operator.invert,
+}
 _COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt,
-    ast.GtE: operator.ge, ast.Is: operator.is_, ast.IsNot: operator.is_not,
-    ast.In: lambda a, b: a in b, ast.NotIn: lambda a, b: a not in b,
-}  # fmt: skip
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+    ast.In: lambda a, b: a in b,
+    ast.NotIn: lambda a, b: a not in b,
+}
 METHODS: Mapping[type, frozenset[str]] = {
     str: frozenset(
         "capitalize count endswith find index isalnum isalpha isdecimal isdigit isidentifier islower isnumeric isspace"
         " istitle isupper join lower lstrip partition removeprefix removesuffix replace rfind rindex rpartition rsplit"
         " rstrip split splitlines startswith strip swapcase title upper zfill center ljust rjust".split()
     ),
-    list: frozenset({"count", "index"}), tuple: frozenset({"count", "index"}),
-    dict: frozenset({"get", "items", "keys", "values"}), float: frozenset({"is_integer"}),
-}  # fmt: skip
+    list: frozenset({"count", "index"}),
+    tuple: frozenset({"count", "index"}),
+    dict: frozenset({"get", "items", "keys", "values"}),
+    float: frozenset({"is_integer"}),
+}
 """Methods that expressions may call. None changes its value or exposes its parts."""
 _FORMAT = re.compile(r"%(?:\([^()]*\))?[-+ #0]*\d{0,3}(?:\.\d{0,3})?[hlL]?[diouxXeEfFgGcrsa%]")
 _SEPARATORS = re.compile(r"[^\\\[\]^-]+")
@@ -93,14 +119,17 @@ class Evaluator:
     """
 
     def __init__(
-        self, mappings: Sequence[type] = (), lists: Sequence[type] = (),
+        self,
+        mappings: Sequence[type] = (),
+        lists: Sequence[type] = (),
         is_namespace: Callable[[Any], bool] = lambda value: False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.steps = STEPS
         self._depth = 0
         self._inner: list[dict[str, Any]] = []
         self._names: Names = dict[str, Any]().__getitem__
-        self._mappings, self._lists = (*_MAPPINGS, *mappings), (*_LISTS, *lists)
+        self._mappings = (*_MAPPINGS, *mappings)
+        self._lists = (*_LISTS, *lists)
         self._is_namespace = is_namespace
         self._kinds = {*_SCALARS, str, bytes, range, *self._mappings, *self._lists, *_VIEWS, Function, Space}
         self._parsed = functools.lru_cache(2048)(self._tree)
@@ -108,7 +137,9 @@ class Evaluator:
     def value(self, text: str, names: Names) -> Any:
         """Evaluate an expression. Raises Stopped for forbidden steps, and otherwise the same errors as Python."""
         before = self._names, self._inner, self._depth  # a property is evaluated at its first use
-        self._names, self._inner, self._depth = names, [], 0
+        self._names = names
+        self._inner = []
+        self._depth = 0
         try:
             return self._of(self._parsed(text))
         finally:
@@ -156,7 +187,8 @@ class Evaluator:
 
     def weight(self, value: Any) -> int:
         """Return the number of characters and values in a value, at all depths."""
-        count, waiting = 0, [value]
+        count = 0
+        waiting = [value]
         while waiting:
             each = waiting.pop()
             kind = type(each)
@@ -200,7 +232,8 @@ class Evaluator:
         return self.known(value)
 
     def _attribute(self, node: ast.Attribute) -> Any:
-        value, name = self._of(node.value), _allowed(node.attr)
+        value = self._of(node.value)
+        name = _allowed(node.attr)
         if isinstance(value, Space):
             if name not in value.entries:
                 raise NameError(f"name '{name}' is not defined")
@@ -310,7 +343,8 @@ class Evaluator:
         return value
 
     def _comparison(self, node: ast.Compare) -> Any:
-        left, value = self._of(node.left), True
+        left = self._of(node.left)
+        value = True
         for symbol, operand in zip(node.ops, node.comparators, strict=True):
             right = self._of(operand)
             self.admitted(left)  # a comparison reads both
@@ -384,33 +418,49 @@ class Evaluator:
 
     def functions(self) -> dict[str, Any]:
         native: dict[str, tuple[Callable[..., Any], type | None]] = {
-            "len": (len, None), "str": (self._text, str), "float": (float, float), "int": (int, int),
-            "bool": (bool, bool), "round": (self._round, None), "abs": (abs, None), "all": (all, None),
-            "any": (any, None), "divmod": (divmod, None), "ord": (ord, None), "repr": (repr, None),
-            "sum": (sum, None), "range": (range, range), "dict": (dict, dict),
+            "len": (len, None),
+            "str": (self._text, str),
+            "float": (float, float),
+            "int": (int, int),
+            "bool": (bool, bool),
+            "round": (self._round, None),
+            "abs": (abs, None),
+            "all": (all, None),
+            "any": (any, None),
+            "divmod": (divmod, None),
+            "ord": (ord, None),
+            "repr": (repr, None),
+            "sum": (sum, None),
+            "range": (range, range),
+            "dict": (dict, dict),
             "list": (lambda *value: list(*map(self.items, value)), list),
             "tuple": (lambda *value: tuple(*map(self.items, value)), tuple),
             "enumerate": (lambda value, start=0: list(enumerate(self.items(value), start)), None),
             "reversed": (lambda value: self.items(value)[::-1], None),
             "zip": (lambda *values: list(zip(*map(self.items, values), strict=False)), None),
-            "map": (self._mapped, None), "filter": (self._filtered, None),
+            "map": (self._mapped, None),
+            "filter": (self._filtered, None),
             "sorted": (functools.partial(self._ordered, sorted), None),
             "min": (functools.partial(self._ordered, min), None),
             "max": (functools.partial(self._ordered, max), None),
             "isinstance": (self._is_instance, None),
-        }  # fmt: skip
+        }
         return {name: Function(name, apply, kind) for name, (apply, kind) in native.items()}
 
     def mathematics(self) -> dict[str, Any]:
         special: dict[str, Callable[..., Any]] = {
-            "factorial": self._factorial, "prod": self._product, "comb": self._chosen, "perm": self._chosen,
-        }  # fmt: skip
+            "factorial": self._factorial,
+            "prod": self._product,
+            "comb": self._chosen,
+            "perm": self._chosen,
+        }
         return {
-            name: each if isinstance(each, float) else
-            Function(name, functools.partial(special[name], each) if name in special else each)
+            name: each
+            if isinstance(each, float)
+            else Function(name, functools.partial(special[name], each) if name in special else each)
             for name, each in vars(math).items()
             if isinstance(each, float) or (callable(each) and not name.startswith("_"))
-        }  # fmt: skip
+        }
 
     def _text(self, *value: Any) -> str:
         if len(value) > 1 or (value and type(value[0]) is Function):
@@ -491,13 +541,31 @@ def _bounded(size: int) -> None:
 
 
 _STEPS: Mapping[type, Callable[[Evaluator, Any], Any]] = {
-    ast.Constant: Evaluator._constant, ast.Name: Evaluator._name, ast.Attribute: Evaluator._attribute,
-    ast.Call: Evaluator._call, ast.BinOp: Evaluator._binary, ast.UnaryOp: Evaluator._unary, ast.BoolOp: Evaluator._both,
-    ast.Compare: Evaluator._comparison, ast.IfExp: Evaluator._choice, ast.Subscript: Evaluator._item,
-    ast.List: Evaluator._list, ast.Tuple: Evaluator._list, ast.Dict: Evaluator._mapping,
-    ast.ListComp: Evaluator._comprehension, ast.DictComp: Evaluator._mapping_of,
-}  # fmt: skip
+    ast.Constant: Evaluator._constant,
+    ast.Name: Evaluator._name,
+    ast.Attribute: Evaluator._attribute,
+    ast.Call: Evaluator._call,
+    ast.BinOp: Evaluator._binary,
+    ast.UnaryOp: Evaluator._unary,
+    ast.BoolOp: Evaluator._both,
+    ast.Compare: Evaluator._comparison,
+    ast.IfExp: Evaluator._choice,
+    ast.Subscript: Evaluator._item,
+    ast.List: Evaluator._list,
+    ast.Tuple: Evaluator._list,
+    ast.Dict: Evaluator._mapping,
+    ast.ListComp: Evaluator._comprehension,
+    ast.DictComp: Evaluator._mapping_of,
+}
 _WORDS: Mapping[type, str] = {
-    ast.Lambda: "lambda", ast.Await: "await", ast.Yield: "yield", ast.YieldFrom: "yield", ast.NamedExpr: ":=",
-    ast.JoinedStr: "f'…'", ast.Set: "{…}", ast.SetComp: "{… for …}", ast.GeneratorExp: "(… for …)", ast.Starred: "*",
-}  # fmt: skip
+    ast.Lambda: "lambda",
+    ast.Await: "await",
+    ast.Yield: "yield",
+    ast.YieldFrom: "yield",
+    ast.NamedExpr: ":=",
+    ast.JoinedStr: "f'…'",
+    ast.Set: "{…}",
+    ast.SetComp: "{… for …}",
+    ast.GeneratorExp: "(… for …)",
+    ast.Starred: "*",
+}

@@ -67,7 +67,8 @@ _SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_v
 
 class _Work:
     def __init__(self, xacro: Any, door: Door, argument: dict[str, Any]) -> None:
-        self.xacro, self.door = xacro, door
+        self.xacro = xacro
+        self.door = door
         self.path: str = argument["path"]
         self.packages: dict[str, str] = argument["packages"]
         self.arguments: dict[str, str] = argument["arguments"]
@@ -95,28 +96,43 @@ class _Work:
         )
         self.substitution = substitution
         vars(xacro).update(
-            _global_symbols=self.symbols(xacro._global_symbols), open=self.opened, parse=self.parse,
-            glob=SimpleNamespace(glob=self.globbed), warning=self.warned, safe_eval=self.evaluated,
-            eval_text=self.bounded(xacro.eval_text), eval_all=self.counted(xacro.eval_all),
-            eval_extension=self.extension(xacro.eval_extension), is_valid_name=_is_name,
-        )  # fmt: skip
+            _global_symbols=self.symbols(xacro._global_symbols),
+            open=self.opened,
+            parse=self.parse,
+            glob=SimpleNamespace(glob=self.globbed),
+            warning=self.warned,
+            safe_eval=self.evaluated,
+            eval_text=self.bounded(xacro.eval_text),
+            eval_all=self.counted(xacro.eval_all),
+            eval_extension=self.extension(xacro.eval_extension),
+            is_valid_name=_is_name,
+        )
         vars(substitution).update(
-            _eval=self.substituted, _eval_find=self.found, _eval_env=self.environment,
+            _eval=self.substituted,
+            _eval_find=self.found,
+            _eval_env=self.environment,
             _eval_optenv=lambda name, default="": default,
-        )  # fmt: skip
+        )
         return None
 
     def symbols(self, own: Mapping[str, Any]) -> dict[str, Any]:
         """Return the meaning of names in expressions: all of xacro's names, each with its replacement."""
-        xacro, tools = self.xacro, self.evaluator
+        xacro = self.xacro
+        tools = self.evaluator
         functions = tools.functions() | {"True": True, "False": False}
         mathematics = tools.mathematics()
         special: dict[str, Callable[..., Any]] = {
-            "load_yaml": lambda filename: xacro.load_yaml(filename), "abs_filename": xacro.abs_filename_spec,
-            "dotify": xacro.YamlDictWrapper, "arg": self.argument, "tokenize": tools.tokenized,
-            "message": lambda *words, **_: "", "print_location": lambda *words, **_: "", "warning": self.told,
-            "error": self.told, "fatal": self.fatal,
-        }  # fmt: skip
+            "load_yaml": lambda filename: xacro.load_yaml(filename),
+            "abs_filename": xacro.abs_filename_spec,
+            "dotify": xacro.YamlDictWrapper,
+            "arg": self.argument,
+            "tokenize": tools.tokenized,
+            "message": lambda *words, **_: "",
+            "print_location": lambda *words, **_: "",
+            "warning": self.told,
+            "error": self.told,
+            "fatal": self.fatal,
+        }
         ours = {name: Function(name, apply) for name, apply in special.items()}
         spaces = {"python": functions, "math": mathematics, "xacro": ours}
         found = offered(own, functions | mathematics | ours)
@@ -132,12 +148,16 @@ class _Work:
     def substituted(self, expression: str, context: Mapping[str, Any]) -> str:
         """Replaces the evaluation of `$(eval …)`, whose names are functions, then arguments."""
         known = {
-            **self.evaluator.functions(), **self.evaluator.mathematics(), "true": True, "false": False,
-            "find": Function("find", self.found), "env": Function("env", self.environment),
+            **self.evaluator.functions(),
+            **self.evaluator.mathematics(),
+            "true": True,
+            "false": False,
+            "find": Function("find", self.found),
+            "env": Function("env", self.environment),
             "optenv": Function("optenv", lambda name, default="": default),
             "arg": Function("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
             "dirname": Function("dirname", lambda: self.folder()),
-        }  # fmt: skip
+        }
         arguments = context.get("arg", {})
 
         def named(name: str) -> Any:
@@ -187,9 +207,13 @@ class _Work:
         root = document.documentElement
         places = [self.placed(each.getUserData(_PLACE)) for each in _elements(root)]
         return {
-            "text": root.toxml(), "places": places, "files": self.files, "warnings": self.warnings,
-            "unused": sorted(self.arguments.keys() - self.known_arguments), "arguments": sorted(self.known_arguments),
-        }  # fmt: skip
+            "text": root.toxml(),
+            "places": places,
+            "files": self.files,
+            "warnings": self.warnings,
+            "unused": sorted(self.arguments.keys() - self.known_arguments),
+            "arguments": sorted(self.known_arguments),
+        }
 
     def placed(self, place: tuple[str, int, int, str] | None) -> list[Any]:
         file, *rest = place or (self.path, 1, 0, "")
@@ -211,12 +235,18 @@ class _Work:
         macros = (frame for frame in frames if frame.f_code.co_name == "handle_macro_call")
         places = (_place_of(frame.f_locals.get("node")) for frame in macros)
         calls = [place for place in places if place is not None and place != at]
-        code, subject, known = "xacro", "", None
+        code = "xacro"
+        subject = ""
+        known = None
         message = " ".join(str(error).split()) or type(error).__name__
         if isinstance(inner, Stopped):
-            code, subject, message = inner.code, inner.subject, str(inner)
+            code = inner.code
+            subject = inner.subject
+            message = str(inner)
         elif isinstance(inner, OSError) and inner.filename:
-            code, subject, message = "file", str(inner.filename), (inner.strerror or "unreadable").lower()
+            code = "file"
+            subject = str(inner.filename)
+            message = (inner.strerror or "unreadable").lower()
         elif (found := _unknown(inner)) is not None:
             code, subject, known = found
         elif isinstance(inner, RecursionError):
@@ -225,10 +255,13 @@ class _Work:
             traceback.print_exception(error)
             message = f"{type(error).__name__}: {message}"
         fault = {
-            "code": code, "message": message, "subject": subject, "known": known,
+            "code": code,
+            "message": message,
+            "subject": subject,
+            "known": known,
             "at": None if at is None else self.placed(at),
             "calls": [self.placed(each) for each in reversed(calls)][:5],
-        }  # fmt: skip
+        }
         return {"error": fault, "files": self.files}
 
     # Replacements of xacro's own functions.

@@ -19,9 +19,11 @@ from mjcompose.urdf.robot import Robot, by_name, end_of
 
 CODE = "urdf-inertia"
 _NAMES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_SMALLEST, _LIGHTEST = 1e-9, 1e-6
+_SMALLEST = 1e-9
+_LIGHTEST = 1e-6
 """The moment (kg m²) and mass (kg) for a body without any: above MuJoCo's bounds, and negligible."""
-_LEAST_MOMENT, _LEAST_MASS = 1e-14, 1e-15
+_LEAST_MOMENT = 1e-14
+_LEAST_MASS = 1e-15
 """MuJoCo refuses smaller moments of any body, and smaller masses of moving bodies."""
 _NAMED = 8
 Matrix = list[list[float]]
@@ -79,10 +81,13 @@ def report(robot: Robot, sink: Sink, notes: tuple[Note, ...], *, is_refused: boo
         if not is_refused and bad.link.get("name") not in moving:
             continue
         sink.error(
-            CODE, f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}", _span(robot, bad),
-            notes=notes, help="correct it, or add `urdf: {inertia: repair}` next to `model`",
+            CODE,
+            f"the link `{bad.link.get('name')}` has an impossible inertia: {bad.why}",
+            _span(robot, bad),
+            notes=notes,
+            help="correct it, or add `urdf: {inertia: repair}` next to `model`",
             cause=Cause(f"inertia {robot.unit.file}", f"`{bad.link.get('name')}`: {bad.why}"),
-        )  # fmt: skip
+        )
 
 
 def _span(robot: Robot, bad: Bad) -> Span:
@@ -93,7 +98,8 @@ def _span(robot: Robot, bad: Bad) -> Span:
 
 def repair(robot: Robot, sink: Sink) -> list[str]:
     """Change each inertia as little as possible, with a warning; return the links whose mass and inertia are zero."""
-    massless, weightless = [], list(_weightless(robot.root))
+    massless = []
+    weightless = list(_weightless(robot.root))
     for each in list(bad_inertias(robot)):
         robot.changed = True
         name = str(each.link.get("name"))
@@ -113,9 +119,11 @@ def repair(robot: Robot, sink: Sink) -> list[str]:
                 _write(each.inertial, _LIGHTEST, repaired)
                 became += f", and {_LIGHTEST:g} kg"
         sink.warning(
-            CODE, f"the inertia of the link `{name}` was repaired: {each.why}; now: {became}", span,
+            CODE,
+            f"the inertia of the link `{name}` was repaired: {each.why}; now: {became}",
+            span,
             cause=Cause(f"repaired {robot.unit.file}", f"`{name}`: {each.why}; now: {became}"),
-        )  # fmt: skip
+        )
     for link in _weightless(robot.root, massless):  # links that were attached to a link without mass
         if link.find("inertial") is None:
             _write(etree.SubElement(link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
@@ -136,7 +144,8 @@ def turn(robot: Robot, session: Session) -> None:
     """Write inertias in the axes of their links if MuJoCo ignores the `rpy` of their origins."""
     turned = []
     for inertial in robot.root.iterfind("link/inertial"):
-        origin, tensor = inertial.find("origin"), _tensor(inertial)
+        origin = inertial.find("origin")
+        tensor = _tensor(inertial)
         angles = None if origin is None else _angles(origin)
         if origin is not None and tensor is not None and angles is not None:
             turned.append((inertial, origin, tensor, angles))
@@ -184,7 +193,8 @@ def _repaired(tensor: Matrix) -> tuple[Matrix, list[float]]:
 
 def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
     """Yield moving links without mass, even counting their shapes and the links fixed to them."""
-    joints, links = list(root.iterchildren("joint")), by_name(root, "link")
+    joints = list(root.iterchildren("joint"))
+    links = by_name(root, "link")
     fixed: dict[str | None, list[str]] = defaultdict(list)
     for joint in joints:
         if joint.get("type") == "fixed":
@@ -215,14 +225,20 @@ def note_guessed(robot: Robot, sink: Sink, *, is_fixed: bool) -> None:
     joints = list(robot.root.iterchildren("joint"))
     held = {end_of(joint, "child") for joint in joints}
     still = [link.get("name") for link in robot.root.iterchildren("link") if link.get("name") not in held]
-    for name in still if is_fixed else ():
-        still += [end_of(joint, "child") for joint in joints
-                  if joint.get("type") == "fixed" and end_of(joint, "parent") == name]  # fmt: skip
+    if is_fixed:
+        for name in still:
+            still += [
+                end_of(joint, "child")
+                for joint in joints
+                if joint.get("type") == "fixed" and end_of(joint, "parent") == name
+            ]
     guessed = [
-        link for link in robot.root.iterchildren("link")
-        if link.find("inertial") is None and link.find("collision") is not None
+        link
+        for link in robot.root.iterchildren("link")
+        if link.find("inertial") is None
+        and link.find("collision") is not None
         and not (is_fixed and link.get("name") in still)
-    ]  # fmt: skip
+    ]
     if not guessed:
         return
     subject = "1 link has no `<inertial>` and weighs as much as its shapes"
@@ -283,11 +299,13 @@ def eigen(tensor: Matrix) -> tuple[list[float], Matrix]:
         if abs(a[row][column]) <= 1e-18 * max(abs(a[0][0]), abs(a[1][1]), abs(a[2][2]), 1e-300):
             break
         angle = math.atan2(2 * a[row][column], a[column][column] - a[row][row]) / 2
-        c, s = math.cos(angle), math.sin(angle)
+        c = math.cos(angle)
+        s = math.sin(angle)
         for matrix in (a, v):
             for each in matrix:
                 each[row], each[column] = c * each[row] - s * each[column], s * each[row] + c * each[column]
         pairs = list(zip(a[row], a[column], strict=True))
-        a[row], a[column] = [c * x - s * y for x, y in pairs], [s * x + c * y for x, y in pairs]
+        a[row] = [c * x - s * y for x, y in pairs]
+        a[column] = [s * x + c * y for x, y in pairs]
     order = sorted(range(3), key=lambda k: a[k][k])
     return [a[k][k] for k in order], [[v[row][k] for k in order] for row in range(3)]

@@ -35,8 +35,9 @@ def complete_limits(robot: Robot) -> None:
     of MuJoCo uses are removed: MuJoCo 3.12 saves equal ones as a range that it then refuses.
     """
     for unlimited in list(unlimited_joints(robot.root)):
-        for end in _ENDS if unlimited.element.tag == "limit" else ():
-            robot.changed |= bool(unlimited.element.attrib.pop(end, ""))
+        if unlimited.element.tag == "limit":
+            for end in _ENDS:
+                robot.changed |= bool(unlimited.element.attrib.pop(end, ""))
     for _, limit in _limits(robot.root):
         missing = [end for end in _ENDS if limit is not None and limit.get(end) is None]
         if limit is not None and len(missing) == 1:
@@ -69,14 +70,16 @@ def unlimited_joints(root: Node) -> Iterator[Unlimited]:
 def report_unlimited(robot: Robot, sink: Sink) -> None:
     """Warn about each joint that moves without limits although its type has them."""
     for each in unlimited_joints(robot.root):
-        name, kind = each.joint.get("name"), str(each.joint.get("type"))
+        name = each.joint.get("name")
+        kind = str(each.joint.get("type"))
         fixed = 'write `type="fixed"` if it does not move; ' if each.is_still else ""
         sink.warning(
-            CODE, f"the {kind} joint `{name}` moves without limits: {each.why}",
+            CODE,
+            f"the {kind} joint `{name}` moves without limits: {each.why}",
             robot.unit.origins.span(each.element, robot.unit.file, each.attribute),
             help=f"{fixed}write its limits, or, if it has none, {_WITHOUT[kind]}",
             cause=Cause(f"unlimited joints of {robot.unit.file}", f"`{name}`: {each.why}"),
-        )  # fmt: skip
+        )
 
 
 def _limits(root: Node) -> Iterator[tuple[Node, Node | None]]:

@@ -151,7 +151,8 @@ class Meshes(Struct, frozen=False):
         return self.robot.unit.origins.span(mesh, self.robot.unit.file, "filename")
 
     def _replace(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> None:
-        span, called = self._span(meshes[0]), f"`{self.shown(path)}`"
+        span = self._span(meshes[0])
+        called = f"`{self.shown(path)}`"
         if package := result.get("missing"):
             help = 'run `pip install "mjcompose[mesh]"`'
             if _suffix(path.name) == "obj":  # MuJoCo reads it without its materials
@@ -166,9 +167,11 @@ class Meshes(Struct, frozen=False):
             self.robot.unit.door.outside(refused).report(self.sink, span, shown=self.shown)
             return
         if not result.get("parts"):
-            message, help = f"the mesh {called} has no triangles", "export it with its faces, or remove it"
+            message = f"the mesh {called} has no triangles"
+            help = "export it with its faces, or remove it"
             if (why := result.get("error") or result.get("unreadable")) is not None:
-                message, help = f"the mesh {called} cannot be read: {why}", "open it in a viewer, and export it again"
+                message = f"the mesh {called} cannot be read: {why}"
+                help = "open it in a viewer, and export it again"
             self.sink.error("mesh-unreadable", message, span, help=help)
             return
         for name in result["lost"]:
@@ -223,13 +226,17 @@ class Meshes(Struct, frozen=False):
                 etree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in rgba))
 
     def _check(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
-        shape, scale = _shape(mesh), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
-        link, called = shape.getparent(), f"`{self.shown(path)}`"
-        touches, inside = shape.tag == "collision", None
+        shape = _shape(mesh)
+        scale = _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
+        link = shape.getparent()
+        called = f"`{self.shown(path)}`"
+        touches = shape.tag == "collision"
+        inside = None
         if touches and link is not None and link.find("inertial") is None:
             inside = f"the mass of the link `{link.get('name')}` is computed from it"
         for doubt in doubts(measured(facts, scale), _reach(self.robot.root), touches=touches, inside=inside):
-            span, message = self._span(mesh), f"the mesh {called} {doubt.what}"
+            span = self._span(mesh)
+            message = f"the mesh {called} {doubt.what}"
             match doubt.kind:
                 case "flat":  # MuJoCo may refuse it, which is reported once
                     self.flat.append((doubt, message, span))
@@ -335,7 +342,8 @@ def _give(
     if (material := kept.get(key)) is None:
         names = (name if number == 1 else f"{name}-{number}" for number in count(1))
         material = kept[key] = next(each for each in names if each not in kept.values())
-        asset, file = unit.section("asset"), str(picture)
+        asset = unit.section("asset")
+        file = str(picture)
         if isinstance(picture, bytes):
             file = f"converted/{file_name(material)}.png"
             unit.contents = {**unit.contents, file: picture}

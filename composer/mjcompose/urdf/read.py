@@ -68,7 +68,8 @@ class UrdfReader(Struct, frozen=False):
         robot = self.robot = self._robot()
         if robot is None or not self._is_urdf(robot):
             return None
-        written, before = robot.unit, self.sink.error_count
+        written = robot.unit
+        before = self.sink.error_count
         if not includes_admitted(written, self.sink, self.shown):
             return None
         self._report_unread(robot)
@@ -114,7 +115,8 @@ class UrdfReader(Struct, frozen=False):
         return self._completed(robot, converted.text)
 
     def _robot(self) -> Robot | None:
-        source, sink = self.source, self.sink
+        source = self.source
+        sink = self.sink
         shown = self.shown(source.path)
         if (data := read_file(source.path, sink, source.door, file=shown, span=self.asked)) is None:
             return None
@@ -158,9 +160,16 @@ class UrdfReader(Struct, frozen=False):
         assert self.session is not None
         try:
             return convert_urdf(
-                self.source.path, robot.packages, door=robot.unit.door, is_fixed=self.is_fixed_in_world, text=text,
-                made=self._written(robot, stack), massless=massless, shells=shells, session=self.session,
-            )  # fmt: skip
+                self.source.path,
+                robot.packages,
+                door=robot.unit.door,
+                is_fixed=self.is_fixed_in_world,
+                text=text,
+                made=self._written(robot, stack),
+                massless=massless,
+                shells=shells,
+                session=self.session,
+            )
         except Refused as refused:
             mesh = mesh_of(robot.root, refused.path)
             advised = robot.advised(refused, str(mesh.get("filename") or ""))
@@ -210,7 +219,8 @@ class UrdfReader(Struct, frozen=False):
         return () if self.asked is None else (Note("the recipe names it here", self.asked),)
 
     def _is_urdf(self, robot: Robot) -> bool:
-        root, shown = robot.root, robot.unit.file
+        root = robot.root
+        shown = robot.unit.file
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
             help = SDF.help(shown) if root.tag == "sdf" else help
@@ -232,7 +242,8 @@ class UrdfReader(Struct, frozen=False):
             if name is not None and joint.get("type") != "fixed" and seen.setdefault(name, joint) is not joint:
                 message = f"two joints are called `{name}`: this joint has no name in the model"
                 notes = (Note(f"the other `{name}` is written here", self._span(seen[name], "name")),)
-                span, help = self._span(joint, "name"), "rename one of them"
+                span = self._span(joint, "name")
+                help = "rename one of them"
                 self.sink.warning("name-clash", message, span, notes=notes, help=help)
 
     def _report_roots(self, robot: Robot) -> None:
@@ -252,13 +263,15 @@ class UrdfReader(Struct, frozen=False):
             if tag not in _READ:
                 message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
                 notes = (exists_note("section", _READ, tag),)
-                span, help = self._span(section), "write it into the recipe"
+                span = self._span(section)
+                help = "write it into the recipe"
                 self.sink.warning("unknown-element", message, span, notes=notes, help=help)
                 continue
             known = list(GRAMMAR.section(tag).attributes)
             for name in map(str, section.keys()):
                 if name not in known:
-                    span, otherwise = self._span(section, name, key=True), f"remove `{name}`"
+                    span = self._span(section, name, key=True)
+                    otherwise = f"remove `{name}`"
                     found = unknown_attribute(name, f"`<{tag}>`", known, span=span, otherwise=otherwise)
                     self.sink.add(replace(found, severity=Severity.WARNING))
 
@@ -300,10 +313,8 @@ class UrdfReader(Struct, frozen=False):
         known = [each for each, _ in self.source.packages]
         note = Note(f"no folder above `{self.shown(self.source.path)}` is called `{name}`")
         notes = (note, exists_note("package", known, name)) if known else (note,)
-        message, help = (
-            f"the package `{name}` is not known",
-            f"add its folder next to `model`: `packages: {{{name}: {folder}}}`",
-        )
+        message = f"the package `{name}` is not known"
+        help = f"add its folder next to `model`: `packages: {{{name}: {folder}}}`"
         self.sink.error("asset-missing", message, at, notes=(*notes, *self._asked()), help=help)
 
 

@@ -23,15 +23,20 @@ from mjcompose.tree.unit import Origins, Unit, line_of
 _VALUES = {
     "inertial": {"mass": ("mass", "value"), "pos": ("origin", "xyz"), "quat": ("origin", "rpy")},
     "joint": {
-        "axis": ("axis", "xyz"), "range": ("limit", "upper"), "actfrcrange": ("limit", "effort"),
-        "damping": ("dynamics", "damping"), "frictionloss": ("dynamics", "friction"),
+        "axis": ("axis", "xyz"),
+        "range": ("limit", "upper"),
+        "actfrcrange": ("limit", "effort"),
+        "damping": ("dynamics", "damping"),
+        "frictionloss": ("dynamics", "friction"),
     },
     "geom": {
-        "pos": ("origin", "xyz"), "quat": ("origin", "rpy"), "mesh": ("geometry/mesh", "filename"),
+        "pos": ("origin", "xyz"),
+        "quat": ("origin", "rpy"),
+        "mesh": ("geometry/mesh", "filename"),
         "rgba": ("material/color", "rgba"),
     },
     "mesh": {"file": (".", "filename"), "scale": (".", "scale")},
-}  # fmt: skip
+}
 """For attributes of MJCF, the element below the URDF's, and the attribute there."""
 
 
@@ -41,7 +46,8 @@ def name_fused_links(root: Node) -> None:
     for body in root.iter("body"):
         body.attrib.pop("fuse", "")  # MuJoCo has done it already
     for mark in [frame for frame in root.iter("frame") if frame.get("name")]:
-        holder, name = mark.getparent(), mark.get("name")
+        holder = mark.getparent()
+        name = mark.get("name")
         assert holder is not None and name is not None
         if name not in bodies and not (holder.tag == "frame" and not holder.get("name")):
             continue
@@ -78,12 +84,14 @@ def _place(
 def mesh_of(robot: Node, file: str) -> Node:
     """Return the `<mesh>` of a URDF that names a file, whose path may have been shortened or resolved."""
     steps = _steps(file)
-    best, alike = robot, 0
+    best = robot
+    alike = 0
     for mesh in robot.iterfind("link/*/geometry/mesh"):
         pairs = zip(steps, _steps(str(mesh.get("filename"))), strict=False)
         same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
         if same > alike:
-            best, alike = mesh, same
+            best = mesh
+            alike = same
     return best
 
 
@@ -107,7 +115,9 @@ def written_name(element: Node) -> str:
 
 class _Sources:
     def __init__(self, robot: Node) -> None:
-        self.robot, self.links, self.joints = robot, by_name(robot, "link"), by_name(robot, "joint")
+        self.robot = robot
+        self.links = by_name(robot, "link")
+        self.joints = by_name(robot, "joint")
 
     def of(self, root: Node) -> Iterator[tuple[Node, Node]]:
         yield root, self.robot
@@ -253,14 +263,18 @@ class Robot(Struct, frozen=False):
         # A line for each element: MuJoCo reports only lines.
         text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
         parser = etree.XMLParser(
-            huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True,
+            huge_tree=True,
+            resolve_entities=False,
+            no_network=True,
+            remove_blank_text=True,
             recover=True,  # lxml may write prefixes that the file does not declare
-        )  # fmt: skip
+        )
         new = etree.fromstring(text, parser)
         origins = Origins(texts=self.unit.origins.texts)
         for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):
             origins.own(element, partial(self.unit.origins.span, old, self.unit.file))
-        self.unit.root, self.unit.origins = new, origins
+        self.unit.root = new
+        self.unit.origins = origins
         return text
 
     def copied(self, element: Node) -> Node:
@@ -287,9 +301,11 @@ _ADVICE = {
     Topic.INERTIA: "correct it, or add `urdf: {inertia: repair}` next to `model`",
     Topic.MASS: "give the link an `<inertial>`, or add `urdf: {inertia: repair}` next to `model`",
     Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF",
-    Topic.FLAT: FLAT_HELP, Topic.GEOM_SIZE: _SIZES, Topic.SIZE: _SIZES,
+    Topic.FLAT: FLAT_HELP,
+    Topic.GEOM_SIZE: _SIZES,
+    Topic.SIZE: _SIZES,
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
-}  # fmt: skip
+}
 _ELSE = "MuJoCo must be able to load the file by itself: fix it there"
 _OF_MESHES = (Topic.MESH_FORMAT, Topic.MESH_FILE, Topic.VERTICES, Topic.FLAT)
 Place = Callable[[Node, str | None], Span]
@@ -328,17 +344,19 @@ def named_in(message: str, robot: Node) -> Node:
 
 
 def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
-    for mesh in robot.iter("mesh") if sentence.topic in _OF_MESHES else ():
-        file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
-        if file and {file, stem(file)} & {*sentence.names, fault.name}:
-            return mesh
+    if sentence.topic in _OF_MESHES:
+        for mesh in robot.iter("mesh"):
+            file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
+            if file and {file, stem(file)} & {*sentence.names, fault.name}:
+                return mesh
     if fault.line is not None:
         tags = (fault.element,) if fault.element else ("*",)
         return next((each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line), robot)
-    for each in robot.iter("link", "joint", "mesh", "visual", "collision") if fault.name else ():
-        name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
-        if name == fault.name:
-            return each
+    if fault.name:
+        for each in robot.iter("link", "joint", "mesh", "visual", "collision"):
+            name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
+            if name == fault.name:
+                return each
     return robot
 
 
@@ -358,7 +376,8 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     """Find the ring: MuJoCo names only a link that it has reached."""
     joints = {child: joint for joint in robot.iterchildren("joint") if (child := end_of(joint, "child")) is not None}
     for start in joints:
-        way, above = [start], end_of(joints[start], "parent")
+        way = [start]
+        above = end_of(joints[start], "parent")
         while above is not None and above in joints and above not in way:
             way.append(above)
             above = end_of(joints[above], "parent")
@@ -446,8 +465,13 @@ def end_of(joint: Node, tag: str) -> str | None:
 
 
 _KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
-    Topic.URDF_REPEATED: _repeated, Topic.URDF_RING: _ring, Topic.URDF_PARENTS: _two_parents,
-    Topic.URDF_LINK: _no_link, Topic.URDF_JOINT_TYPE: _joint_type, Topic.MASS: _mass,
-    Topic.GEOM_SIZE: _no_size, Topic.SIZE: _no_size,
-}  # fmt: skip
+    Topic.URDF_REPEATED: _repeated,
+    Topic.URDF_RING: _ring,
+    Topic.URDF_PARENTS: _two_parents,
+    Topic.URDF_LINK: _no_link,
+    Topic.URDF_JOINT_TYPE: _joint_type,
+    Topic.MASS: _mass,
+    Topic.GEOM_SIZE: _no_size,
+    Topic.SIZE: _no_size,
+}
 """Functions that find the element of a sentence, and report it in the words of URDF."""

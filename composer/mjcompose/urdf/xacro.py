@@ -76,12 +76,16 @@ class Template(Struct):
         """Expand the template in a confined process of its own."""
         limits = in_force()
         argument = {
-            "path": str(self.path.absolute()), "roots": list(self.door.roots), "sees_all": self.door.sees_all,
+            "path": str(self.path.absolute()),
+            "roots": list(self.door.roots),
+            "sees_all": self.door.sees_all,
             "packages": {name: folder.absolute().as_posix() for name, folder in self.packages.items()},
-            "arguments": dict(self.arguments), "elements": int(limits.elements),
-        }  # fmt: skip
+            "arguments": dict(self.arguments),
+            "elements": int(limits.elements),
+        }
         readable = (os.sep,) if self.door.sees_all else self.door.roots
-        seconds, memory = limits.time * _SHARE, int(limits.memory)
+        seconds = limits.time * _SHARE
+        memory = int(limits.memory)
         answer = call_confined(_EXPAND, argument, readable, seconds=seconds, memory=memory)
         if not answer["ok"]:
             return self._fault("xacro", f"the template cannot be expanded: {answer['error']}")
@@ -111,9 +115,15 @@ class Template(Struct):
         return Expanded(value["text"].encode(), tuple(places), tuple(files), found=tuple(warnings))
 
     def _fault(
-        self, code: str, message: str, span: Span | None = None, *, help: str | None = None,
-        notes: Sequence[Note] = (), files: Sequence[Path] = (),
-    ) -> Expanded:  # fmt: skip
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        help: str | None = None,
+        notes: Sequence[Note] = (),
+        files: Sequence[Path] = (),
+    ) -> Expanded:
         found = Diagnostic(code, message, span or Span(self.shown(self.path), 1, 1), notes=tuple(notes), help=help)
         return Expanded(None, files=tuple(files), found=(found,))
 
@@ -123,10 +133,13 @@ class Template(Struct):
         return Span(self.shown(files[number]), line, column + 1, end_line=line, end_column=end)
 
     def _failed(self, error: dict[str, Any], files: list[Path]) -> Expanded:
-        at, message, subject = error["at"], error["message"], error["subject"]
+        at = error["at"]
+        message = error["message"]
+        subject = error["subject"]
         span = Span(self.shown(self.path), 1, 1) if at is None else self._span(at, files)
         notes = [Note("called from here", self._span(each, files)) for each in error["calls"]]
-        code, help = "xacro", None
+        code = "xacro"
+        help = None
         match error["code"]:
             case "package":
                 return Expanded(None, files=tuple(files), package=subject, at=span)
@@ -144,15 +157,20 @@ class Template(Struct):
             case "unsafe":
                 help = "templates may only calculate: remove it"
             case "limit":
-                code, help = "limit-exceeded", advice("elements")
+                code = "limit-exceeded"
+                help = advice("elements")
             case "costly":
-                code, help = "limit-exceeded", "write the result, or less of it"
+                code = "limit-exceeded"
+                help = "write the result, or less of it"
             case "file":
-                called, help = f"the file `{self.shown(Path(subject))}`", "compare the path with the files on disk"
+                called = f"the file `{self.shown(Path(subject))}`"
+                help = "compare the path with the files on disk"
                 if "no such file" in message:
-                    code, message = "asset-missing", f"{called} does not exist"
+                    code = "asset-missing"
+                    message = f"{called} does not exist"
                 else:
-                    code, message = "file-unreadable", f"{called} cannot be read: {message}"
+                    code = "file-unreadable"
+                    message = f"{called} cannot be read: {message}"
             case "refused":
                 code = "source-outside"
                 help = None if self.door.sees(subject) else self.door.outside(subject).help
@@ -193,7 +211,8 @@ def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | Non
         return None
     start, end = found.span(found.lastindex or 1)
     before = found.string[:start]
-    line, column = owner.line + before.count("\n"), start - before.rfind("\n")
+    line = owner.line + before.count("\n")
+    column = start - before.rfind("\n")
     return Span(owner.file, line, column, end_line=line, end_column=column + end - start)
 
 
@@ -204,7 +223,9 @@ _VALUE = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")
 
 def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path]) -> Iterator[Path]:
     """Yield the files that a template names or may name, directly or through others; only before its expansion."""
-    waiting, seen, looks = [(path, data)], {path}, iter(range(MOST_LOOKS))
+    waiting = [(path, data)]
+    seen = {path}
+    looks = iter(range(MOST_LOOKS))
     while waiting:
         file, content = waiting.pop()
         for each in dict.fromkeys(_WRITTEN.findall(content)):

@@ -76,7 +76,8 @@ def compile_and_report(
     for flex in unmoved_flexes(model.root, version):
         message = f"MuJoCo {version} ignores the frame around the flex `{flex.get('name')}`"
         help = "build with MuJoCo 4.0, which moves it, or put it into a body"
-        span, cause = model.origins.span(flex, model.file), Cause("left behind", _words_for(flex))
+        span = model.origins.span(flex, model.file)
+        cause = Cause("left behind", _words_for(flex))
         context.sink.warning("not-supported", message, span, help=help, cause=cause)
     return verified.compiled
 
@@ -186,9 +187,13 @@ class OutsideFilesError(Exception):
 
 
 def verify(
-    bundle: Bundle, *, limits: engine.Limits | None = None, session: engine.Session | None = None,
-    keep: str | None = None, stranger: str | None = None,
-) -> Verified:  # fmt: skip
+    bundle: Bundle,
+    *,
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+    keep: str | None = None,
+    stranger: str | None = None,
+) -> Verified:
     """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
 
     If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it names no
@@ -199,10 +204,16 @@ def verify(
         if stranger is not None and (found := files_outside(folder, bundle.model, stranger)):
             raise OutsideFilesError(found)
         compiled = engine.compile(
-            folder, bundle.model, wants=("index", "names"), keep=keep, folder_is_reused=is_reused, limits=limits,
+            folder,
+            bundle.model,
+            wants=("index", "names"),
+            keep=keep,
+            folder_is_reused=is_reused,
+            limits=limits,
             session=session,
-        )  # fmt: skip
-    warnings, fault = tuple(map(messages.parse, compiled.warnings)), None
+        )
+    warnings = tuple(map(messages.parse, compiled.warnings))
+    fault = None
     if compiled.crash is not None:
         fault = messages.Fault(compiled.error or compiled.crash)
     elif compiled.error is not None:

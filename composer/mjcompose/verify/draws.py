@@ -47,24 +47,35 @@ class DrawTable:
     """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
 
     def __init__(self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context) -> None:
-        self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
+        self.plan = plan
+        self.tabled = tabled
+        self.session = session
+        self.context = context
         self.columns: dict[str, dict[str, Any]] = {}
         self.values: dict[str, Sequence[Any]] = {}
 
     def fill(self) -> bool:
         """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
-        numeric, questions = [], []
+        numeric = []
+        questions = []
         for each in self.tabled:
             first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
             if any(isinstance(value, str) for value in first):
                 self._fault(each.field, f"field `{each.field.name}` draws names, which a compiled model cannot change")
                 continue
             numeric.append(each)
-            questions.append({
-                "tag": each.tag, "family": each.family, "name": each.name, "place": each.place,
-                "attribute": each.first.attribute, "start": each.first.start, "count": len(each.first.columns()),
-            })  # fmt: skip
+            questions.append(
+                {
+                    "tag": each.tag,
+                    "family": each.family,
+                    "name": each.name,
+                    "place": each.place,
+                    "attribute": each.first.attribute,
+                    "start": each.first.start,
+                    "count": len(each.first.columns()),
+                }
+            )
         if (answers := self.ask(resolve_addresses, [WHOLE], questions)) is None:
             return False
         for each, found in zip(numeric, answers, strict=True):
@@ -84,11 +95,15 @@ class DrawTable:
         wanted = self.plan.randomize
         assert wanted is not None
         data = {
-            "randomize": _FORMAT, "model": MODEL, "samples_file": SAMPLES, "seed": wanted.seed,
-            "samples": wanted.samples, "mujoco": self.session.mujoco_version,
+            "randomize": _FORMAT,
+            "model": MODEL,
+            "samples_file": SAMPLES,
+            "seed": wanted.seed,
+            "samples": wanted.samples,
+            "mujoco": self.session.mujoco_version,
             "fields": {each.name: _field(each) for each in wanted.fields},
             "columns": [{"column": name, **column} for name, column in self.columns.items()],
-        }  # fmt: skip
+        }
         table = io.StringIO(newline="")
         nominal = [0, *[None] * len(self.columns)]
         rows = zip(range(1, wanted.samples + 1), *self.values.values(), strict=True)
@@ -142,9 +157,14 @@ def _field(field: DrawField) -> dict[str, Any]:
     distribution = field.distribution
     parameters = {name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()}
     return {
-        "select": str(field.select), "attribute": field.attr, "operation": field.operation, "per": field.per,
-        "distribution": distribution.kind, "parameters": parameters, "unit": distribution.unit,
-    }  # fmt: skip
+        "select": str(field.select),
+        "attribute": field.attr,
+        "operation": field.operation,
+        "per": field.per,
+        "distribution": distribution.kind,
+        "parameters": parameters,
+        "unit": distribution.unit,
+    }
 
 
 _CLOSE = 1e-9
@@ -162,7 +182,9 @@ def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) ->
 
 
 def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
-    tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
+    tag = asked["tag"]
+    family = asked["family"]
+    attribute = asked["attribute"]
     gains = GAINS.get((tag, attribute))
     if family not in TAGS or not (gains or attribute in attributes(family)):
         return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
@@ -189,7 +211,9 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
 
 
 def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
-    family, name, place = asked["family"], asked["name"], asked["place"]
+    family = asked["family"]
+    name = asked["name"]
+    place = asked["place"]
     if name:
         number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
         return number if number >= 0 else f"the compiled model has no {family} `{name}`"
@@ -207,7 +231,8 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
 
 def are_close(a: Any, b: Any) -> bool:
     """Return whether numbers are equal up to the rounding errors of two ways to compute them."""
-    a, b = np.asarray(a), np.asarray(b)
+    a = np.asarray(a)
+    b = np.asarray(b)
     return a.shape == b.shape and not unequal(b, a, _CLOSE if a.dtype.itemsize == 8 else 1e-5).any()
 
 
@@ -237,9 +262,12 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
                 table.context.sink.error(CODE, message, span, help=help)
                 return bundle
         about = {
-            "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
-            "seed": wanted.seed, "samples": wanted.samples,
-        }  # fmt: skip
+            "worlds": _FORMAT,
+            "model": MODEL,
+            "mujoco": table.session.mujoco_version,
+            "seed": wanted.seed,
+            "samples": wanted.samples,
+        }
         with zipfile.ZipFile(paths["out"], "a") as archive:
             archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
         return bundle.with_files({WORLDS: Path(paths["out"]).read_bytes()})
@@ -252,8 +280,10 @@ _BLOCK = 1024
 
 def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
     """Write all numbers that differ in some world to `out`; return the arrays. `draws` is `(worlds, columns)`."""
-    draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
-    found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
+    draws = np.load(asked["draws"], allow_pickle=False)
+    columns = asked["columns"]
+    found = Recorder(model)
+    computed = DerivedValues(mujoco, model, mujoco.MjData(model))
     following = list(_following(model, columns))
     for first in range(0, len(draws), _BLOCK):
         drawn = list(_drawn(model, columns, following, rows=draws[first : first + _BLOCK], found=found))
@@ -269,14 +299,18 @@ def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str
 
 
 def _drawn(
-    model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
+    model: Model,
+    columns: list[dict[str, Any]],
+    following: list[tuple[Place, list[Place]]],
+    rows: Numbers,
     found: Recorder,
-) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
+) -> Iterator[tuple[Numbers, Numbers, Numbers]]:
     """Yield the place of drawn numbers in the model's memory, and the numbers, `(worlds, numbers)`."""
     values: dict[Place, Numbers] = {}
     with np.errstate(all="ignore"):  # as with single numbers
         for column, drawn in zip(columns, rows.T, strict=True):
-            is_drawn, ratio = ~np.isnan(drawn), np.ones(len(rows))
+            is_drawn = ~np.isnan(drawn)
+            ratio = np.ones(len(rows))
             for target in column["targets"]:
                 array = getattr(model, target["array"])
                 place = target["array"], int(np.ravel_multi_index(target["index"], array.shape))
@@ -284,9 +318,15 @@ def _drawn(
                 before = before.astype(float)
                 signed = drawn * target.get("sign", 1)
                 follows = target.get("follows")
-                now = before * ratio if follows else {
-                    "set": signed, "scale": before * drawn, "offset": before + signed,
-                }[column["operation"]]  # fmt: skip
+                now = (
+                    before * ratio
+                    if follows
+                    else {
+                        "set": signed,
+                        "scale": before * drawn,
+                        "offset": before + signed,
+                    }[column["operation"]]
+                )
                 values[place] = np.where(is_drawn, now, before).astype(array.dtype)
                 if not follows:
                     ratio = np.where(before != 0, values[place].astype(float) / before, 1.0)
@@ -317,8 +357,11 @@ class DerivedValues:
     """The values that the compiler computes but mj_setConst does not, unless the model sets them."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
-        self._mujoco, self._model, self._data = mujoco, model, data
-        self._inertia, self._mass = model.stat.meaninertia, model.stat.meanmass
+        self._mujoco = mujoco
+        self._model = model
+        self._data = data
+        self._inertia = model.stat.meaninertia
+        self._mass = model.stat.meanmass
         self._has_inertia = are_close(_mean_inertia(model), self._inertia)
         self._has_mass = are_close(_mean_mass(model), self._mass)
         lengths = self._lengths() if model.ntendon else np.empty(0)
@@ -337,7 +380,9 @@ class DerivedValues:
             model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
 
     def _lengths(self) -> Numbers:
-        mujoco, model, data = self._mujoco, self._model, self._data
+        mujoco = self._mujoco
+        model = self._model
+        data = self._data
         mujoco.mj_resetData(model, data)
         data.qpos[:] = model.qpos_spring
         for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
@@ -395,7 +440,8 @@ def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> I
 def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
     if (mocap := int(model.body_mocapid[body])) < 0:
         return
-    name, pose = _OF_KEYS[array], getattr(model, array)[body]
+    name = _OF_KEYS[array]
+    pose = getattr(model, array)[body]
     for key in range(model.nkey):
         first = pose.size * mocap
         if (getattr(model, name)[key, first : first + pose.size] == pose).all():

@@ -68,7 +68,8 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     answer = engine.call(session, key_rows, [WHOLE], argument=question)
     if not answer.ok or "unlike" in answer.value:
         why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
-        message, span = f"the keys of the model cannot be checked: {why}", model.origins.span(keys[0], model.file)
+        message = f"the keys of the model cannot be checked: {why}"
+        span = model.origins.span(keys[0], model.file)
         sink.error("keyframe-wrong", message, span)
         return
     described = dict(zip(texts, answer.value["bare"], strict=False))
@@ -77,7 +78,8 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     comparison = _Comparison(final, answer.value, notes)
     for at, key in enumerate(keys):
         if (meant := meaning.of(key)) is not None:
-            row, recipe = answer.value["keys"][at], dict(held).get(at)
+            row = answer.value["keys"][at]
+            recipe = dict(held).get(at)
             computed: Mapping[Any, Span] = {}  # the actuators whose controls MuJoCo computes
             if recipe is not None:
                 said = recipe.entries.get("ctrl", {})
@@ -180,9 +182,13 @@ class _Comparison(Struct):
     notes: KeyNotes
 
     def differences(
-        self, meant: Meant, row: Mapping[str, list[float]], computed: Mapping[Any, Span], *,
+        self,
+        meant: Meant,
+        row: Mapping[str, list[float]],
+        computed: Mapping[Any, Span],
+        *,
         controls: Sequence[float | None] | None,
-    ) -> Iterator[_Difference]:  # fmt: skip
+    ) -> Iterator[_Difference]:
         """Yield the unexpected numbers of a key. `computed` has the controls that MuJoCo computed."""
         for vector in VECTORS:
             values = meant.get(vector, {})
@@ -214,7 +220,8 @@ def _value_of(copies: Sequence[Value], within: Within, default: Sequence[float])
 
 
 def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:
-    a, b = _unit(vector, one), _unit(vector, other)
+    a = _unit(vector, one)
+    b = _unit(vector, other)
     ways = [b, [*b[:-4], *(-each for each in b[-4:])]] if _turns(vector, len(b)) else [b]
     return any(all(abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, way, strict=True)) for way in ways)
 
@@ -258,9 +265,13 @@ def _report(key: Node, wrong: Sequence[_Difference], model: Unit, sink: Sink) ->
     notes = list(map(Note, with_rest([_sentence(each) for each in wrong], 4)[1:]))
     span = first.meant.span or model.origins.span(key, model.file, first.vector)
     sink.error(
-        "keyframe-wrong", f"{_sentence(first)}, in {called} of the finished model", span, notes=notes,
-        help="this is a fault of mjcompose: please report it", subjects=(str(key.get("name") or ""),),
-    )  # fmt: skip
+        "keyframe-wrong",
+        f"{_sentence(first)}, in {called} of the finished model",
+        span,
+        notes=notes,
+        help="this is a fault of mjcompose: please report it",
+        subjects=(str(key.get("name") or ""),),
+    )
 
 
 def _sentence(each: _Difference) -> str:
@@ -346,7 +357,8 @@ def _report_range(
     vector, written = entry
     low, high = bound.range
     kind = _VECTOR_KINDS[vector]
-    holder, unit = _element(model.root, kind, name), bound.unit or ""
+    holder = _element(model.root, kind, name)
+    unit = bound.unit or ""
     if vector == "act" and holder is not None:
         dynamics = text_in_effect(holder, kind_of(holder), "dyntype", classes=model.classes)
         if holder.tag == "intvelocity" or dynamics == "integrator":

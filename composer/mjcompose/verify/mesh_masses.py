@@ -46,13 +46,16 @@ def check_mesh_masses(plan: Plan, model: Unit, session: engine.Session, sink: Si
         if mass is None or mass <= _HEAVY or span in warned:
             continue
         warned.add(span)
-        file, mesh = place.model.path.name, place.model.path.stem
+        file = place.model.path.name
+        mesh = place.model.path.stem
         scale = f"edit: [{{select: {{mesh: {mesh}}}, set: {{scale: [0.001, 0.001, 0.001]}}}}]"
         sink.warning(
-            SIZE, f"`{file}` weighs {mass:.3g} kg, with the density of water that MuJoCo takes", span,
+            SIZE,
+            f"`{file}` weighs {mass:.3g} kg, with the density of water that MuJoCo takes",
+            span,
             notes=(Note(f"or give it its mass: `{{select: {{geom: {mesh}}}, set: {{mass: 0.3}}}}`"),),
             help=f"if the file is in millimeters, write `{scale}` in the part",
-        )  # fmt: skip
+        )
 
 
 def _body_weighed_by(geom: Node, model: Unit) -> str | None:

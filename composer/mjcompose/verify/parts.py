@@ -282,7 +282,8 @@ class PartComparer(Struct, frozen=False):
         }
         edited = self.renamed.get(member.part, {})
         renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
-        keys, key_prefix = Keys.MERGE, None
+        keys = Keys.MERGE
+        key_prefix = None
         if member.keys is None:
             keys = Keys.NONE
         elif member.keys and member.keys == prefix:
@@ -290,10 +291,16 @@ class PartComparer(Struct, frozen=False):
         elif member.keys:
             key_prefix = member.keys
         return {
-            "prefix": prefix, "body": member.body, "pose": None if member.pose is None else asdict(member.pose),
-            "renamed": renamed, "keys": keys, "key_prefix": key_prefix, "welded": member.welded,
-            "ignore": tuple(excused), "replaced_keys": tuple(replaced_keys),
-        }  # fmt: skip
+            "prefix": prefix,
+            "body": member.body,
+            "pose": None if member.pose is None else asdict(member.pose),
+            "renamed": renamed,
+            "keys": keys,
+            "key_prefix": key_prefix,
+            "welded": member.welded,
+            "ignore": tuple(excused),
+            "replaced_keys": tuple(replaced_keys),
+        }
 
     def _ask(self, alone: str, composed: str, question: dict[str, Any]) -> tuple[Difference, ...]:
         """Return the differences of two models that the session keeps. Raises Incomparable."""
@@ -344,7 +351,8 @@ def causes(differences: Sequence[Difference]) -> list[Difference]:
 
 
 def change_sentence(compared: PartComparison) -> str:
-    found, names = causes(compared.differences), dict[str, None]()
+    found = causes(compared.differences)
+    names: dict[str, None] = {}
     for each in found:
         names[f"{each.field} {each.kind}" if each.field in (MISSING, EXTRA) else f"`{each.array}`"] = None
     shown = ", ".join([*names][:4]) + (", …" if len(names) > 4 else "")

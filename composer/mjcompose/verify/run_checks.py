@@ -36,7 +36,8 @@ class NestedRecipe(Struct):
     keys: str | None = ""
 
     def scope(self) -> dict[str, object]:
-        whole, separator = not self.prefix and not self.others, self.plan.separator
+        whole = not self.prefix and not self.others
+        separator = self.plan.separator
         fields = {"prefix": self.prefix, "others": list(self.others), "separator": separator}
         return {**fields, "keys": self.keys, "whole": whole}
 

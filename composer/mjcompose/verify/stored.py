@@ -43,9 +43,11 @@ class InputFinder:
     """
 
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
-        self.manifest, self.context = manifest, context
+        self.manifest = manifest
+        self.context = context
         self.given = recipe is not None
-        found, named = recipe, manifest.recipe
+        found = recipe
+        named = manifest.recipe
         if found is None and named is not None and Path(named.path).name == named.path:
             path = context.folder / named.path
             found = path if _sha256(path) == named.sha256 else None
@@ -205,11 +207,19 @@ def _parts(manifest: Manifest, inputs: InputFinder, judge: PartComparer) -> Iter
     for part in manifest.parts:
         found = inputs.find(part.input)
         member = PartRecord(
-            part.part, part.prefix, Source(Path(), PATH, "") if isinstance(found, str) else found, body=part.body,
-            pose=None if part.pos is None or part.quat is None else Pose(part.pos, part.quat), keys=part.keys,
-            welded=part.welded, is_fixed_in_world=part.stands, changed=part.changed, replaced_keys=part.replaced_keys,
-            obscure=part.obscure, subtree=part.subtree,
-        )  # fmt: skip
+            part.part,
+            part.prefix,
+            Source(Path(), PATH, "") if isinstance(found, str) else found,
+            body=part.body,
+            pose=None if part.pos is None or part.quat is None else Pose(part.pos, part.quat),
+            keys=part.keys,
+            welded=part.welded,
+            is_fixed_in_world=part.stands,
+            changed=part.changed,
+            replaced_keys=part.replaced_keys,
+            obscure=part.obscure,
+            subtree=part.subtree,
+        )
         if isinstance(found, str):
             yield PartComparison(member, obscure=part.obscure or found)
         else:

@@ -16,8 +16,11 @@ import time
 import numpy as np
 from mjcompose import LoadError, worlds
 
-STEPS, CYCLES = 40, 8  # steps of physics for one of the controller, and of these in a trial
-ROUNDS, TRIED, KEPT = 6, 12, 4
+STEPS = 40
+CYCLES = 8  # steps of physics for one of the controller, and of these in a trial
+ROUNDS = 6
+TRIED = 12
+KEPT = 4
 
 
 def command(parameters: np.ndarray, home: np.ndarray, qpos: np.ndarray, total: np.ndarray) -> np.ndarray:
@@ -27,7 +30,8 @@ def command(parameters: np.ndarray, home: np.ndarray, qpos: np.ndarray, total: n
 
 def in_batch(study: worlds.Worlds):
     """A trial in MuJoCo's own batch: gives how far each world is from home, `(worlds,)`, in radians."""
-    batch, home = worlds.mujoco(study), study.nominal.key_qpos[0]
+    batch = worlds.mujoco(study)
+    home = study.nominal.key_qpos[0]
 
     def trial(parameters: np.ndarray) -> np.ndarray:
         batch.reset()
@@ -44,7 +48,8 @@ def in_batch(study: worlds.Worlds):
 
 def in_warp(study: worlds.Worlds):
     """The same trial in MuJoCo Warp."""
-    model, home = worlds.warp(study), study.nominal.key_qpos[0]
+    model = worlds.warp(study)
+    home = study.nominal.key_qpos[0]
     import mujoco_warp
 
     def trial(parameters: np.ndarray) -> np.ndarray:
@@ -64,20 +69,24 @@ def in_warp(study: worlds.Worlds):
 def learn(trial, joints: int) -> np.ndarray:
     """The parameters that leave the worlds nearest to home, by the cross-entropy method."""
     random = np.random.default_rng(1)
-    mean, spread = np.zeros(joints + 1), np.append(np.full(joints, 0.02), 0.3)
+    mean = np.zeros(joints + 1)
+    spread = np.append(np.full(joints, 0.02), 0.3)
     for _ in range(ROUNDS):
         tried = mean + spread * random.standard_normal((TRIED, mean.size))
         tried[:, -1] = np.clip(tried[:, -1], 0, 1)
         best = tried[np.argsort([np.mean(trial(each)) for each in tried])[:KEPT]]
-        mean, spread = best.mean(axis=0), best.std(axis=0) + 1e-4
+        mean = best.mean(axis=0)
+        spread = best.std(axis=0) + 1e-4
     return mean
 
 
 def timed(name: str, trial, parameters: np.ndarray) -> np.ndarray:
     start = time.perf_counter()
     error = trial(parameters)
-    print(f"{name}: {np.rad2deg(np.mean(error)):.3f} degrees, at worst {np.rad2deg(error.max()):.3f},"
-          f" in {len(error)} worlds, {time.perf_counter() - start:.1f} s")  # fmt: skip
+    print(
+        f"{name}: {np.rad2deg(np.mean(error)):.3f} degrees, at worst {np.rad2deg(error.max()):.3f},"
+        f" in {len(error)} worlds, {time.perf_counter() - start:.1f} s"
+    )
     return error
 
 

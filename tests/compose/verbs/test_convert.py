@@ -50,8 +50,21 @@ ACTUATORS = {
     "three": ("pid", 'kp="3" kv="2" input="pos vel ff" ctrlrange="-1 1" velrange="-2 2" ffrange="-3 3"', "general pid"),
     "unread": ("pid", 'kp="3" kv="2" input="vel" ctrlrange="-1 1"', "general pid"),
 }  # fmt: skip
-LAW = ("gear", "trntype", "trnid", "group", "user", "forcelimited", "forcerange", "cranklength", "damping", "armature",
-       "lengthrange", "delay", "history")  # fmt: skip
+LAW = (
+    "gear",
+    "trntype",
+    "trnid",
+    "group",
+    "user",
+    "forcelimited",
+    "forcerange",
+    "cranklength",
+    "damping",
+    "armature",
+    "lengthrange",
+    "delay",
+    "history",
+)
 # Of a class, which has no `lengthrange`.
 NOT_BY_CLASS = {"muscle"}
 
@@ -66,7 +79,8 @@ def quiet() -> Iterator[None]:
 
 def arm(names: Iterable[str], by_class: bool) -> str:
     """The actuators, beside another one, and a key that says what their controls are."""
-    classes, actuators = "", ""
+    classes = ""
+    actuators = ""
     for name in names:
         kind, attributes, _ = ACTUATORS[name]
         own = f"{COMMON} {'' if kind == 'dcmotor' else LIMITED}"
@@ -113,8 +127,10 @@ def limits(model: mujoco.MjModel, name: str) -> list[list[float] | None]:
 def behavior(model: mujoco.MjModel, seed: int) -> list[float]:
     rng = np.random.default_rng(seed)
     data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = rng.normal(size=model.nq), rng.normal(size=model.nv)
-    data.ctrl[:], data.act[:] = 3 * rng.normal(size=model.nu), rng.normal(size=model.na)
+    data.qpos[:] = rng.normal(size=model.nq)
+    data.qvel[:] = rng.normal(size=model.nv)
+    data.ctrl[:] = 3 * rng.normal(size=model.nu)
+    data.act[:] = rng.normal(size=model.na)
     mujoco.mj_step(model, data, 3)
     return [*data.actuator_force, *data.act, *data.qvel]
 
@@ -243,9 +259,16 @@ def test_a_joint_feels_the_gains_of_the_recipe_through_a_gear(
 
 
 SERVO = {
-    "input": ["pos", "vel", "ff"], "kp": 90, "kv": 3, "ki": 60, "imax": 0.05, "slewmax": 0.7,
-    "posrange": [-0.4, 0.6], "velrange": [-1, 2], "ffrange": [-9, 5],
-}  # fmt: skip
+    "input": ["pos", "vel", "ff"],
+    "kp": 90,
+    "kv": 3,
+    "ki": 60,
+    "imax": 0.05,
+    "slewmax": 0.7,
+    "posrange": [-0.4, 0.6],
+    "velrange": [-1, 2],
+    "ffrange": [-9, 5],
+}
 
 
 @pytest.mark.parametrize(("name", "gear"), [("a", 80), ("b", -12), ("d", 7)])

@@ -11,8 +11,18 @@ import pytest
 from compose.arm import Case, force
 from mjcompose.base.diagnostic import Severity
 
-LAW = ("actuator_gaintype", "actuator_biastype", "actuator_dyntype", "actuator_gainprm", "actuator_biasprm",
-       "actuator_ctrlrange", "actuator_ctrllimited", "actuator_forcerange", "actuator_gear", "actuator_trnid")  # fmt: skip
+LAW = (
+    "actuator_gaintype",
+    "actuator_biastype",
+    "actuator_dyntype",
+    "actuator_gainprm",
+    "actuator_biasprm",
+    "actuator_ctrlrange",
+    "actuator_ctrllimited",
+    "actuator_forcerange",
+    "actuator_gear",
+    "actuator_trnid",
+)
 
 
 @pytest.mark.parametrize("name", ["a1", "a2", "m1", "v1", "f1", "g1"])
@@ -26,8 +36,16 @@ def test_any_actuator_is_a_general_one(radian: Case, own: bool, name: str) -> No
 
 @pytest.mark.parametrize(
     ("name", "to"),
-    [("g1", "position"), ("a1", "pid"), ("v1", "pid"), ("a2", "general"), ("m1", "motor"), ("g1", "pid"), ("a1", "position")],
-)  # fmt: skip
+    [
+        ("g1", "position"),
+        ("a1", "pid"),
+        ("v1", "pid"),
+        ("a2", "general"),
+        ("m1", "motor"),
+        ("g1", "pid"),
+        ("a1", "position"),
+    ],
+)
 def test_what_can_be_kept_is_kept(radian: Case, name: str, to: str) -> None:
     if to == "pid" and not hasattr(mujoco.mjtGain, "mjGAIN_PID"):
         pytest.skip("this MuJoCo has no pid")
@@ -93,13 +111,33 @@ def limits(model: mujoco.MjModel, name: str) -> list[list[float]]:
 @pytest.mark.parametrize(
     ("name", "to"),
     [
-        *((name, "general") for name in (
-            "two", "own", "free", "inherits", "damped", "filtered", "rate", "full", "slow", "plain", "speed", "push")),
-        *((name, name_of) for name_of in ("position", "pid") for name in ("own", "free", "inherits", "damped", "plain")),
+        *(
+            (name, "general")
+            for name in (
+                "two",
+                "own",
+                "free",
+                "inherits",
+                "damped",
+                "filtered",
+                "rate",
+                "full",
+                "slow",
+                "plain",
+                "speed",
+                "push",
+            )
+        ),
+        *(
+            (name, name_of)
+            for name_of in ("position", "pid")
+            for name in ("own", "free", "inherits", "damped", "plain")
+        ),
         *((name, "pid") for name in ("two", "full", "slow", "speed", "push")),
-        ("speed", "velocity"), ("push", "motor"),
+        ("speed", "velocity"),
+        ("push", "motor"),
     ],
-)  # fmt: skip
+)
 def test_limits_gains_and_keys_stay_with_the_actuator(servos: Case, name: str, to: str) -> None:
     before = servos.model("recipe: 1\nbase: ./arm.xml\n")
     after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
@@ -134,14 +172,29 @@ def test_a_pid_comes_back_from_its_general_form(servos: Case, name: str) -> None
     ("name", "to", "said", "home"),
     [
         ("filtered", "position", "`actrange`|`actearly`", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
-        ("rate", "position", "a position now, not the rate of a position|`ctrlrange`, which", ".1 .2 .3 .4 .5 .6 .7 0 .9 .11 .12 .13 .14"),
+        (
+            "rate",
+            "position",
+            "a position now, not the rate of a position|`ctrlrange`, which",
+            ".1 .2 .3 .4 .5 .6 .7 0 .9 .11 .12 .13 .14",
+        ),
         ("full", "position", "its integral gain, 4", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
         ("slow", "position", "its slew rate, 5", ".1 .2 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
-        ("two", "position", "a position now, not a position and a velocity|`velrange`", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
-        ("two", "motor", "kp 3 and kv 1|a force now, not a position and a velocity", "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
+        (
+            "two",
+            "position",
+            "a position now, not a position and a velocity|`velrange`",
+            "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14",
+        ),
+        (
+            "two",
+            "motor",
+            "kp 3 and kv 1|a force now, not a position and a velocity",
+            "0 .3 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14",
+        ),
         ("own", "motor", "`ctrlrange`, which limits something else", ".1 .2 0 .4 .5 .6 .7 .8 .9 .11 .12 .13 .14"),
     ],
-)  # fmt: skip
+)
 def test_what_servos_lose_is_told(servos: Case, name: str, to: str, said: str, home: str) -> None:
     after = servos.edited(f"{{select: {{actuator: {name}}}, convert: {{to: {to}}}}}")
     assert after.key("home").ctrl == pytest.approx([float(number) for number in home.split()])

@@ -48,7 +48,8 @@ def one(name: str, given: str, folder: Path) -> tuple[mujoco.MjModel, float, flo
     """The model, and what the actuator does to the joint: stiffness, damping, and the range of its torque."""
     model = made(f"{{select: {{actuator: {name}}}, datasheet: {{{given}}}}}", folder)
     assert isinstance(model, mujoco.MjModel), model
-    actuator, gear = model.actuator(name), model.actuator(name).gear[0]
+    actuator = model.actuator(name)
+    gear = model.actuator(name).gear[0]
     limits = sorted((gear * actuator.forcerange).tolist())
     return model, -actuator.biasprm[1] * gear**2, -actuator.biasprm[2] * gear**2, limits
 
@@ -74,7 +75,8 @@ def test_it_follows_that_fast(tmp_path: Path) -> None:
     )
     data = mujoco.MjData(alone)
     data.ctrl[0] = 0.01
-    omega, seconds = 2 * math.pi * 2, 0.1
+    omega = 2 * math.pi * 2
+    seconds = 0.1
     while data.time < seconds - 1e-9:
         mujoco.mj_step(alone, data)
     critically = 1 - (1 + omega * seconds) * math.exp(-omega * seconds)

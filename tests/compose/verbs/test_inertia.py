@@ -85,7 +85,9 @@ def test_it_is_what_mujoco_computes(
     edit, more = (f"edit: [{entry}]", "") if where == "model" else ("", f", edit: [{entry}]")
     truth = of(density, groups, source(inertial=""))
     if "false" in settings:  # what has no inertial has no mass there
-        truth.body_mass[2], truth.body_inertia[2], truth.body_ipos[2] = 0, 0, (0, 0, 0.3)
+        truth.body_mass[2] = 0
+        truth.body_inertia[2] = 0
+        truth.body_ipos[2] = (0, 0, 0.3)
         text = (
             source(settings)
             .replace(' size=".1 .2 .05" mass="3"/>', ' size=".1 .2 .05"/>')

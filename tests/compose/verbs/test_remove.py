@@ -24,8 +24,15 @@ def test_a_cascade_takes_all_that_refers(radian: Case, own: bool) -> None:
     gone = {each for each in changed(before, model) if each.startswith("-")}
     assert gone == {"-link2", "-tray", "-elbow", "-lower", "-tip", "-a2", "-m1", "-s1", "-s2"}
     assert {each for each in changed(before, model) if not each.startswith("-")} <= {
-        "home qpos", "home qvel", "home ctrl", "other qpos", "other ctrl", "home act", "other qvel", "other act",
-    }  # fmt: skip
+        "home qpos",
+        "home qvel",
+        "home ctrl",
+        "other qpos",
+        "other ctrl",
+        "home act",
+        "other qvel",
+        "other act",
+    }
 
 
 HAND = """<mujoco model="hand">

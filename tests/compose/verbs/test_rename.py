@@ -18,7 +18,8 @@ def test_every_reference_follows_a_rename(radian: Case, own: bool) -> None:
         "{select: {site: tip}, rename: tool}, {select: {material: steel}, rename: iron},"
         "{select: {default: link}, rename: limb}, {select: {actuator: a2}, rename: drive}"
     )
-    before, after = radian.model("recipe: 1\nbase: ./arm.xml\n"), radian.edited(edits, own)
+    before = radian.model("recipe: 1\nbase: ./arm.xml\n")
+    after = radian.edited(edits, own)
     assert after.joint("bend").range == pytest.approx(before.joint("elbow").range)
     for array in ("actuator_trnid", "sensor_objid", "geom_matid", "exclude_signature", "key_qpos", "dof_damping"):
         assert np.array_equal(getattr(before, array), getattr(after, array))

@@ -13,19 +13,68 @@ from mjcompose.text.evaluate import evaluate
 from mjcompose.text.expression import DataTable, ExpressionError, Value, parse
 
 _SEEDS = (
-    "1 + 2 * 3", "-x / 2 ** 0.5", "a if b and not c else v[0]", "clamp(x, 0, 1) + sin(deg(pi))", "9 ** 9 ** 9",
-    "max(1, 2, x) // 3 % 4", "v == [1, 2, 3]", "name + 'a' * 3", "hypot(v[0], v[1]) <= 1e3", "round(x, 2)", "((((1))))",
-    "t.hip.kp * v[-1]", "t[name].range[0]", "(t)['hip'].kp if t.hip.on else t['a b']",
-)  # fmt: skip
+    "1 + 2 * 3",
+    "-x / 2 ** 0.5",
+    "a if b and not c else v[0]",
+    "clamp(x, 0, 1) + sin(deg(pi))",
+    "9 ** 9 ** 9",
+    "max(1, 2, x) // 3 % 4",
+    "v == [1, 2, 3]",
+    "name + 'a' * 3",
+    "hypot(v[0], v[1]) <= 1e3",
+    "round(x, 2)",
+    "((((1))))",
+    "t.hip.kp * v[-1]",
+    "t[name].range[0]",
+    "(t)['hip'].kp if t.hip.on else t['a b']",
+)
 _TOKENS = (
-    *"+-*/%()[],.<>=!", "**", "//", "<=", "==", "!=", "and", "or", "not", "if", "else", "x", "v", "b", "name", "pi",
-    "abs(", "min(", "sqrt(", "rad(", "v[", "t.", "t[", ".kp", "hip", "1e308", "1e-320", "0x1", "9" * 400, "'a'", '"', "90deg", "true", "None", "__class__",
-)  # fmt: skip
+    *"+-*/%()[],.<>=!",
+    "**",
+    "//",
+    "<=",
+    "==",
+    "!=",
+    "and",
+    "or",
+    "not",
+    "if",
+    "else",
+    "x",
+    "v",
+    "b",
+    "name",
+    "pi",
+    "abs(",
+    "min(",
+    "sqrt(",
+    "rad(",
+    "v[",
+    "t.",
+    "t[",
+    ".kp",
+    "hip",
+    "1e308",
+    "1e-320",
+    "0x1",
+    "9" * 400,
+    "'a'",
+    '"',
+    "90deg",
+    "true",
+    "None",
+    "__class__",
+)
 _ROW = DataTable({"kp": 20, "range": (-1, 1), "on": True})
 _SCOPE: dict[str, Value] = {
-    "x": 0.5, "a": 3, "b": True, "c": False, "v": (1, 2.0, 3), "name": "arm",
+    "x": 0.5,
+    "a": 3,
+    "b": True,
+    "c": False,
+    "v": (1, 2.0, 3),
+    "name": "arm",
     "t": DataTable({"hip": _ROW, "arm": _ROW, "a b": 1}),
-}  # fmt: skip
+}
 
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:

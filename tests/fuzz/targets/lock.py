@@ -15,12 +15,15 @@ _LOCK = {
     "lock": 1,
     "sources": {
         "git+https://host/robots@v1": {
-            "kind": "git", "commit": "0" * 40, "tree": "1" * 40, "files": {"arm.xml": "2" * 64},
+            "kind": "git",
+            "commit": "0" * 40,
+            "tree": "1" * 40,
+            "files": {"arm.xml": "2" * 64},
         },
         "https://host/a.zip": {"kind": "archive", "sha256": "3" * 64, "files": {"x.xml": "4" * 64}},
         "package:robots": {"kind": "package", "version": "1.0", "files": {"a/b.xml": "5" * 64}},
     },
-}  # fmt: skip
+}
 
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:

@@ -10,10 +10,24 @@ from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 
 # Where mjcompose is stricter than MuJoCo, on purpose: docs/contributing/security_tests.md says why.
-STRICTER = frozenset({
-    "unknown-element", "name-clash", "class-clash", "xml-syntax", "xml-include", "not-supported", "not-mjcf",
-    "asset-missing", "file-unreadable", "bad-name", "unknown-name", "not-urdf", "limit-exceeded", "xacro",
-})  # fmt: skip
+STRICTER = frozenset(
+    {
+        "unknown-element",
+        "name-clash",
+        "class-clash",
+        "xml-syntax",
+        "xml-include",
+        "not-supported",
+        "not-mjcf",
+        "asset-missing",
+        "file-unreadable",
+        "bad-name",
+        "unknown-name",
+        "not-urdf",
+        "limit-exceeded",
+        "xacro",
+    }
+)
 
 
 _UNSEEN = frozenset({"unknown-attribute", "wrong-length"})

@@ -53,8 +53,11 @@ def _mutate(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
     for _ in range(random.randint(1, 3)):
         section = random.choice(["add", "edit", *(name for name in _NAMED if isinstance(tree.get(name), dict))])
         entries = tree[section]
-        keys = [key for key in (entries if isinstance(entries, dict) else range(len(entries)))
-                if isinstance(entries[key], dict) and entries[key].keys().isdisjoint(("for", "when"))]  # fmt: skip
+        keys = [
+            key
+            for key in (entries if isinstance(entries, dict) else range(len(entries)))
+            if isinstance(entries[key], dict) and entries[key].keys().isdisjoint(("for", "when"))
+        ]
         if not keys:
             continue
         key = random.choice(keys)
@@ -121,9 +124,11 @@ def _turns(key: str, entry: Any) -> Iterator[tuple[str, Any]]:
 def _holds(when: str | None, scope: dict[str, Any]) -> bool:
     x = _ROWS[scope["turn"]]["x"]
     return {
-        None: True, "${turn != 'b'}": scope["turn"] != "b", "${fuzz_rows[turn].x > 0}": float(str(x)) > 0,
+        None: True,
+        "${turn != 'b'}": scope["turn"] != "b",
+        "${fuzz_rows[turn].x > 0}": float(str(x)) > 0,
         "${turn == 'c'}": scope["turn"] == "c",
-    }[when]  # fmt: skip
+    }[when]
 
 
 def _said(tree: Any, scope: dict[str, Any]) -> Any:

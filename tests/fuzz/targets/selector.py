@@ -17,10 +17,17 @@ _MODEL = """<mujoco><default><default class="pad"><geom friction="1"/></default>
   <site name="s"/></replicate></worldbody><sensor><jointpos name="p" joint="j"/></sensor>
   <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon></mujoco>"""
 _SEEDS = (
-    {"geom": "**", "parent": {"body": "**/a"}, "class": "**pad"}, {"body": "{left,right}/*"}, {"joint": "/j|k/"},
-    {"geom": "**", "parent": {"body": "world"}}, {"geom": "g?", "in": {"frame": "f"}, "where": {"type": "mesh"}}, {"sensor": "*"},
-    {"default": "pad"}, {"fixed/joint": "*"}, {"geom": "**", "where": "${index == 0}"}, {"body": "**", "part": "p"},
-)  # fmt: skip
+    {"geom": "**", "parent": {"body": "**/a"}, "class": "**pad"},
+    {"body": "{left,right}/*"},
+    {"joint": "/j|k/"},
+    {"geom": "**", "parent": {"body": "world"}},
+    {"geom": "g?", "in": {"frame": "f"}, "where": {"type": "mesh"}},
+    {"sensor": "*"},
+    {"default": "pad"},
+    {"fixed/joint": "*"},
+    {"geom": "**", "where": "${index == 0}"},
+    {"body": "**", "part": "p"},
+)
 
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:

@@ -25,15 +25,66 @@ from mjcompose.tools.view.server import Server
 
 _SECRET = b"only its owner may read this"
 _ESCAPES = (
-    "..", "../", "/", "//", "%2e", "%2e%2e%2f", "%2f", "%252f", "%00", "\0", "\\", "..\\", "/etc/hostname", "file:///etc/passwd", "?",
-    "#", ";", ":", "@", "\r\n", "\t", " ", "\xa0", "\x85", "%c0%af", "....//", "~", "*", "a" * 5000, "../" * 400, "{token}", "{host}",
-    "{secret}", "http://{host}", "page.js", "page.css", "model/0", "blob/b", "events/", "play",
-)  # fmt: skip
+    "..",
+    "../",
+    "/",
+    "//",
+    "%2e",
+    "%2e%2e%2f",
+    "%2f",
+    "%252f",
+    "%00",
+    "\0",
+    "\\",
+    "..\\",
+    "/etc/hostname",
+    "file:///etc/passwd",
+    "?",
+    "#",
+    ";",
+    ":",
+    "@",
+    "\r\n",
+    "\t",
+    " ",
+    "\xa0",
+    "\x85",
+    "%c0%af",
+    "....//",
+    "~",
+    "*",
+    "a" * 5000,
+    "../" * 400,
+    "{token}",
+    "{host}",
+    "{secret}",
+    "http://{host}",
+    "page.js",
+    "page.css",
+    "model/0",
+    "blob/b",
+    "events/",
+    "play",
+)
 _LINES = (
-    "Host: {host}", "Host: evil.example", "Origin: http://{host}", "Origin: http://evil.example", "Origin: null", "Content-Length: 2",
-    "Content-Length: -1", "Content-Length: 99", "Transfer-Encoding: chunked", "Content-Type: application/json", "Expect: 100-continue",
-    "Connection: keep-alive", "Connection: upgrade", " folded", "X: " + "y" * 3000, ":", "Accept-Encoding: gzip",
-)  # fmt: skip
+    "Host: {host}",
+    "Host: evil.example",
+    "Origin: http://{host}",
+    "Origin: http://evil.example",
+    "Origin: null",
+    "Content-Length: 2",
+    "Content-Length: -1",
+    "Content-Length: 99",
+    "Transfer-Encoding: chunked",
+    "Content-Type: application/json",
+    "Expect: 100-continue",
+    "Connection: keep-alive",
+    "Connection: upgrade",
+    " folded",
+    "X: " + "y" * 3000,
+    ":",
+    "Accept-Encoding: gzip",
+)
 _METHODS = ("GET", "POST", "HEAD", "PUT", "OPTIONS", "TRACE", "get", "", "GET GET")
 
 
@@ -118,7 +169,8 @@ def _served() -> tuple[Server, Path, list[str]]:
 
 def check_request(path: Path, tools: Tools) -> str | None:
     server, secret, opened = _served()
-    token, host = server.guard.token, f"127.0.0.1:{server.guard.port}"
+    token = server.guard.token
+    host = f"127.0.0.1:{server.guard.port}"
     sent = path.read_bytes()
     for name, value in (("token", token), ("host", host), ("secret", str(secret))):
         sent = sent.replace(f"{{{name}}}".encode(), value.encode())
@@ -180,10 +232,16 @@ def _messages(corpus: Path | None) -> Iterator[Seed]:
     file = {"textDocument": _PLACE["textDocument"]}
     found: list[tuple[str, Any]] = [
         ("textDocument/didOpen", {"textDocument": document}),
-        ("textDocument/didChange", {"textDocument": {**file["textDocument"], "version": 2}, "contentChanges": [{"text": "recipe: 1\n"}]}),
-        ("textDocument/didSave", file), ("textDocument/didClose", file),
+        (
+            "textDocument/didChange",
+            {"textDocument": {**file["textDocument"], "version": 2}, "contentChanges": [{"text": "recipe: 1\n"}]},
+        ),
+        ("textDocument/didSave", file),
+        ("textDocument/didClose", file),
         ("workspace/didChangeWatchedFiles", {"changes": [{"uri": "file:///tmp/m.xml", "type": 2}]}),
-        ("$/cancelRequest", {"id": 3}), ("$/setTrace", {"value": "off"}), ("none", {}),
+        ("$/cancelRequest", {"id": 3}),
+        ("$/setTrace", {"value": "off"}),
+        ("none", {}),
         *((f"textDocument/{name}", _PLACE) for name in ("completion", "hover", "definition", "prepareRename")),
         ("textDocument/references", {**_PLACE, "context": {"includeDeclaration": True}}),
         ("textDocument/rename", {**_PLACE, "newName": "b"}),
@@ -191,7 +249,7 @@ def _messages(corpus: Path | None) -> Iterator[Seed]:
         ("textDocument/inlayHint", {**file, "range": _RANGE}),
         ("textDocument/formatting", {**file, "options": {"tabSize": 2, "insertSpaces": True}}),
         *((f"textDocument/{name}", file) for name in ("documentSymbol", "foldingRange", "codeLens")),
-    ]  # fmt: skip
+    ]
     for number, (method, params) in enumerate(found):
         is_told = "did" in method or method.startswith("$")
         message = {"jsonrpc": "2.0", "method": method, "params": params} | ({} if is_told else {"id": number})

@@ -19,10 +19,13 @@ def _skin() -> bytes:
     vertices = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
     faces = struct.pack("<6i", 0, 1, 2, 0, 2, 3)
     bones = b"".join(
-        name.ljust(40, b"\0") + struct.pack("<7f", 0, 0, 0, 1, 0, 0, 0) + struct.pack("<i", 4)
-        + struct.pack("<4i", 0, 1, 2, 3) + struct.pack("<4f", 1, 1, 1, 1)
+        name.ljust(40, b"\0")
+        + struct.pack("<7f", 0, 0, 0, 1, 0, 0, 0)
+        + struct.pack("<i", 4)
+        + struct.pack("<4i", 0, 1, 2, 3)
+        + struct.pack("<4f", 1, 1, 1, 1)
         for name in (b"a", b"b")
-    )  # fmt: skip
+    )
     return struct.pack("<4i", 4, 0, 2, 2) + vertices + faces + bones
 
 

@@ -14,29 +14,111 @@ from fuzz.target import Seed, Target, Tools
 from mjcompose.urdf.evaluating import METHODS, Evaluator, Space, Stopped
 
 _NAMES: dict[str, Any] = {
-    "x": 0.5, "n": 7, "flag": True, "name": "left_arm_2", "words": ["a", "b", ""], "size": {"a": 1, "b": [1, 2.5, {"c": "d"}]},
-    "pair": (1, "two"), "none": None,
-}  # fmt: skip
+    "x": 0.5,
+    "n": 7,
+    "flag": True,
+    "name": "left_arm_2",
+    "words": ["a", "b", ""],
+    "size": {"a": 1, "b": [1, 2.5, {"c": "d"}]},
+    "pair": (1, "two"),
+    "none": None,
+}
 _ATOMS = (
-    *_NAMES, "1", "0", "-2", "3.25", "1e300", "1_0", "''", "'ab c'", '"%s-%03d"', "[]", "()", "[1, 2]", "pi", "math", "python",
-    "True", "None", "'%' * 3", "10 ** 9", "range(4)", "sin", "str", "b'x'", "...", "1j", "__import__", "nothing",
-)  # fmt: skip
+    *_NAMES,
+    "1",
+    "0",
+    "-2",
+    "3.25",
+    "1e300",
+    "1_0",
+    "''",
+    "'ab c'",
+    '"%s-%03d"',
+    "[]",
+    "()",
+    "[1, 2]",
+    "pi",
+    "math",
+    "python",
+    "True",
+    "None",
+    "'%' * 3",
+    "10 ** 9",
+    "range(4)",
+    "sin",
+    "str",
+    "b'x'",
+    "...",
+    "1j",
+    "__import__",
+    "nothing",
+)
 _BINARY = (
-    *"+-*/%@&|^<>", "**", "//", "<<", ">>", "==", "!=", "<=", ">=", " and ", " or ", " in ", " not in ", " is ", " if 1 else ",
-)  # fmt: skip
+    *"+-*/%@&|^<>",
+    "**",
+    "//",
+    "<<",
+    ">>",
+    "==",
+    "!=",
+    "<=",
+    ">=",
+    " and ",
+    " or ",
+    " in ",
+    " not in ",
+    " is ",
+    " if 1 else ",
+)
 _FUNCTIONS = (
     *"len str float int bool round abs all any divmod ord repr sum range dict list tuple enumerate reversed zip map filter".split(),
     *"sorted min max isinstance sin sqrt radians factorial comb prod hypot math.atan2 python.type python.str eval open".split(),
-)  # fmt: skip
+)
 _ATTRIBUTES = (
-    *sorted({each for methods in METHODS.values() for each in methods}), "a", "b", "pi", "format", "__class__", "mro",
-    "append", "update", "gi_frame", "f_globals", "root", "real",
-)  # fmt: skip
+    *sorted({each for methods in METHODS.values() for each in methods}),
+    "a",
+    "b",
+    "pi",
+    "format",
+    "__class__",
+    "mro",
+    "append",
+    "update",
+    "gi_frame",
+    "f_globals",
+    "root",
+    "real",
+)
 _AROUND = (
-    "-{}", "not {}", "({})", "[{}]", "{}[0]", "[{}][0]", "str({})", "({},)", "[i for i in {}]", "{} if 1 else 2", "1 if {} else 2",
-    "{}.a", "{}()", "~{}", "max({}, 1)", "1 + {}", "{} ** 1", "1 ** {}", "lambda: {}", "{} or 1", "{} < 1", "'a' * {}", "{} * 2",
-    "dict(a={})", "{}.upper()", "[*{}]", "({} for i in words)", "[[0] * 9] * {}",
-)  # fmt: skip
+    "-{}",
+    "not {}",
+    "({})",
+    "[{}]",
+    "{}[0]",
+    "[{}][0]",
+    "str({})",
+    "({},)",
+    "[i for i in {}]",
+    "{} if 1 else 2",
+    "1 if {} else 2",
+    "{}.a",
+    "{}()",
+    "~{}",
+    "max({}, 1)",
+    "1 + {}",
+    "{} ** 1",
+    "1 ** {}",
+    "lambda: {}",
+    "{} or 1",
+    "{} < 1",
+    "'a' * {}",
+    "{} * 2",
+    "dict(a={})",
+    "{}.upper()",
+    "[*{}]",
+    "({} for i in words)",
+    "[[0] * 9] * {}",
+)
 _EVENTS: list[str] = []
 _AT_WORK = [False]
 
@@ -104,7 +186,29 @@ def _of_python() -> dict[str, Any]:
         each.__name__: (lambda *given, make=each: list(make(*given)))
         for each in (map, filter, zip, enumerate, reversed)
     }
-    plain = (len, str, float, int, bool, round, abs, all, any, divmod, ord, repr, sum, range, dict, list, tuple, sorted, min, max, isinstance)  # fmt: skip
+    plain = (
+        len,
+        str,
+        float,
+        int,
+        bool,
+        round,
+        abs,
+        all,
+        any,
+        divmod,
+        ord,
+        repr,
+        sum,
+        range,
+        dict,
+        list,
+        tuple,
+        sorted,
+        min,
+        max,
+        isinstance,
+    )
     names = {each.__name__: each for each in plain} | eager
     mathematics = {name: each for name, each in vars(math).items() if not name.startswith("_")}
     spaces = {"math": math, "python": type("python", (), dict(names))}

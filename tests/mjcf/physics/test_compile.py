@@ -46,7 +46,8 @@ def test_it_is_what_the_text_and_the_assets_are(arm: RootElement, gripper: RootE
 
 
 def test_options_that_disagree(arm: RootElement, gripper: RootElement) -> None:
-    arm.option.timestep, gripper.option.timestep = 0.002, 0.001
+    arm.option.timestep = 0.002
+    gripper.option.timestep = 0.001
     arm.worldbody.attach(gripper)
     with pytest.raises(MjcfError, match="timestep"):
         arm.compile_model()

@@ -45,7 +45,8 @@ def is_refused(physics: Physics, kind: str, bound: Binding, name: str) -> bool:
 
 def compare_one(physics: Physics, kind: str, element: Element) -> int:
     """Every field that MuJoCo's own views have is there, with the same numbers, and is written to the same place."""
-    bound, compared = physics.bind(element), 0
+    bound = physics.bind(element)
+    compared = 0
     for owner in (physics.model, physics.data):
         if not hasattr(owner, kind):
             continue
@@ -54,7 +55,8 @@ def compare_one(physics: Physics, kind: str, element: Element) -> int:
         for name in dir(theirs):
             if name.startswith("_") or name in ("id", "name") or (kind, name) in _OTHERWISE:
                 continue
-            ours, expected = getattr(bound, name), getattr(theirs, name)
+            ours = getattr(bound, name)
+            expected = getattr(theirs, name)
             assert ours.shape == expected.shape or (ours.shape, expected.shape) == ((), (1,)), (element, name)
             np.testing.assert_array_equal(ours, np.reshape(expected, ours.shape), f"{element} {name}")
             if is_refused(physics, kind, bound, name):
@@ -62,7 +64,8 @@ def compare_one(physics: Physics, kind: str, element: Element) -> int:
                     setattr(bound, name, numbers_for(ours))
                 np.testing.assert_array_equal(ours, np.reshape(getattr(theirs, name), ours.shape))
             elif ours.dtype.kind == "f":
-                before, new = ours.copy(), numbers_for(ours)
+                before = ours.copy()
+                new = numbers_for(ours)
                 setattr(bound, name, new)
                 np.testing.assert_array_equal(np.ravel(getattr(theirs, name)), np.ravel(new))
                 setattr(bound, name, before)
@@ -72,7 +75,8 @@ def compare_one(physics: Physics, kind: str, element: Element) -> int:
 
 def compare_several(physics: Physics, kind: str, elements: list[Element]) -> int:
     """Every field of a sequence has the numbers of its elements in their order, and is written to them."""
-    together, alone = physics.bind(elements), list(map(physics.bind, elements))
+    together = physics.bind(elements)
+    alone = list(map(physics.bind, elements))
     compared = 0
     for name in fields(kind):
         try:
@@ -90,7 +94,8 @@ def compare_several(physics: Physics, kind: str, elements: list[Element]) -> int
                 setattr(together, name, numbers_for(found))
             np.testing.assert_array_equal(np.ravel(found), numbers, name)
         elif found.dtype.kind == "f":
-            before, new = found.copy(), numbers_for(found)
+            before = found.copy()
+            new = numbers_for(found)
             setattr(together, name, new)
             after = np.concatenate([np.ravel(getattr(bound, name)) for bound in alone])
             np.testing.assert_array_equal(after, np.ravel(new), name)
@@ -135,7 +140,8 @@ def test_the_same_of_real_models() -> None:
 
 
 def test_a_field_has_mujocos_full_name_too(model: RootElement, physics: Physics) -> None:
-    geom, tendon = physics.bind(model.find("geom", "g")), physics.bind(model.find("tendon", "te"))
+    geom = physics.bind(model.find("geom", "g"))
+    tendon = physics.bind(model.find("tendon", "te"))
     assert np.shares_memory(geom.geom_xpos, physics.data.geom_xpos)
     assert np.shares_memory(geom.xpos, geom.geom_xpos)
     assert tendon.length == tendon.ten_length == physics.data.ten_length[0]

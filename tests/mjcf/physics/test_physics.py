@@ -46,7 +46,8 @@ def test_step_and_time(swing: Physics) -> None:
     swing.step(3)
     assert swing.data.qpos[0] == theirs.qpos[0] != 0
     assert swing.time == pytest.approx(5 * swing.timestep)
-    swing.time, swing.timestep = 7, 0.01
+    swing.time = 7
+    swing.timestep = 0.01
     swing.step()
     assert swing.time == 7.01
 
@@ -96,7 +97,8 @@ def test_copies_share_nothing(root: RootElement, swing: Physics) -> None:
     for twin in (swing.copy(), copy.copy(swing), copy.deepcopy(swing)):
         assert twin.time == swing.time and twin.data.qpos[0] == swing.data.qpos[0]
         hinge = twin.bind(root.find("joint", "hinge"))
-        hinge.qpos, hinge.damping = 2, 5
+        hinge.qpos = 2
+        hinge.damping = 5
         assert swing.data.qpos[0] != 2 and swing.model.dof_damping[0] == 0
         twin.step()
         assert twin.time > swing.time
@@ -256,7 +258,8 @@ def test_what_is_no_object_of_a_compiled_model(root: RootElement, swing: Physics
 
 
 def test_what_cannot_be_bound_together_or_at_all(root: RootElement, swing: Physics) -> None:
-    hinge, bob = root.find("joint", "hinge"), root.find("geom", "bob")
+    hinge = root.find("joint", "hinge")
+    bob = root.find("geom", "bob")
     with pytest.raises(MjcfError, match="one kind are bound together, got the joint `<joint>` `hinge` and the geom"):
         swing.bind([hinge, bob])
     for wrong in ("hinge", None, 3, [hinge, None]):
@@ -333,7 +336,8 @@ def test_what_is_no_argument_is_told_at_the_call(call: Callable[[Physics], None]
 def test_a_legacy_step_leaves_positions_and_sensors_up_to_date() -> None:
     text = """<mujoco><worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>
     <sensor><framepos objtype="body" objname="b"/></sensor></mujoco>"""
-    plain, legacy = Physics.from_xml_string(text), Physics.from_xml_string(text)
+    plain = Physics.from_xml_string(text)
+    legacy = Physics.from_xml_string(text)
     legacy.legacy_step = True
     copies = (legacy.copy(), copy.deepcopy(legacy), pickle.loads(pickle.dumps(legacy)))
     for each in (plain, legacy, *copies):
@@ -343,7 +347,8 @@ def test_a_legacy_step_leaves_positions_and_sensors_up_to_date() -> None:
 
 
 def test_what_a_model_reads_is_confined_on_request(tmp_path: Path) -> None:
-    shapes, model = tmp_path / "elsewhere" / "deep", tmp_path / "robot" / "mjcf" / "arm.xml"
+    shapes = tmp_path / "elsewhere" / "deep"
+    model = tmp_path / "robot" / "mjcf" / "arm.xml"
     for file in (shapes / "m.obj", model):
         file.parent.mkdir(parents=True)
     (tmp_path / "robot" / ".git").mkdir()

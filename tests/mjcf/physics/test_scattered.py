@@ -75,12 +75,15 @@ def test_keys_of_every_form_reach_the_same_places(data: st.DataObject) -> None:
     index = np.array(data.draw(st.permutations(range(shape[0])))[:4])
     source = np.arange(np.prod(shape), dtype=float).reshape(shape)
     home = ScatteredRows.of(source, index)
-    rows, expected = home.read(), source.copy()
-    view, plain = rows, np.arange(source.size).reshape(shape)[index]
+    rows = home.read()
+    expected = source.copy()
+    view = rows
+    plain = np.arange(source.size).reshape(shape)[index]
     for _ in range(data.draw(st.integers(0, 2))):
         if view.ndim:
             key = data.draw(basic_indices(view.shape, allow_newaxis=True, allow_ellipsis=True))
-            view, plain = np.asanyarray(view[key]), plain[key]
+            view = np.asanyarray(view[key])
+            plain = plain[key]
     if not isinstance(view, Scattered):
         return
     key = data.draw(

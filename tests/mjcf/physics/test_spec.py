@@ -13,7 +13,8 @@ def test_a_composition_as_a_spec(arm: RootElement, gripper: RootElement) -> None
     arm.find("site", "flange").attach(gripper)
     spec = arm.to_spec()
     assert isinstance(spec, mujoco.MjSpec)
-    compiled, ours = spec.compile(), arm.compile_model().model
+    compiled = spec.compile()
+    ours = arm.compile_model().model
     assert compiled.names == ours.names
     assert compiled.body_inertia.tolist() == ours.body_inertia.tolist()
 

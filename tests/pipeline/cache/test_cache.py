@@ -470,14 +470,34 @@ def test_killed_at_any_moment(store: Path, folder: Path) -> None:
 
 SPAN = Span("cell.yaml", 1, 2, 3, 4)
 WARNING = Diagnostic(
-    "lock-stale", "`tool` is not in the lock", SPAN, Severity.WARNING, (Note("a note", SPAN),), "a help", (Note("more"),),
+    "lock-stale",
+    "`tool` is not in the lock",
+    SPAN,
+    Severity.WARNING,
+    (Note("a note", SPAN),),
+    "a help",
+    (Note("more"),),
     subjects=frozenset({"tool", "arm"}),
-)  # fmt: skip
+)
 RECORD = Record(
-    name="cell", model="model.xml", sha256="0" * 64, sizes=None, merged={}, files=(), text=None, mujoco=None, licenses=(),
-    diagnostics=(WARNING,), checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),), draws=None, recipes=(),
-    places="", mentions_positions=False, cells=0, cells_at=None,
-)  # fmt: skip
+    name="cell",
+    model="model.xml",
+    sha256="0" * 64,
+    sizes=None,
+    merged={},
+    files=(),
+    text=None,
+    mujoco=None,
+    licenses=(),
+    diagnostics=(WARNING,),
+    checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),),
+    draws=None,
+    recipes=(),
+    places="",
+    mentions_positions=False,
+    cells=0,
+    cells_at=None,
+)
 
 
 def test_what_is_kept_of_a_build_is_read_as_it_was_written() -> None:

@@ -112,7 +112,8 @@ def test_a_folder_is_its_licenses(tmp_path: Path) -> None:
 def test_what_was_looked_at_is_looked_at_anew_when_told(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_text("one")
-    files, moment = Files(), now()
+    files = Files()
+    moment = now()
     before = files.look(str(file))
     file.write_text("other")
     os.utime(file, ns=(moment + 10**9, moment + 10**9))

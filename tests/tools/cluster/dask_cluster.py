@@ -16,20 +16,35 @@ class Cluster:
     """Processes of Dask that listen on 127.0.0.1 alone; `file` is that of the scheduler."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.file = folder, folder / "scheduler.json"
+        self.folder = folder
+        self.file = folder / "scheduler.json"
         self.workers: list[subprocess.Popen[bytes]] = []
         self.scheduler = self._start(
-            "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-            "--scheduler-file", str(self.file),
-        )  # fmt: skip
+            "dask_scheduler",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            "0",
+            "--no-dashboard",
+            "--scheduler-file",
+            str(self.file),
+        )
         wait_for(self.file.exists)
 
     def add(self, count: int = 1, **environment: str) -> None:
         """More workers of one thread."""
         words = [
-            "--scheduler-file", str(self.file), "--host", "127.0.0.1", "--nthreads", "1", "--no-nanny", "--no-dashboard",
-            "--local-directory", str(self.folder),
-        ]  # fmt: skip
+            "--scheduler-file",
+            str(self.file),
+            "--host",
+            "127.0.0.1",
+            "--nthreads",
+            "1",
+            "--no-nanny",
+            "--no-dashboard",
+            "--local-directory",
+            str(self.folder),
+        ]
         for _ in range(count):
             self.workers.append(self._start("dask_worker", *words, **environment))
 
@@ -42,8 +57,11 @@ class Cluster:
         with (self.folder / "dask.log").open("ab") as log:
             return subprocess.Popen(
                 [sys.executable, "-m", f"distributed.cli.{module}", *words],
-                stdout=log, stderr=log, env={**os.environ, **environment}, cwd=self.folder,
-            )  # fmt: skip
+                stdout=log,
+                stderr=log,
+                env={**os.environ, **environment},
+                cwd=self.folder,
+            )
 
 
 class Way:
@@ -57,7 +75,8 @@ class Way:
         threading.Thread(target=self._serve, daemon=True).start()
 
     def cut(self) -> None:
-        ends, self._ends = self._ends, []
+        ends = self._ends
+        self._ends = []
         for each in ends:
             _shut(each)
 

@@ -23,7 +23,8 @@ if __name__ == "__main__":
 
 def listening(top: int) -> set[str]:
     """Where the processes below one listen, as /proc/net/tcp writes it."""
-    processes, more = {top}, {top}
+    processes = {top}
+    more = {top}
     while more:
         found = [
             (int(folder.name), int(text.rpartition(")")[2].split()[1]))

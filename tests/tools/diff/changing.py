@@ -55,7 +55,8 @@ def _of_recipe(file: Path) -> Iterator[Value]:
         span = scalar.span
         if path[0] in _NOT_OF_THE_MODEL or span.end_column is None or span.end_line != span.line:
             continue
-        start, end = starts[span.line - 1] + span.column - 1, starts[span.line - 1] + span.end_column - 1
+        start = starts[span.line - 1] + span.column - 1
+        end = starts[span.line - 1] + span.end_column - 1
         quote = text[start] if text[start] in "'\"" else ""
         others = tuple(f"{quote}{each}{quote}" for each in _others(_key(path), scalar.text, alike[_key(path)]))
         yield Value(file, ".".join(map(str, path)), span.line, start, end, others)

@@ -45,8 +45,10 @@ class Sweep:
     """
 
     def __init__(self, folder: Path, recipe: Path, session: Session) -> None:
-        self.session, self.name = session, recipe.name
-        self.a, self.b = folder / "a", folder / "b"
+        self.session = session
+        self.name = recipe.name
+        self.a = folder / "a"
+        self.b = folder / "b"
         for end in (self.a, self.b):
             shutil.copytree(recipe.parent / "models", end / "models")
             for file in recipe.parent.glob("*.yaml"):

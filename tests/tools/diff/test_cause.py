@@ -19,13 +19,29 @@ MODELS = {
     "arm_gripper": ("arm6/arm6", "gripper2/gripper2"),
 }
 ALL = [
-    *((recipe, f"{recipe}.yaml") for recipe in (
-        "arm_gripper", "cell", "cubes", "demo", "gantry", "hoist", "payload_study", "randomised", "soft_arm", "two_arms",
-    )),
+    *(
+        (recipe, f"{recipe}.yaml")
+        for recipe in (
+            "arm_gripper",
+            "cell",
+            "cubes",
+            "demo",
+            "gantry",
+            "hoist",
+            "payload_study",
+            "randomised",
+            "soft_arm",
+            "two_arms",
+        )
+    ),
     *((recipe, f"models/{model}.xml") for recipe, models in MODELS.items() for model in models),
-]  # fmt: skip
-SAMPLE = [("gantry", "gantry.yaml", 9), ("payload_study", "payload_study.yaml", 4), ("cubes", "cubes.yaml", 12),
-          ("arm_gripper", "models/arm6/arm6.xml", 60)]  # fmt: skip
+]
+SAMPLE = [
+    ("gantry", "gantry.yaml", 9),
+    ("payload_study", "payload_study.yaml", 4),
+    ("cubes", "cubes.yaml", 12),
+    ("arm_gripper", "models/arm6/arm6.xml", 60),
+]
 
 
 @pytest.fixture(scope="module")

@@ -97,8 +97,11 @@ def test_a_mesh_file_of_other_bytes(session: Session, tmp_path: Path) -> None:
         shutil.copytree(CASES / "same" / "a", tmp_path / end)
         hand = tmp_path / end / "hand.xml"
         shell = '<asset><mesh name="shell" file="shell.obj"/></asset>\n  <worldbody>'
-        hand.write_text(hand.read_text().replace("<worldbody>", shell)
-                        .replace('type="box" size="0.03 0.03 0.02" mass="0.25"', 'type="mesh" mesh="shell"'))  # fmt: skip
+        hand.write_text(
+            hand.read_text()
+            .replace("<worldbody>", shell)
+            .replace('type="box" size="0.03 0.03 0.02" mass="0.25"', 'type="mesh" mesh="shell"')
+        )
         (tmp_path / end / "shell.obj").write_text(text)
     found = diff("a/recipe.yaml", "b/recipe.yaml", Context(folder=tmp_path), session)
     assert found is not None and found.files == ("assets/hand/shell.obj",)
@@ -151,9 +154,16 @@ def test_as_data(session: Session) -> None:
     }
     change, cause = changes["gripper/palm", "body_mass"]
     assert change == {
-        "what": "changed", "kind": "body", "name": "gripper/palm", "quantity": "mass", "field": "body_mass",
-        "before": 0.25, "after": 0.3, "unit": "kg", "relative": pytest.approx(0.2),
-    }  # fmt: skip
+        "what": "changed",
+        "kind": "body",
+        "name": "gripper/palm",
+        "quantity": "mass",
+        "field": "body_mass",
+        "before": 0.25,
+        "after": 0.3,
+        "unit": "kg",
+        "relative": pytest.approx(0.2),
+    }
     assert (cause["before"]["file"], cause["before"]["line"]) == ("a/hand.xml", 5)
     assert data["counts"][-1]["name"] == "total mass"
 
@@ -218,8 +228,10 @@ def test_every_view_is_a_pair_of_pictures(tmp_path: Path) -> None:
         assert fault.code == "no-rendering" and fault.help
         pytest.skip("there is no OpenGL")
     assert [(each.name, each.differs > 0) for each in found.views] == [
-        ("the whole", True), ("the whole", True), ("away", False),
-    ]  # fmt: skip
+        ("the whole", True),
+        ("the whole", True),
+        ("away", False),
+    ]
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(
         f"{stem}-{side}.png" for stem in ("the_whole", "the_whole_2", "away") for side in ("before", "after")
     )

@@ -52,7 +52,8 @@ def test_two_that_are_alike_are_not_guessed() -> None:
 
 def test_of_two_that_look_alike_neither_is_guessed() -> None:
     pair = """<mujoco><worldbody><body name="b"><geom name="{}" size="1"/><geom name="{}" size="{}"/></body></worldbody></mujoco>"""
-    before, after = pair.format("one", "two", "1"), pair.format("three", "four", "1")
+    before = pair.format("one", "two", "1")
+    after = pair.format("three", "four", "1")
     assert renames(_roster(before), _roster(after)) == {}
     assert renames(_roster(pair.format("one", "two", "1")), _roster(pair.format("one", "four", "1"))) == {
         "geom": {"two": "four"}
@@ -65,11 +66,21 @@ def test_of_two_that_look_alike_neither_is_guessed() -> None:
 @pytest.mark.parametrize(
     ("a", "b", "are_close"),
     [
-        (1e-3, 1.001e-3, False), (1e-3, 1.00001e-3, True), (1000, 1000.05, True), (1000, 1001, False),
-        (1e-9, -1e-9, False), (1e-11, -1e-11, True), (0.0, 9e-11, True), (0.0, 2e-9, False),
-        (math.nan, math.nan, True), (math.nan, 1, False), (math.inf, math.inf, True),
-        (-math.inf, math.inf, False), (math.inf, 1, False), (1, math.inf, False),
+        (1e-3, 1.001e-3, False),
+        (1e-3, 1.00001e-3, True),
+        (1000, 1000.05, True),
+        (1000, 1001, False),
+        (1e-9, -1e-9, False),
+        (1e-11, -1e-11, True),
+        (0.0, 9e-11, True),
+        (0.0, 2e-9, False),
+        (math.nan, math.nan, True),
+        (math.nan, 1, False),
+        (math.inf, math.inf, True),
+        (-math.inf, math.inf, False),
+        (math.inf, 1, False),
+        (1, math.inf, False),
     ],
-)  # fmt: skip
+)
 def test_a_tolerance_is_relative_down_to_a_millionth(a: float, b: float, are_close: bool) -> None:
     assert close(a, b, 1e-4) == are_close

@@ -22,9 +22,12 @@ pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no
 def _git(folder: Path, *arguments: str) -> str:
     identity = {f"GIT_{who}_{what}": "x@example.org" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     done = subprocess.run(
-        ["git", "-C", str(folder), *arguments], check=True, capture_output=True, text=True,
+        ["git", "-C", str(folder), *arguments],
+        check=True,
+        capture_output=True,
+        text=True,
         env={**os.environ, **identity, "GIT_CONFIG_GLOBAL": os.devnull},
-    )  # fmt: skip
+    )
     return done.stdout
 
 
@@ -176,7 +179,8 @@ def test_what_an_edit_allows_is_allowed_whoever_composes(tmp_path: Path, allow: 
     )
     edit = f"{{select: {{actuator: p}}, convert: {{to: velocity, kv: 1}}{', ' + allow if allow else ''}}}"
     (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\nedit:\n  - {edit}\n")
-    context, found = Context(folder=tmp_path), []
+    context = Context(folder=tmp_path)
+    found = []
     with ExitStack() as opened, Session() as session:
         operand = read_operand("r.yaml", context, opened)
         assert operand is not None and load(operand, "it", session) is not None

@@ -62,7 +62,8 @@ class Proof:
 
     def _level(self, level: LevelExplained, name: str) -> str | None:
         """Why the answer is not true, if it is not."""
-        chain, now = list(level.changes), level.text
+        chain = list(level.changes)
+        now = level.text
         assert now is not None
         for change in reversed(chain):
             if not _same(change.after, now):
@@ -147,7 +148,9 @@ class Proof:
 
 def _is_reason(change: Changed) -> bool:
     """Whether a change is what its words say, where that can be reckoned here."""
-    words, before, after = change.reason.words, change.before, change.after
+    words = change.reason.words
+    before = change.before
+    after = change.after
     if words.startswith("degrees → radians"):
         return _converted(str(before), str(after))
     if words.startswith("prefix of the part"):
@@ -171,7 +174,8 @@ def _converted(recipe: str, text: str) -> bool:
     wanted = [_number(word) for word in text.split()]
     if not all(values) or not all(wanted):
         return False
-    said, given = [each for each in values if each], [each[0] for each in wanted if each]
+    said = [each for each in values if each]
+    given = [each[0] for each in wanted if each]
     if len(said) == len(given) and all(map(_same_number, said, given)):
         return True
     if len(given) != 4:
@@ -182,10 +186,11 @@ def _converted(recipe: str, text: str) -> bool:
         ]
         if len(said) == 4 and _same_pose(quat_from_axisangle([value for value, _ in said[:3]], radians[3]), given):
             return True
-        for axes in permutations("xyz") if len(said) == 3 else ():
-            for sequence in ("".join(axes), "".join(axes).upper()):
-                if _same_pose(quat_from_euler(radians, sequence), given):
-                    return True
+        if len(said) == 3:
+            for axes in permutations("xyz"):
+                for sequence in ("".join(axes), "".join(axes).upper()):
+                    if _same_pose(quat_from_euler(radians, sequence), given):
+                        return True
     return False
 
 

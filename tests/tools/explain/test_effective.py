@@ -45,12 +45,13 @@ def test_numbers_and_values_are_those_of_mujoco(traced: Traced, compiled: mujoco
     root = traced.model.root
     if next(root.iter(*_EXPANDED), None) is not None:
         pytest.skip("MuJoCo multiplies elements of this model")
-    for word in _OBJECTS if root.find("worldbody") is not None else ():
-        kind = getattr(mujoco.mjtObj, f"mjOBJ_{word.upper()}")
-        found = _all(traced, word)
-        names = [mujoco.mj_id2name(compiled, kind, at) or "" for at in range(len(found))]
-        assert [query.name_of(node) or ("world" if node.tag == "worldbody" else "") for node in found] == names
-        assert mujoco.mj_id2name(compiled, kind, len(found)) is None
+    if root.find("worldbody") is not None:
+        for word in _OBJECTS:
+            kind = getattr(mujoco.mjtObj, f"mjOBJ_{word.upper()}")
+            found = _all(traced, word)
+            names = [mujoco.mj_id2name(compiled, kind, at) or "" for at in range(len(found))]
+            assert [query.name_of(node) or ("world" if node.tag == "worldbody" else "") for node in found] == names
+            assert mujoco.mj_id2name(compiled, kind, len(found)) is None
     for word, attribute, array in _ARRAYS:
         for at, node in enumerate(_all(traced, word)):
             if attribute in kind_of(node).attributes:

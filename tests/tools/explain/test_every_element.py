@@ -14,8 +14,15 @@ from mjcompose.tree.select import kind_of
 _MADE = {"mujoco", "compiler", "default", "worldbody", "keyframe", "frame"}
 # Recipes that read no model.
 _WITHOUT_SOURCES = {
-    "add_to_added", "attached_by_edit", "attached_by_recipe", "empty", "gantry", "piano", "player", "when_of_others",
-}  # fmt: skip
+    "add_to_added",
+    "attached_by_edit",
+    "attached_by_recipe",
+    "empty",
+    "gantry",
+    "piano",
+    "player",
+    "when_of_others",
+}
 
 
 def test_every_element_comes_from_somewhere(recipe: Path, traced: Traced) -> None:

@@ -30,7 +30,8 @@ def test_colors_change_no_word(tmp_path: Path, attribute: str | None) -> None:
     def read(file: str) -> str:
         return (tmp_path / file).read_text(encoding="utf-8")
 
-    plain, colored = render(explained, read), render(explained, read, color=True)
+    plain = render(explained, read)
+    colored = render(explained, read, color=True)
     assert _ESCAPE.sub("", colored) == plain
     assert colored.startswith("\x1b[1m") and "\x1b[34m2 |\x1b[0m" in colored
     assert "\x1b" not in plain

@@ -50,11 +50,14 @@ def _rows(traced: Traced, vector: str, name: str = "home") -> Found:
     """Label, numbers, kind of origin, and place with what passed the numbers on."""
     (key,) = (each for each in traced.model.root.iter("key") if each.get("name") == name)
     return [
-        (row.label, row.value, row.origin, " ".join(
-            f"{each.span.file}:{each.span.line}" for each in (row.reason, *row.on_the_way) if each.span
-        ))
+        (
+            row.label,
+            row.value,
+            row.origin,
+            " ".join(f"{each.span.file}:{each.span.line}" for each in (row.reason, *row.on_the_way) if each.span),
+        )
         for row in traced.attribute(key, vector).rows
-    ]  # fmt: skip
+    ]
 
 
 def test_of_an_entry_and_the_reference(tmp_path: Path) -> None:
@@ -178,7 +181,8 @@ def test_the_changes_lead_from_what_was_read_to_what_is_there(traced: Traced) ->
 
 
 def _replayed(life: Life) -> tuple[str, dict[str, str]]:
-    tag, attributes = life.tag, dict(life.attributes)
+    tag = life.tag
+    attributes = dict(life.attributes)
     if len(life.sources) == 1:
         tag, attributes = _replayed(life.sources[0])
     for change in life.changes:

@@ -78,7 +78,8 @@ TOOL = """\
 @pytest.fixture(scope="module")
 def merged() -> str:
     """The arm with the tool, as MuJoCo attaches and writes it: in radians, with six digits, other classes."""
-    arm, tool = mujoco.MjSpec.from_string(ARM), mujoco.MjSpec.from_string(TOOL)
+    arm = mujoco.MjSpec.from_string(ARM)
+    tool = mujoco.MjSpec.from_string(TOOL)
     arm.attach(tool, prefix="tool_", site=arm.site("flange"))
     arm.compile()
     text: str = arm.to_xml()
@@ -103,20 +104,35 @@ def physics(model: Any) -> dict[str, list[list[float]]]:
         "body": ("body_mass", "body_inertia", "body_pos", "body_quat", "body_gravcomp"),
         "jnt": ("jnt_type", "jnt_range", "jnt_axis", "jnt_stiffness", "jnt_limited"),
         "dof": ("dof_damping", "dof_armature", "dof_frictionloss"),
-        "geom": ("geom_type", "geom_size", "geom_pos", "geom_quat", "geom_friction", "geom_solref", "geom_rgba", "geom_condim"),
+        "geom": (
+            "geom_type",
+            "geom_size",
+            "geom_pos",
+            "geom_quat",
+            "geom_friction",
+            "geom_solref",
+            "geom_rgba",
+            "geom_condim",
+        ),
         "site": ("site_pos", "site_quat", "site_size"),
         "mat": ("mat_rgba", "mat_shininess", "mat_texrepeat"),
         "tex": ("tex_type", "tex_width", "tex_nchannel"),
         "mesh": ("mesh_scale", "mesh_vertnum"),
         "eq": ("eq_type", "eq_data", "eq_solref", "eq_active0"),
-        "actuator": ("actuator_gainprm", "actuator_biasprm", "actuator_ctrlrange", "actuator_gear", "actuator_forcerange"),
+        "actuator": (
+            "actuator_gainprm",
+            "actuator_biasprm",
+            "actuator_ctrlrange",
+            "actuator_gear",
+            "actuator_forcerange",
+        ),
         "sensor": ("sensor_type", "sensor_cutoff"),
         "key": ("key_qpos", "key_ctrl", "key_time"),
         "pair": ("pair_friction", "pair_solref"),
         "exclude": (),
         "light": ("light_pos", "light_dir"),
         "cam": ("cam_pos", "cam_fovy"),
-    }  # fmt: skip
+    }
     found: dict[str, list[list[float]]] = defaultdict(list)
     for kind, arrays in owners.items():
         count = model.nv if kind == "dof" else len(getattr(model, f"name_{kind}adr"))
@@ -135,7 +151,8 @@ def physics(model: Any) -> dict[str, list[list[float]]]:
 
 
 def assert_same(one: Any, other: Any) -> None:
-    mine, theirs = physics(one), physics(other)
+    mine = physics(one)
+    theirs = physics(other)
     for kind, rows in mine.items():
         assert len(rows) == len(theirs[kind]), kind
         left = list(theirs[kind])

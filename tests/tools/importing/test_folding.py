@@ -86,8 +86,9 @@ WORDS = st.text("abxyz", min_size=1, max_size=3)
 @given(
     st.lists(WORDS | st.integers(0, 30).map(str), min_size=5, max_size=8, unique=True),
     st.lists(st.sampled_from(["t", "{}", "{}/{}", "a{}b", "1.5", "0{}"]), min_size=1, max_size=3),
-    st.decimals(-3, 3, places=3), st.decimals(-1, 1, places=3),
-)  # fmt: skip
+    st.decimals(-3, 3, places=3),
+    st.decimals(-1, 1, places=3),
+)
 def test_what_is_folded_makes_the_same_entries(names: list[str], forms: list[str], start: Any, step: Any) -> None:
     entries = [
         f'"k_{name}": {{p: [{start + step * at}, {at}], q: ["{"_".join(forms).replace("{}", name)}"], r: true}}'

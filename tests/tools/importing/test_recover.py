@@ -278,15 +278,15 @@ WITHOUT_NAMES = """
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('<geom size="0.1"/>', "", "{geom: \"**\", parent: {body: base}, where: \"${index == 0}\"}, remove: true}"),
-        ('rgba="1 0 0 1"', 'rgba="0 1 0 1"', "where: \"${index == 1}\"}, set: {rgba: [0, 1, 0, 1]}}"),
+        ('<geom size="0.1"/>', "", '{geom: "**", parent: {body: base}, where: "${index == 0}"}, remove: true}'),
+        ('rgba="1 0 0 1"', 'rgba="0 1 0 1"', 'where: "${index == 1}"}, set: {rgba: [0, 1, 0, 1]}}'),
         ('<geom size="0.1"/>', '<geom size="0.1"/><geom size="0.3"/>', "add:"),
         ("<exclude", "<!-- <exclude", "where: {body1: base, body2: link}}, remove: true}"),
         ('<light pos="0 0 3"/>', "", '{light: "**", parent: {body: world}, where: "${index == 0}"}, remove: true}'),
         ('<key name="home" qpos="1"/>', "", "{select: {key: home}, remove: true}"),
         ('<key name="home" qpos="1"/>', '<key name="new" qpos="2"/>', "new: {qpos: {turn: [2rad]}}"),
     ],
-)  # fmt: skip
+)
 def test_what_has_no_name_is_found_by_its_place(old: str, new: str, said: str, tmp_path: Path) -> None:
     assert old in WITHOUT_NAMES
     (tmp_path / "part.xml").write_text(WITHOUT_NAMES)
@@ -317,13 +317,24 @@ NAMELESS_BASE = """<mujoco model="base"><worldbody>
     [
         ("", "", []),
         # Of a key that the parts share, the values of all of them stay.
-        ('qpos=".5 .1 .2"', 'qpos=".5 .3 .2"',
-         ["keyframe:", "  home: {from: {base: home, arm: home}, qpos: {arm/j1: [0.3rad]}}"]),
-        ('size=".02"', 'size=".025"', [
-            "edit:", ('  - {select: {geom: "**", parent: {body: "**", parent: {body: torso}, where: "${index == 0}"},'
-            ' where: "${index == 0}"}, set: {size: [.025]}}')]),
+        (
+            'qpos=".5 .1 .2"',
+            'qpos=".5 .3 .2"',
+            ["keyframe:", "  home: {from: {base: home, arm: home}, qpos: {arm/j1: [0.3rad]}}"],
+        ),
+        (
+            'size=".02"',
+            'size=".025"',
+            [
+                "edit:",
+                (
+                    '  - {select: {geom: "**", parent: {body: "**", parent: {body: torso}, where: "${index == 0}"},'
+                    ' where: "${index == 0}"}, set: {size: [.025]}}'
+                ),
+            ],
+        ),
     ],
-)  # fmt: skip
+)
 def test_bodies_without_a_name_come_with_their_part(old: str, new: str, expected: list[str], tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(NAMELESS_ARM)
     (tmp_path / "base.xml").write_text(NAMELESS_BASE)

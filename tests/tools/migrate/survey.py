@@ -21,7 +21,8 @@ from mjcompose.tree.history import RELEASED  # noqa: E402
 OUT = ROOT / "composer" / "mjcompose" / "tree" / "history.json"
 ASK = "import mujoco; print(mujoco.mj_printSchema(False, True))"
 _LINE = re.compile(r"^( *)(\S+) \((.)\)\s*(.*)$")
-_LEVEL, _COLUMN = 3, 20
+_LEVEL = 3
+_COLUMN = 20
 # The schema does not print what stands for its own content; these are the words of MuJoCo's changelog.
 META = {"frame": ["3.1.0", None], "replicate": ["3.1.5", None]}
 
@@ -39,7 +40,8 @@ def schema(text: str) -> Schema:
         if match and not (found and len(match[1]) >= _COLUMN):
             above = [*above[: len(match[1]) // _LEVEL], match[2]]
             path = "/".join(above).removeprefix("mujoco/").replace("(world)body", "body")
-            here, attributes = found.setdefault(path, set()), match[4]
+            here = found.setdefault(path, set())
+            attributes = match[4]
         here.update(attributes.split())
     return found
 

@@ -171,8 +171,11 @@ def mujoco(version: str) -> Other:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("feature", [each for each in FEATURES if not each.refuses],
-                         ids=[name for name, each in zip(IDS, FEATURES, strict=True) if not each.refuses])  # fmt: skip
+@pytest.mark.parametrize(
+    "feature",
+    [each for each in FEATURES if not each.refuses],
+    ids=[name for name, each in zip(IDS, FEATURES, strict=True) if not each.refuses],
+)
 def test_the_compiled_model_is_the_same(
     feature: Feature,
     kept: Callable[[Path, list[str], Path], dict[str, Any]],

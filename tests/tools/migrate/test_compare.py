@@ -36,13 +36,17 @@ def compared(one: str, two: str, folder: Path) -> Outcome:
         ("<worldbody>", "<worldbody>", set()),
         ('damping="1"', 'damping="2"', {"dof_damping"}),
         ('margin=".1"', 'margin=".2"', {"geom_margin"}),
-        ('<motor name="x" joint="j"/><position name="y" joint="j"/>', '<position name="y" joint="j"/><motor name="x" joint="j"/>', set()),
+        (
+            '<motor name="x" joint="j"/><position name="y" joint="j"/>',
+            '<position name="y" joint="j"/><motor name="x" joint="j"/>',
+            set(),
+        ),
         ("<worldbody>", '<option><flag island="disable"/></option><worldbody>', {"flags.island"}),
         ('name="g"', 'name="h"', {"geom names"}),
         ('name="j" damping', 'name="j" type="slide" damping', {"jnt_type", "dof_invweight0", "dof_M0"}),
         (".3 .3 .9", ".3 .3 .91", {"mesh_face", "body_mass", "body_inertia", "body_ipos"}),
     ],
-)  # fmt: skip
+)
 def test_what_differs(old: str, new: str, arrays: set[str], tmp_path: Path) -> None:
     outcome = compared(MODEL, MODEL.replace(old, new), tmp_path)
     found = {each.array for each in outcome.differences}

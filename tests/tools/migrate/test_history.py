@@ -40,8 +40,10 @@ def test_a_model_of_no_version() -> None:
 
 
 def test_places() -> None:
-    root = model("<worldbody><body><frame><geom/><body><site/></body></frame></body></worldbody>"
-                 "<default><default class='a'><geom/></default></default><option><flag/></option>")  # fmt: skip
+    root = model(
+        "<worldbody><body><frame><geom/><body><site/></body></frame></body></worldbody>"
+        "<default><default class='a'><geom/></default></default><option><flag/></option>"
+    )
     found = [place(node) for node in root.iter("geom", "site", "flag", "frame")]
     assert found == ["frame", "body/geom", "body/site", "default/geom", "option/flag"]
 

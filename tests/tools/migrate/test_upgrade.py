@@ -58,8 +58,10 @@ def test_what_differs_is_ranked_with_its_unit(tmp_path: Path) -> None:
     other = of_model(tmp_path, changed, "n")
     found = differences(one, other, signal="qpos", tolerance=1e-4)
     assert {(each.kind, each.name, each.unit) for each in found} == {
-        ("joint", "j", "rad"), ("joint", "ball", "rad"), ("joint", "slide", "m"),
-    }  # fmt: skip
+        ("joint", "j", "rad"),
+        ("joint", "ball", "rad"),
+        ("joint", "slide", "m"),
+    }
     amounts = [each.amount for each in found]
     assert amounts == sorted(amounts, reverse=True) and amounts[-1] > 1e-4
     assert all(0 < each.time <= 0.2 and each.trial in one.answer["trials"] for each in found)
@@ -78,10 +80,8 @@ def test_bodies_with_other_inertias_are_named(tmp_path: Path) -> None:
 
 
 def test_models_with_other_joints_are_not_compared(tmp_path: Path) -> None:
-    one, other = (
-        of_model(tmp_path, MODEL),
-        of_model(tmp_path, MODEL.replace('joint name="slide"', 'joint name="rail"'), "n"),
-    )
+    one = of_model(tmp_path, MODEL)
+    other = of_model(tmp_path, MODEL.replace('joint name="slide"', 'joint name="rail"'), "n")
     with pytest.raises(ProgramError, match="have other joints of the model"):
         differences(one, other, signal="qpos", tolerance=1)
 

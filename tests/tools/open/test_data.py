@@ -64,8 +64,11 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """The recipes that are built from now on."""
     seen: list[Path] = []
     build = opening.build
-    monkeypatch.setattr(opening, "build", lambda request, *rest, **named: (
-        seen.append(request.recipe), build(request, *rest, **named))[1])  # fmt: skip
+    monkeypatch.setattr(
+        opening,
+        "build",
+        lambda request, *rest, **named: (seen.append(request.recipe), build(request, *rest, **named))[1],
+    )
     return seen
 
 
@@ -197,7 +200,7 @@ def test_an_error_names_the_line_of_the_program_and_the_keys() -> None:
         ({"attach": {"a": {"model": "./arm.xml", "pos": ["${1 +}", 0, 0]}}}, "expression", "['attach']['a']['pos'][0]"),
         ({"attach": {"a b/": {"model": "./arm.xml"}}}, "bad-name", "['attach']['a b/']"),
     ],
-)  # fmt: skip
+)
 def test_a_place_is_told_by_its_keys(more: Mapping[str, Any], code: str, place: str) -> None:
     recipe = {**cell(sensor={}), **more}
     with pytest.raises(mjcompose.BuildError) as caught:
@@ -268,8 +271,9 @@ def test_what_mujoco_refuses_has_a_place() -> None:
 
 
 @pytest.mark.parametrize(
-    ("recipe", "kind"), [([1], "list"), (None, "NoneType"), (b"recipe: 1\n", "bytes"), (io.StringIO("recipe: 1\n"), "StringIO")]
-)  # fmt: skip
+    ("recipe", "kind"),
+    [([1], "list"), (None, "NoneType"), (b"recipe: 1\n", "bytes"), (io.StringIO("recipe: 1\n"), "StringIO")],
+)
 def test_other_things_are_no_recipes(recipe: Any, kind: str) -> None:
     for function in (mjcompose.model, mjcompose.spec, mujoco_plugin.files_of):
         with pytest.raises(TypeError, match=f"a recipe is a path, a mapping, or YAML of several lines, got `{kind}`"):
@@ -297,7 +301,8 @@ def test_values_name_their_place() -> None:
 
 
 def repeated() -> dict[str, Any]:
-    joint, motor = "${leg}_${j}", {"type": "position", "joint": "${leg}_${j}", "kp": "${gains[j].kp}"}
+    joint = "${leg}_${j}"
+    motor = {"type": "position", "joint": "${leg}_${j}", "kp": "${gains[j].kp}"}
     body = {"name": "${leg}", "joint": {"name": "${leg}_hip"}, "geom": {"size": [0.1]}}
     return {
         "recipe": 1,
@@ -381,9 +386,15 @@ def test_the_files_of_a_mapping(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     "function",
-    [mjcompose.stamp, mjcompose.load, mjcompose.worlds.load, mjcompose.worlds.gather, lambda it: list(mjcompose.load_many(it))],
+    [
+        mjcompose.stamp,
+        mjcompose.load,
+        mjcompose.worlds.load,
+        mjcompose.worlds.gather,
+        lambda it: list(mjcompose.load_many(it)),
+    ],
     ids=["stamp", "load", "worlds.load", "worlds.gather", "load_many"],
-)  # fmt: skip
+)
 def test_what_needs_a_bundle_says_so(function: Any) -> None:
     with pytest.raises(TypeError, match=r"got `dict`; a mapping has no bundle: write `mjcompose\.dumps\(recipe\)`"):
         function(cell())

@@ -24,9 +24,14 @@ def folder(tmp_path: Path) -> Path:
 
 def run(folder: Path, program: str, **variables: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", START + program], cwd=folder, capture_output=True, text=True, timeout=120, check=False,
+        [sys.executable, "-c", START + program],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
         env={**os.environ, **variables},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 

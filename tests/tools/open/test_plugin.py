@@ -64,7 +64,8 @@ def test_the_program_of_the_page_opens_a_recipe(release: Path, tmp_path: Path) -
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a package like the installed one, which other tests use at the same time, and with the plugin."""
     site = tmp_path_factory.mktemp("site")
-    package, copy = Path(mujoco.__file__).parent, site / "mujoco"
+    package = Path(mujoco.__file__).parent
+    copy = site / "mujoco"
     copy.mkdir()
     for each in package.iterdir():
         if each.name == "plugin":
@@ -90,9 +91,14 @@ def opened(folder: Path, site: Path, **variables: str) -> str:
     if not (folder / "cell.yaml").exists():
         (folder / "cell.yaml").write_text("recipe: 1\nbase: ./base.xml\n")
     done = subprocess.run(
-        [sys.executable, "-P", "-c", OPENS], cwd=folder, capture_output=True, text=True, check=False, timeout=120,
+        [sys.executable, "-P", "-c", OPENS],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
         env={**os.environ, "PYTHONPATH": str(site), **variables},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 

@@ -57,8 +57,11 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """The recipes that are built from now on."""
     seen: list[Path] = []
     build = opening.build
-    monkeypatch.setattr(opening, "build", lambda request, *rest, **named: (
-        seen.append(request.recipe), build(request, *rest, **named))[1])  # fmt: skip
+    monkeypatch.setattr(
+        opening,
+        "build",
+        lambda request, *rest, **named: (seen.append(request.recipe), build(request, *rest, **named))[1],
+    )
     return seen
 
 

@@ -40,12 +40,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ("", []), ("", ["--set", "size=0.2", "--set", "turn=10", "--set", "tool=ball"]), (SAMPLES, ["--sample", "2"]),
-        (MATRIX, ["--pick", "m-ball"]), (MATRIX, ["--pick", "m-ball", "--set", "size=0.3"]),
-        (SAMPLES.replace("mass: {select: {body: b}, attr: mass,", "drawn: {param: size,"), ["--sample", "2"]), (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]), ("", ["--no-compile"]),
-        ("", ["--target", "mjx"]), (SAMPLES, ["--as", "worlds"]), ("", ["--dedup"]),
+        ("", []),
+        ("", ["--set", "size=0.2", "--set", "turn=10", "--set", "tool=ball"]),
+        (SAMPLES, ["--sample", "2"]),
+        (MATRIX, ["--pick", "m-ball"]),
+        (MATRIX, ["--pick", "m-ball", "--set", "size=0.3"]),
+        (SAMPLES.replace("mass: {select: {body: b}, attr: mass,", "drawn: {param: size,"), ["--sample", "2"]),
+        (MATRIX + SAMPLES, ["--pick", "m-ball-s0003"]),
+        ("", ["--no-compile"]),
+        ("", ["--target", "mjx"]),
+        (SAMPLES, ["--as", "worlds"]),
+        ("", ["--dedup"]),
     ],
-)  # fmt: skip
+)
 def test_a_stamp_gives_the_same_bytes(folder: Path, more: str, words: list[str]) -> None:
     (folder / "cell.yaml").write_text(RECIPE + more)
     code, output = run("build", "cell.yaml", "-o", "{name}.zip", *words)

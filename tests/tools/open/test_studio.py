@@ -58,9 +58,14 @@ def test_studio_loads_a_recipe_again_after_a_part_of_it_was_saved(tmp_path: Path
     (tmp_path / "base.xml").write_text(BASE)
     (tmp_path / "cell.yaml").write_text("recipe: 1\nbase: ./base.xml\nedit: [{select: {geom: top}, set: {mass: 2}}]\n")
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
+        [sys.executable, "-c", PROGRAM],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
         env=os.environ.copy(),
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == ["2.0", "3.0 2", "3.0 3", "3.0 3", "3.0 3", "3.0 2"]
     assert "the recipe has no key `bad`" in done.stderr

@@ -38,7 +38,8 @@ PLACES = "() => ({pos: Array.from(mjcompose.world.pose.pos), quat: Array.from(mj
 
 def placed(mujoco: Any, model: Any, configurations: list[list[float]]) -> list[Any]:
     """Where MuJoCo has bodies. Runs in the child."""
-    data, found = mujoco.MjData(model), []
+    data = mujoco.MjData(model)
+    found = []
     for qpos in configurations:
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)

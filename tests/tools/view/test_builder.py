@@ -42,7 +42,8 @@ def _delete(file: Path) -> None:
 @contextmanager
 def waiting(watch: Watch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPatch) -> Iterator[Future[bool]]:
     """The answer of a watch that has looked at the files and waits now."""
-    waits, sleep = Event(), watch._sleep
+    waits = Event()
+    sleep = watch._sleep
 
     def sleeps(folders: set[Path]) -> None:
         waits.set()

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 COMPOSER = Path(__file__).parents[3] / "composer"
-PAGE, BUILT = COMPOSER / "viewer", COMPOSER / "mjcompose" / "tools" / "view" / "built"
+PAGE = COMPOSER / "viewer"
+BUILT = COMPOSER / "mjcompose" / "tools" / "view" / "built"
 INSTALL = ["npm", "ci", "--no-audit", "--no-fund", "--loglevel=error"]
 
 

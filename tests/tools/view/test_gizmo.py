@@ -45,7 +45,9 @@ class Mouse:
     """A page whose recipe is in a folder, and the hand of who uses it."""
 
     def __init__(self, page: Any, recipe: Path, workshop: Workshop) -> None:
-        self.page, self.recipe, self.workshop = page, recipe, workshop
+        self.page = page
+        self.recipe = recipe
+        self.workshop = workshop
 
     @property
     def text(self) -> str:
@@ -76,7 +78,8 @@ class Mouse:
 
     def drag(self, points: list[list[float]], axis: str, far: float, to: Callable[[int], list[float]]) -> None:
         """Drag a handle, at the first of some points where it is, by some pixels."""
-        end, number = time.monotonic() + 30, 0
+        end = time.monotonic() + 30
+        number = 0
         while (at := self.hovers(points[number % len(points)], far, axis)) is None:
             assert time.monotonic() < end, "a handle is drawn a moment after it is attached"
             number += 1
@@ -105,10 +108,12 @@ class Mouse:
         return text
 
     def pose(self, body: str) -> list[float]:
-        return list(self.page.evaluate(
-            "name => { const { scene, pose: { pos, quat } } = Object.assign({scene: mjcompose.world.model.scene}, {pose: mjcompose.world.pose}), b = scene.body.name.indexOf(name); return [...pos.slice(3 * b, 3 * b + 3), ...quat.slice(4 * b, 4 * b + 4)]; }",
-            body,
-        ))  # fmt: skip
+        return list(
+            self.page.evaluate(
+                "name => { const { scene, pose: { pos, quat } } = Object.assign({scene: mjcompose.world.model.scene}, {pose: mjcompose.world.pose}), b = scene.body.name.indexOf(name); return [...pos.slice(3 * b, 3 * b + 3), ...quat.slice(4 * b, 4 * b + 4)]; }",
+                body,
+            )
+        )
 
     def rebuilt(self) -> None:
         """Wait until the model on the page is that of the recipe."""
@@ -203,7 +208,7 @@ def test_a_number_is_typed_and_a_part_is_dropped_on_a_site(folder: Path, open_pa
           const { scene } = mjcompose.world.model, { camera, canvas } = mjcompose.stage, box = canvas.getBoundingClientRect();
           const point = mjcompose.stage.camera.position.clone().setFromMatrixPosition(mjcompose.world.matrixOf('site', scene.site.name.indexOf('table/corner'))).project(camera);
           return [box.left + (point.x + 1) * box.width / 2, box.top + (1 - point.y) * box.height / 2];
-        }""")  # fmt: skip
+        }""")
         hand.drag([[0, 0, 0]], "XYZ", 0, lambda number: [there[0] - x, there[1] - y])
         assert hand.changed(before) == before.replace("site: table/mount}", "site: table/corner}")
 

@@ -48,7 +48,8 @@ window.mjcomposeHost = {
 def test_links_open_in_the_editor_and_its_cursor_selects(tmp_path: Path, browser: Any) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
     (tmp_path / "arm.yaml").write_text(RECIPE)
-    model, recipe = str(tmp_path / "arm.xml"), str(tmp_path / "arm.yaml")
+    model = str(tmp_path / "arm.xml")
+    recipe = str(tmp_path / "arm.yaml")
     with running("arm.yaml", tmp_path) as server:
         page = browser.new_page()
         page.add_init_script(HOST)
@@ -78,9 +79,11 @@ def _selects(page: Any) -> Callable[[str, list[list[int]]], str]:
 
     def selected(file: str, places: list[list[int]]) -> str:
         page.evaluate("([file, places]) => reveal([file], places)", [file, places])
-        return str(page.evaluate(
-            "mjcompose.selection.kind + ' ' + mjcompose.world.model.scene[mjcompose.selection.kind].name[mjcompose.selection.index]"
-        ))  # fmt: skip
+        return str(
+            page.evaluate(
+                "mjcompose.selection.kind + ' ' + mjcompose.world.model.scene[mjcompose.selection.kind].name[mjcompose.selection.index]"
+            )
+        )
 
     return selected
 

@@ -112,6 +112,7 @@ def test_three_hundred_geoms_are_few_triangles_while_the_camera_moves(
     with Session() as session:
         page = open_page(page_of("many.xml", tmp_path, session).as_uri())
     drawn = "(ease) => { const { stage } = mjcompose; stage.ease = ease; stage.isMoving = ease < 1; stage.now(); return stage.renderer.info.render; }"
-    still, moving = page.evaluate(drawn, 1), page.evaluate(drawn, 0)
+    still = page.evaluate(drawn, 1)
+    moving = page.evaluate(drawn, 0)
     assert moving["triangles"] < MOST_TRIANGLES < still["triangles"], "and no shadows, which stay as they were"
     assert moving["calls"] < 20

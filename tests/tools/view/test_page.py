@@ -23,11 +23,15 @@ PARTS = """
   <geom name="paint" type="box" size="0.1 0.1 0.1" pos="1 0 0" material="paint"/>
   {more}
 """
-MODEL = """<mujoco>
+MODEL = (
+    """<mujoco>
   <asset><material name="paint" rgba="{rgba}"/></asset>
-  <worldbody>""" + PARTS + """</worldbody>
+  <worldbody>"""
+    + PARTS
+    + """</worldbody>
 </mujoco>
-"""  # fmt: skip
+"""
+)
 GONE = '<body name="gone" pos="0 1 0"><geom name="gone" size="0.1"/></body>'
 NEW = '<body name="new" pos="0 -1 0"><geom name="new" type="box" size="0.1 0.2 0.3" mass="7"/></body>'
 WHAT = """() => Object.fromEntries(mjcompose.world.model.scene.geom.name.map(

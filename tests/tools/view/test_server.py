@@ -129,18 +129,66 @@ def blob(served: Server) -> bytes:
 
 
 ROUTES: list[Callable[[Server], bytes]] = [
-    lambda served: b"", lambda served: b"page.js", lambda served: b"page.css", lambda served: b"model/0", blob
-]  # fmt: skip
+    lambda served: b"",
+    lambda served: b"page.js",
+    lambda served: b"page.css",
+    lambda served: b"model/0",
+    blob,
+]
 UP = "/".join([".."] * 12)
 ESCAPES = [
-    "/", "//", "/.", "/..", "/../", "/../page.js", f"/{UP}/{{file}}", "/{file}", "//{file}", "{file}", "/../secret.txt",
-    "../secret.txt", "..", "%2e%2e", "/%2e%2e/%2e%2e/secret.txt", "%2f{file}", "/%2f{file}", "%2F..%2Fsecret.txt",
-    "%252e%252e%252fsecret.txt", "%252f{file}", "\\..\\secret.txt", "\\{file}", "%5c..%5csecret.txt", "\0", "\0.js",
-    "%00", "%00/{file}", "/..%00/", ";/../secret.txt", "?/../secret.txt", "?{file}", "#{file}", "%c0%ae%c0%ae/{file}",
-    "/..%c0%af..%c0%afsecret.txt", "\xff", "%u002e%u002e/", "./", "/./", "....//....//secret.txt", "/C:\\Windows\\win.ini",
-    "/\\\\host\\share", "file://{file}", "/file://{file}", "~", "/~/.ssh/id_rsa", "%20", "\x0b{file}", "x" * 9_000, "/" * 60_000,
-    "/../" * 15_000, "%2e" * 30_000,
-]  # fmt: skip
+    "/",
+    "//",
+    "/.",
+    "/..",
+    "/../",
+    "/../page.js",
+    f"/{UP}/{{file}}",
+    "/{file}",
+    "//{file}",
+    "{file}",
+    "/../secret.txt",
+    "../secret.txt",
+    "..",
+    "%2e%2e",
+    "/%2e%2e/%2e%2e/secret.txt",
+    "%2f{file}",
+    "/%2f{file}",
+    "%2F..%2Fsecret.txt",
+    "%252e%252e%252fsecret.txt",
+    "%252f{file}",
+    "\\..\\secret.txt",
+    "\\{file}",
+    "%5c..%5csecret.txt",
+    "\0",
+    "\0.js",
+    "%00",
+    "%00/{file}",
+    "/..%00/",
+    ";/../secret.txt",
+    "?/../secret.txt",
+    "?{file}",
+    "#{file}",
+    "%c0%ae%c0%ae/{file}",
+    "/..%c0%af..%c0%afsecret.txt",
+    "\xff",
+    "%u002e%u002e/",
+    "./",
+    "/./",
+    "....//....//secret.txt",
+    "/C:\\Windows\\win.ini",
+    "/\\\\host\\share",
+    "file://{file}",
+    "/file://{file}",
+    "~",
+    "/~/.ssh/id_rsa",
+    "%20",
+    "\x0b{file}",
+    "x" * 9_000,
+    "/" * 60_000,
+    "/../" * 15_000,
+    "%2e" * 30_000,
+]
 
 
 @pytest.mark.parametrize("route", ROUTES, ids=["page", "js", "css", "model", "blob"])
@@ -174,11 +222,19 @@ def test_the_token_stands_at_the_beginning(served: Server, before: str) -> None:
 def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
     own = token(served)
     for sent in (
-        b"GET " + own + b"\r\n\r\n", b"GET " + own + b" HTTP/1.0\r\n\r\n", b"GET " + own + b" x HTTP/1.1\r\n\r\n",b"GET \xa0 " + own + b" HTTP/1.1\r\n\r\n",
-        b"GET\t" + own + b" HTTP/1.1\r\n\r\n", b"GET  " + own + b" HTTP/1.1\r\n\r\n",
-        b"GET " + own + b" HTTP/9\r\n\r\n", b"\r\n\r\n", b"\0\r\n\r\n", b"GET\r\n\r\n", b"GET /" + b"x" * 100_000 + b" HTTP/1.1\r\n\r\n",
+        b"GET " + own + b"\r\n\r\n",
+        b"GET " + own + b" HTTP/1.0\r\n\r\n",
+        b"GET " + own + b" x HTTP/1.1\r\n\r\n",
+        b"GET \xa0 " + own + b" HTTP/1.1\r\n\r\n",
+        b"GET\t" + own + b" HTTP/1.1\r\n\r\n",
+        b"GET  " + own + b" HTTP/1.1\r\n\r\n",
+        b"GET " + own + b" HTTP/9\r\n\r\n",
+        b"\r\n\r\n",
+        b"\0\r\n\r\n",
+        b"GET\r\n\r\n",
+        b"GET /" + b"x" * 100_000 + b" HTTP/1.1\r\n\r\n",
         b"GET " + own + b" HTTP/1.1\r\n" + b"a: b\r\n" * 200 + b"\r\n",
-    ):  # fmt: skip
+    ):
         status, said = raw(served, sent)
         assert status in (0, 403) and b"<html" not in said and (not said or b"Forbidden" in said), sent[:80]
     host = b"\r\nHost: " + urlsplit(served.address).netloc.encode() + b"\r\n\r\n"
@@ -197,13 +253,22 @@ def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
 
 
 def test_who_asks_has_one_name_and_comes_from_one_place(served: Server) -> None:
-    own, host = token(served), urlsplit(served.address).netloc
+    own = token(served)
+    host = urlsplit(served.address).netloc
     assert asked(served, own, f"Origin: http://{host}")[0] == 200
     for headers in (
-        [f"Host: {host}"], ["Host: evil.example"], ["Origin: http://evil.example"], [f"Origin: http://{host}.evil.example"],
-        [f"Origin: http://{host}0"], [f"Origin: https://{host}"], [f"Origin: http://{host}/"], ["Origin: null"], ["Origin: "],
-        [f"Origin: http://{host}", f"Origin: http://{host}"], [f"Origin: http://{host}", "Origin: http://evil.example"],
-    ):  # fmt: skip
+        [f"Host: {host}"],
+        ["Host: evil.example"],
+        ["Origin: http://evil.example"],
+        [f"Origin: http://{host}.evil.example"],
+        [f"Origin: http://{host}0"],
+        [f"Origin: https://{host}"],
+        [f"Origin: http://{host}/"],
+        ["Origin: null"],
+        ["Origin: "],
+        [f"Origin: http://{host}", f"Origin: http://{host}"],
+        [f"Origin: http://{host}", "Origin: http://evil.example"],
+    ):
         assert asked(served, own, *headers)[0] == 403, headers
     for other in ("", "evil.example", f"{host}.evil.example", f"evil.example@{host}", f"{host}, {host}", "localhost"):
         assert asked(served, own, host=other)[0] == 403, other
@@ -241,13 +306,21 @@ def test_what_a_page_wants_is_in_a_table_too(served: Server, key: str, body: str
 
 
 def test_a_body_has_one_length_and_is_json(served: Server) -> None:
-    own, kind = token(served) + b"shown", "Content-Type: application/json"
+    own = token(served) + b"shown"
+    kind = "Content-Type: application/json"
     for headers in (
-        [kind], [kind, "Content-Length: -5"], [kind, "Content-Length: 1_0"], [kind, "Content-Length: \xb2"], ["Content-Length: 2"],
-        [kind, "Content-Length: 2", "Content-Length: 3"], [kind, "Content-Length: 2", "Transfer-Encoding: chunked"],
-        [kind, f"Content-Length: {1 << 30}"], [kind, f"Content-Length: {'9' * 5000}"], [kind, kind, "Content-Length: 2"],
+        [kind],
+        [kind, "Content-Length: -5"],
+        [kind, "Content-Length: 1_0"],
+        [kind, "Content-Length: \xb2"],
+        ["Content-Length: 2"],
+        [kind, "Content-Length: 2", "Content-Length: 3"],
+        [kind, "Content-Length: 2", "Transfer-Encoding: chunked"],
+        [kind, f"Content-Length: {1 << 30}"],
+        [kind, f"Content-Length: {'9' * 5000}"],
+        [kind, kind, "Content-Length: 2"],
         ["Content-Type: text/plain", "Content-Length: 2"],
-    ):  # fmt: skip
+    ):
         assert asked(served, own, *headers, method="POST")[0] == 400, headers
 
 
@@ -278,7 +351,8 @@ def test_a_guard_that_fails_refuses(
     def fails(*arguments: object) -> bool:
         raise error
 
-    own, at = served.guard, urlsplit(served.address)
+    own = served.guard
+    at = urlsplit(served.address)
     asks = f"/{own.token}/", [at.netloc], [f"http://{at.netloc}"]
     assert own.key_of(*asks) == ""
     monkeypatch.setattr(*inner, fails)
@@ -338,7 +412,8 @@ def test_nobody_is_waited_for_long_however_slowly_it_comes(
 def test_an_answer_that_nobody_reads_ends(served: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "_SECONDS_TO_READ", 0.3)
     monkeypatch.setitem(served.workshop.shown.blobs, "large", bytes(60_000_000))
-    at, before = urlsplit(served.address), threading.active_count()
+    at = urlsplit(served.address)
+    before = threading.active_count()
     with socket.create_connection(("127.0.0.1", served.guard.port), 5) as connection:
         connection.sendall(
             b"GET " + token(served) + b"blob/large HTTP/1.1\r\nHost: " + at.netloc.encode() + b"\r\n\r\n"
@@ -375,14 +450,21 @@ def _origin(served: Server) -> str:
 
 def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> None:
     """Without a browser nothing says where a request comes from, so it has to say it itself."""
-    own, origin = token(served) + b"change", _origin(served)
+    own = token(served) + b"change"
+    origin = _origin(served)
     assert asked(served, own, origin, method="POST", body=CHANGE)[0] == 200
     assert asked(served, own, origin, "Sec-Fetch-Site: same-origin", method="POST", body=CHANGE)[0] == 200
     for headers in (
-        [], ["Origin: null"], ["Origin: http://evil.example"], [origin, origin], [origin, "Sec-Fetch-Site: cross-site"],
-        [origin, "Sec-Fetch-Site: same-site"], [origin, "Sec-Fetch-Site: none"], [origin, "Sec-Fetch-Site: "],
+        [],
+        ["Origin: null"],
+        ["Origin: http://evil.example"],
+        [origin, origin],
+        [origin, "Sec-Fetch-Site: cross-site"],
+        [origin, "Sec-Fetch-Site: same-site"],
+        [origin, "Sec-Fetch-Site: none"],
+        [origin, "Sec-Fetch-Site: "],
         [origin, "Sec-Fetch-Site: same-origin", "Sec-Fetch-Site: cross-site"],
-    ):  # fmt: skip
+    ):
         assert asked(served, own, *headers, method="POST", body=CHANGE)[0] == 403, headers
     assert asked(served, b"/change", origin, method="POST", body=CHANGE)[0] == 403
     assert asked(served, b"/wrong/change", origin, method="POST", body=CHANGE)[0] == 403
@@ -394,11 +476,20 @@ def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> No
 @pytest.mark.parametrize(
     "body",
     [
-        "{}", "[]", "null", "1", '"undo"', '{"kind": "write"}', '{"kind": ["undo"]}', '{"kind": "place", "version": 0}',
-        '{"kind": "place", "at": ["model.xml", NaN, 1], "version": 0}', "[" * 100_000,
-        '{"kind": "keyframe", "name": "\\ud800", "version": []}', '{"kind": "attach", "version": 0}',
+        "{}",
+        "[]",
+        "null",
+        "1",
+        '"undo"',
+        '{"kind": "write"}',
+        '{"kind": ["undo"]}',
+        '{"kind": "place", "version": 0}',
+        '{"kind": "place", "at": ["model.xml", NaN, 1], "version": 0}',
+        "[" * 100_000,
+        '{"kind": "keyframe", "name": "\\ud800", "version": []}',
+        '{"kind": "attach", "version": 0}',
     ],
-)  # fmt: skip
+)
 def test_a_change_that_is_none_is_a_bad_request_or_refused(served: Server, body: str) -> None:
     status, said = asked(served, token(served) + b"change", _origin(served), method="POST", body=body.encode())
     assert status == 400 or (status == 200 and b"refused" in said), said
@@ -412,11 +503,17 @@ def test_a_change_has_a_size(served: Server) -> None:
 @pytest.mark.parametrize(
     ("host", "writes", "expected"),
     [
-        ("127.0.0.1", True, True), ("localhost", True, True), ("::1", True, True), ("127.0.0.1", False, False),
-        ("0.0.0.0", True, False), ("::", True, False), ("", True, False), ("192.168.1.5", True, False),
+        ("127.0.0.1", True, True),
+        ("localhost", True, True),
+        ("::1", True, True),
+        ("127.0.0.1", False, False),
+        ("0.0.0.0", True, False),
+        ("::", True, False),
+        ("", True, False),
+        ("192.168.1.5", True, False),
         ("robot.lab", True, False),
     ],
-)  # fmt: skip
+)
 def test_who_shares_a_page_or_says_read_only_writes_nothing(host: str, writes: bool, expected: bool) -> None:
     guard = Guard(host, 8080, "secret", writes=writes)
     assert guard.may_write([f"http://{host}:8080"], ["same-origin"]) is expected

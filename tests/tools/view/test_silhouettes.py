@@ -12,7 +12,8 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from tools.view.pages import page_of
 
-WIDTH, HEIGHT = 320, 240
+WIDTH = 320
+HEIGHT = 240
 MODEL = """<mujoco>
   <asset>{assets}</asset>
   <worldbody>

@@ -33,7 +33,8 @@ def test_the_tutorial_for_the_mouse_is_true(tmp_path: Path, open_page: Callable[
         hand = Mouse(page, tmp_path / "cell.yaml", server.workshop)
 
         def says(before: str) -> None:
-            expected, found = next(steps), hand.changed(before)
+            expected = next(steps)
+            found = hand.changed(before)
             assert expected in found, found
             hand.rebuilt()
 

@@ -72,7 +72,8 @@ class Page:
         x, y, z, *quat = row["frame"]
         frame = Pose((x, y, z), tuple(quat))  # type: ignore[arg-type]
         moved = frame @ pose @ before.inverse() @ frame.inverse()
-        scene, number = self.scene, row["moved"]["body"][0]
+        scene = self.scene
+        number = row["moved"]["body"][0]
         expected = moved @ _body(scene, number)
         self.load()
         found = _body(self.scene, self.row(label)["moved"]["body"][0])
@@ -81,7 +82,8 @@ class Page:
 
 
 def _body(scene: Any, number: int) -> Pose:
-    pos, quat = scene["body"]["pos"][3 * number :][:3], scene["body"]["quat"][4 * number :][:4]
+    pos = scene["body"]["pos"][3 * number :][:3]
+    quat = scene["body"]["quat"][4 * number :][:4]
     return Pose(tuple(pos), tuple(quat))
 
 
@@ -96,7 +98,10 @@ PLACE = Pose((0.125, -0.05, 0.3), quat_from_euler([0.3, -0.4, 1.1], "xyz"))
         ("angle: degree", "{model: ./ball.xml, site: arm/tip, euler: [10, 20, 30]}   # turned"),
         ("angle: radian", "{model: ./ball.xml, site: arm/tip, mate: grip, euler: [0.1, 0.2, 0.3]}"),
         ("angle: degree\neulerseq: ZXz", "{model: ./ball.xml, euler: [1rad, 20deg, 30]}"),
-        ("angle: degree\neulerseq: xyx", "\n    model: ./ball.xml  # a ball\n    body: arm/link\n    euler:\n      - 1\n      - 2   # two\n      - 3"),
+        (
+            "angle: degree\neulerseq: xyx",
+            "\n    model: ./ball.xml  # a ball\n    body: arm/link\n    euler:\n      - 1\n      - 2   # two\n      - 3",
+        ),
         ("", "{model: ./ball.xml, quat: [1, 0, 0, 0]}"),
         ("", "{model: ./ball.xml, axisangle: [0, 0, 2, 30deg]}"),
         ("angle: radian", "{model: ./ball.xml, axisangle: [0, 1, 0, 0.5]}"),
@@ -106,7 +111,7 @@ PLACE = Pose((0.125, -0.05, 0.3), quat_from_euler([0.3, -0.4, 1.1], "xyz"))
         ("", "{model: ./ball.xml, frame: corner, pos: [1, 0, 0]}"),
         ("", "{model: ./ball.xml, replicate: [{count: 3, offset: [0.2, 0, 0]}], pos: [1, 0, 0]}"),
     ],
-)  # fmt: skip
+)
 def test_only_the_numbers_of_the_form_that_is_there_change(
     tmp_path: Path, session: Session, top: str, part: str
 ) -> None:
@@ -248,7 +253,8 @@ def test_a_part_is_dropped_on_a_site(tmp_path: Path, session: Session) -> None:
 
 def test_an_element_of_a_source_is_moved_by_an_edit_that_is_confirmed(tmp_path: Path, session: Session) -> None:
     page = Page(tmp_path, session, "recipe: 1\nattach: {arm: {model: ./arm.xml}}\n")
-    before, site = page.text, page.scene["site"]["name"].index("arm/side")
+    before = page.text
+    site = page.scene["site"]["name"].index("arm/side")
     asked = {"of": "site", "index": site, "pos": [0.25, 0, 0], "quat": [1, 0, 0, 0]}
     offer = page.ask("edit", **asked)
     assert (
@@ -311,9 +317,12 @@ def test_names_are_not_yaml(tmp_path: Path, session: Session) -> None:
         "0x1F",
     ]
     sites = "".join(f'<site name="{_escaped(name)}"/>' for name in odd)
-    page = Page(tmp_path, session, "recipe: 1\nbase: ./odd.xml\nattach: {a: {model: ./ball.xml}}\n", **{
-        "odd.xml": f"<mujoco><worldbody>{sites}</worldbody></mujoco>"
-    })  # fmt: skip
+    page = Page(
+        tmp_path,
+        session,
+        "recipe: 1\nbase: ./odd.xml\nattach: {a: {model: ./ball.xml}}\n",
+        **{"odd.xml": f"<mujoco><worldbody>{sites}</worldbody></mujoco>"},
+    )
     for name in odd:
         answer = page.ask("place", "a", site=page.scene["site"]["name"].index(name))
         assert "refused" not in answer, answer
@@ -344,7 +353,8 @@ def test_numbers_are_finite_and_of_a_size(tmp_path: Path, session: Session, wron
 
 
 def test_only_recipes_of_the_project_are_written(tmp_path: Path, session: Session) -> None:
-    outside, inside = tmp_path / "outside", tmp_path / "project"
+    outside = tmp_path / "outside"
+    inside = tmp_path / "project"
     outside.mkdir()
     inside.mkdir()
     (inside / "pyproject.toml").touch()

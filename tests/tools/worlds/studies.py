@@ -32,7 +32,8 @@ def made(model: mujoco.MjModel, **arrays: Any) -> worlds.Worlds:
     `opt_` stands for `opt.`.
     """
     study = arm()
-    found, count = {}, 0
+    found = {}
+    count = 0
     for name, (index, values) in arrays.items():
         count = len(values)
         numbers = np.array(values)[:, None]

@@ -81,8 +81,10 @@ def test_numbers_of_a_matrix(tmp_path: Path, jobs: str) -> None:
         assert {name for name in differing(model, each.model) if not name.startswith("name")} == set()
         assert model.opt.timestep == each.model.opt.timestep
         assert found.table.cells[found.table.cell[world]] == {
-            "name": each.manifest.cell, "payload": each.manifest.params["payload"], "step": each.manifest.params["step"],
-        }  # fmt: skip
+            "name": each.manifest.cell,
+            "payload": each.manifest.params["payload"],
+            "step": each.manifest.params["step"],
+        }
     assert {"opt.timestep", "body_mass", "body_subtreemass", "dof_invweight0"} <= found.arrays.keys()
 
 
@@ -125,7 +127,8 @@ def test_some_worlds(tmp_path: Path) -> None:
 def test_parquet(tmp_path: Path) -> None:
     import pyarrow.parquet
 
-    numbers, found = study(tmp_path, MATRIX), study(tmp_path, MATRIX, "study.parquet")
+    numbers = study(tmp_path, MATRIX)
+    found = study(tmp_path, MATRIX, "study.parquet")
     assert found.arrays.keys() == numbers.arrays.keys() and found.table.cells == numbers.table.cells
     for name in found.arrays:
         assert found.values(name).dtype == numbers.values(name).dtype
@@ -166,7 +169,7 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
         (MATRIX, ("--as", "worlds", "--sample", "1"), 2, "with --as worlds, all samples are in one"),
         (MATRIX.replace("0.1, 0.2", "-1, 0.2"), (), 1, "error["),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be(tmp_path: Path, text: str, arguments: tuple[str, ...], code: int, said: str) -> None:
     result = run(tmp_path, text, "--worlds", "study.npz", "-o", "out/", *arguments)
     assert result.exit_code == code and said in result.output, result.output

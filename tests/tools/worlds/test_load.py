@@ -83,7 +83,8 @@ def test_every_form_gives_the_same(written: Path, name: str) -> None:
 
 def test_positions_are_where_mujoco_has_them(written: Path) -> None:
     loaded = mjcompose.load(written / "cell.zip")
-    model, index = loaded.model, loaded.index
+    model = loaded.model
+    index = loaded.index
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, index.key["bent"])
     assert data.qpos[index.qpos["left/turn"]] == data.joint("left/turn").qpos[0] == 0.5

@@ -81,7 +81,5 @@ def test_an_entity_of_a_recipe(tmp_path: Path) -> None:
     for file, text in re.findall(r'^```\w+ title="([^"]+)"\n(.*?)^```', page, re.MULTILINE | re.DOTALL):
         (tmp_path / file).write_text(text, encoding="utf-8")
     shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
-    done = subprocess.run(
-        [sys.executable, "mjlab_cell.py"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )  # fmt: skip
+    done = subprocess.run([sys.executable, "mjlab_cell.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.stdout.split() == ["13"], done.stderr

@@ -70,7 +70,14 @@ def test_playground_and_brax_take_them(mjx: Any) -> None:
     ],
 )
 def test_what_is_once_for_all_worlds(mjx: Any, arrays: dict[str, Any], said: str) -> None:
-    study = made(mujoco.MjModel.from_xml_string(TENDON.replace("spatial", "fixed").replace('<site site="a"/><site site="b"/>', '<joint joint="slide" coef="1"/>')), **arrays)  # fmt: skip
+    study = made(
+        mujoco.MjModel.from_xml_string(
+            TENDON.replace("spatial", "fixed").replace(
+                '<site site="a"/><site site="b"/>', '<joint joint="slide" coef="1"/>'
+            )
+        ),
+        **arrays,
+    )
     with pytest.raises(mjcompose.LoadError, match=said) as caught:
         worlds.mjx(study)
     assert caught.value.diagnostics[0].code == "not-per-world"

@@ -39,8 +39,12 @@ def index(text: str = MODEL) -> LoadingIndex:
 def test_units_are_those_of_what_mujoco_computes() -> None:
     found = index()
     assert dict(zip(found.ctrl.names, found.ctrl.units(), strict=True)) == {
-        "push": "N", "spin": "rad/s", "creep": "m/s", "geared": None, "servo": "rad",
-    }  # fmt: skip
+        "push": "N",
+        "spin": "rad/s",
+        "creep": "m/s",
+        "geared": None,
+        "servo": "rad",
+    }
     assert found.sensordata.units() == ("rad/s", "rad/s", "rad/s", "m", "N m")
     assert found.qpos.units(["slide", "hinge"]) == ("m", "rad")
     assert found.qvel.units("ball") == ("rad/s",) * 3

@@ -93,15 +93,25 @@ SCENE = """
 @pytest.mark.parametrize(
     ("element", "attribute", "is_refused"),
     [
-        ("body/table", "pos", True), ("body/lamp", "quat", True), ("geom/top", "pos", True), ("geom/shade", "quat", True),
-        ("geom/floor", "pos", True), ("body/mark", "pos", False), ("body/door", "pos", False), ("geom/leaf", "pos", False),
-        ("body/goal", "pos", False), ("geom/ring", "pos", False), ("body/ball", "pos", False), ("geom/ball", "pos", False),
+        ("body/table", "pos", True),
+        ("body/lamp", "quat", True),
+        ("geom/top", "pos", True),
+        ("geom/shade", "quat", True),
+        ("geom/floor", "pos", True),
+        ("body/mark", "pos", False),
+        ("body/door", "pos", False),
+        ("geom/leaf", "pos", False),
+        ("body/goal", "pos", False),
+        ("geom/ring", "pos", False),
+        ("body/ball", "pos", False),
+        ("geom/ball", "pos", False),
     ],
-)  # fmt: skip
+)
 def test_worlds_that_move_what_is_fixed(element: str, attribute: str, is_refused: bool) -> None:
     model = mujoco.MjModel.from_xml_string(SCENE)
     kind, name = element.split("/")
-    number, width = getattr(model, kind)(name).id, 3 if attribute == "pos" else 4
+    number = getattr(model, kind)(name).id
+    width = 3 if attribute == "pos" else 4
     study = made(model, **{f"{kind}_{attribute}": (number * width + 1, [0.1, 0.2])})
     if not is_refused:
         check_fixed_poses(study)

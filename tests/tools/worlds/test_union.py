@@ -85,8 +85,11 @@ DRAWN = f"""{RECIPE}randomize:
 
 def lay_out(folder: Path) -> None:
     for name, text in {
-        "hammer": HAMMER, "hook": HOOK, "box": PROP.format("box", "0.05 0.04 0.03"), "ball": PROP.format("sphere", "0.05"),
-    }.items():  # fmt: skip
+        "hammer": HAMMER,
+        "hook": HOOK,
+        "box": PROP.format("box", "0.05 0.04 0.03"),
+        "ball": PROP.format("sphere", "0.05"),
+    }.items():
         (folder / f"{name}.xml").write_text(text)
 
 
@@ -134,7 +137,8 @@ def joints(
 
 def forces(model: mujoco.MjModel, data: mujoco.MjData) -> list[float]:
     """How hard each contact presses, sorted."""
-    force, found = np.zeros(6), []
+    force = np.zeros(6)
+    found = []
     for contact in range(data.ncon):
         mujoco.mj_contactForce(model, data, contact, force)
         found.append(float(force[0]))
@@ -146,17 +150,21 @@ def test_worlds_behave_as_their_models(both: tuple[worlds.Worlds, list[mjcompose
     assert len(found) == len(built) and len({tuple(row) for row in found.table.has}) >= 4
     touched = 0
     for world, each in enumerate(built):
-        union, model = found.model(world), each.model
+        union = found.model(world)
+        model = each.model
         pairs = joints(found, world, union, model)
         for each_model in (
             union,
             model,
         ):  # a solver that stops early leaves something open, in each model something else
-            each_model.opt.tolerance, each_model.opt.iterations = 0, 300
-        mine, other = mujoco.MjData(union), mujoco.MjData(model)
+            each_model.opt.tolerance = 0
+            each_model.opt.iterations = 300
+        mine = mujoco.MjData(union)
+        other = mujoco.MjData(model)
         for at, here, width in pairs:
             assert np.allclose(mine.qpos[here : here + width], other.qpos[at : at + width], rtol=0, atol=1e-14)
-        mine.ctrl[:], other.ctrl[:] = 0.3, 0.3
+        mine.ctrl[:] = 0.3
+        other.ctrl[:] = 0.3
         for _ in range(300):
             mujoco.mj_step(union, mine)
             mujoco.mj_step(model, other)
@@ -230,11 +238,17 @@ def all_of(folder: Path, text: str) -> list[mujoco.MjModel]:
     ("more", "said"),
     [
         ("  hook: {add: [{to: world, light: {name: lamp}}]}\n", "has the light `lamp` on the world"),
-        ("  hook: {sensor: {s: {type: framepos, objtype: site, objname: flange}}}\n", "has the sensor `s`, which belongs to no part"),
+        (
+            "  hook: {sensor: {s: {type: framepos, objtype: site, objname: flange}}}\n",
+            "has the sensor `s`, which belongs to no part",
+        ),
         ("  hook: {equality: {e: {type: joint, joint1: hinge}}}\n", "has the equality `e`, which belongs to no part"),
-        ("  hook: {contact: {exclude: [{body1: arm, body2: prop/prop}]}}\n", "has the exclude `#0`, which belongs to no part"),
+        (
+            "  hook: {contact: {exclude: [{body1: arm, body2: prop/prop}]}}\n",
+            "has the exclude `#0`, which belongs to no part",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_no_part_can_be(tmp_path: Path, more: str, said: str) -> None:
     lay_out(tmp_path)
     text = MATRIX.replace(

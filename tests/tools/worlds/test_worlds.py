@@ -123,8 +123,18 @@ def test_every_array_of_32_worlds_is_that_of_the_sample(folder: Path, study: wor
         assert differing(study.model(world), wanted) == set()
         seen |= differing(study.nominal, wanted)
     assert seen == set(study.arrays)
-    assert {"qpos0", "key_qpos", "key_mpos", "body_subtreemass", "dof_invweight0", "actuator_acc0", "tendon_length0",
-            "cam_pos0", "stat.meaninertia", "stat.meanmass"} <= seen  # fmt: skip
+    assert {
+        "qpos0",
+        "key_qpos",
+        "key_mpos",
+        "body_subtreemass",
+        "dof_invweight0",
+        "actuator_acc0",
+        "tendon_length0",
+        "cam_pos0",
+        "stat.meaninertia",
+        "stat.meanmass",
+    } <= seen
 
 
 def test_a_model_of_its_own(study: worlds.Worlds) -> None:
@@ -209,7 +219,8 @@ def test_models_are_gathered(matrix: Path, tmp_path: Path) -> None:
     found.save(tmp_path / "study.npz")
     for study in (found, worlds.load(listed[0].path, tmp_path / "study.npz")):
         for world, each in enumerate(listed):
-            wanted, model = each.load().model, study.model(world)
+            wanted = each.load().model
+            model = study.model(world)
             assert {name for name in differing(model, wanted) if not name.startswith("name")} == set()
             assert model.opt.timestep == wanted.opt.timestep == study.values("opt.timestep")[world]
     with pytest.raises(MjcomposeError, match="is one of the files that this model is built from"):
@@ -269,7 +280,8 @@ def _rewritten(folder: Path, name: str, content: bytes) -> None:
     manifest = json.loads((folder / "manifest.json").read_text())
     for each in manifest["files"]:
         if each["path"] == name:
-            each["sha256"], each["size"] = hashlib.sha256(content).hexdigest(), len(content)
+            each["sha256"] = hashlib.sha256(content).hexdigest()
+            each["size"] = len(content)
     (folder / "manifest.json").write_text(json.dumps(manifest))
 
 

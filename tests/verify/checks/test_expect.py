@@ -110,8 +110,15 @@ def test_names_in_a_nested_recipe(ask) -> None:
 
 def test_every_attribute_is_one_of_mjcf_and_has_an_array() -> None:
     model = mujoco.MjModel.from_xml_string(MODEL)
-    tags = {"pair": "contact/pair", "key": "keyframe/key", "equality": "equality/weld", "tendon": "tendon/spatial",
-            "actuator": "actuator/general", "sensor": "sensor/user", "material": "asset/material"}  # fmt: skip
+    tags = {
+        "pair": "contact/pair",
+        "key": "keyframe/key",
+        "equality": "equality/weld",
+        "tendon": "tendon/spatial",
+        "actuator": "actuator/general",
+        "sensor": "sensor/user",
+        "material": "asset/material",
+    }
     of_others = {"diaginertia": "inertial", "mass": "inertial"}
     for tag in TAGS:
         for name in attributes(tag):
@@ -281,11 +288,34 @@ def test_a_slow_regular_expression(ask, arm: str) -> None:
 @pytest.mark.parametrize(
     ("check", "prefix"),
     [
-        *((f"attr: {size}, equals: {count}", "") for size, count in
-          {"nq": 9, "nv": 8, "nu": 3, "nbody": 5, "ngeom": 6, "nsensor": 2, "nkey": 2, "nactuator": 3}.items()),
-        *((f"attr: {size}, equals: {count}", "left/") for size, count in
-          {"nq": 2, "nv": 2, "nu": 2, "nbody": 3, "njnt": 2, "ngeom": 3, "nsite": 1, "nsensor": 1, "nsensordata": 1,
-           "ncam": 0}.items()),
+        *(
+            (f"attr: {size}, equals: {count}", "")
+            for size, count in {
+                "nq": 9,
+                "nv": 8,
+                "nu": 3,
+                "nbody": 5,
+                "ngeom": 6,
+                "nsensor": 2,
+                "nkey": 2,
+                "nactuator": 3,
+            }.items()
+        ),
+        *(
+            (f"attr: {size}, equals: {count}", "left/")
+            for size, count in {
+                "nq": 2,
+                "nv": 2,
+                "nu": 2,
+                "nbody": 3,
+                "njnt": 2,
+                "ngeom": 3,
+                "nsite": 1,
+                "nsensor": 1,
+                "nsensordata": 1,
+                "ncam": 0,
+            }.items()
+        ),
         *((f"attr: {size}, equals: {count}", "right/") for size, count in {"nbody": 2, "nq": 0, "ngeom": 1}.items()),
         ("attr: nkey, equals: 77", "left/"),  # keyframes that merged are of no recipe alone
         ("attr: nq, range: [9, 10]", ""),
@@ -295,7 +325,7 @@ def test_a_slow_regular_expression(ask, arm: str) -> None:
         ("attr: mass, equals: 6", "left/"),
         ("attr: mass, equals: 4", "right/"),
     ],
-)  # fmt: skip
+)
 def test_numbers_of_the_model(ask, arm: str, check: str, prefix: str) -> None:
     assert ask(arm, f"expect: {{{check}}}", prefix=prefix) == []
 
@@ -332,7 +362,8 @@ def test_a_nested_base_is_all_but_the_parts(ask, arm: str) -> None:
 
 def test_every_size_is_one_of_the_model(arm: str) -> None:
     model = mujoco.MjModel.from_xml_string(arm)
-    whole, part = Scope(mujoco, model), Scope(mujoco, model, prefix="left/", whole=False)
+    whole = Scope(mujoco, model)
+    part = Scope(mujoco, model, prefix="left/", whole=False)
     for size in COUNTS:
         assert _size(whole, size) is not None, size
         assert (_size(part, size) is None) == (size == "nkey")

@@ -37,14 +37,22 @@ _PARAMETERS = ("gainprm", "biasprm", "dynprm")
 _CONTROL = {"position": "a position", "velocity": "a velocity", "force": "a force"}
 _CONTROL |= {f"rate of {form}": f"the rate of {words}" for form, words in _CONTROL.items()}
 _PLAIN = {
-    "gaintype": "fixed", "biastype": "none", "dyntype": "none", "gainprm": "1", "biasprm": "0", "dynprm": "1",
-}  # fmt: skip
+    "gaintype": "fixed",
+    "biastype": "none",
+    "dyntype": "none",
+    "gainprm": "1",
+    "biasprm": "0",
+    "dynprm": "1",
+}
 _GAINS = {"position": "kp", "pid": "kp", "velocity": "kv"}
 # MuJoCo 4.0: "kv and dampratio cannot both be defined", and "ctrlrange and inheritrange cannot both be defined".
 _INSTEAD = {
-    "kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritrange", "posrange"),
-    "inheritrange": ("posrange",), "posrange": ("inheritrange",),
-}  # fmt: skip
+    "kv": ("dampratio",),
+    "dampratio": ("kv",),
+    "ctrlrange": ("inheritrange", "posrange"),
+    "inheritrange": ("posrange",),
+    "posrange": ("inheritrange",),
+}
 # Settings that no attribute of another kind expresses: they are lost if that kind has none of the same name.
 _UNSAID = ("actrange", "actearly", "actdim")
 
@@ -103,10 +111,13 @@ def _no_target(value: Mapping[str, Any]) -> Fault:
     to = str(value[_TO])
     near = closest(to, _KINDS)
     return Fault(
-        "wrong-keyword", f"an actuator cannot be converted to {kind_of(value[_TO])}", (_TO,),
-        notes=(exists_note("kind", _KINDS, to),), help=f"write `to: {near[0]}`" if near else None,
+        "wrong-keyword",
+        f"an actuator cannot be converted to {kind_of(value[_TO])}",
+        (_TO,),
+        notes=(exists_note("kind", _KINDS, to),),
+        help=f"write `to: {near[0]}`" if near else None,
         fix=renaming(to, _KINDS),
-    )  # fmt: skip
+    )
 
 
 def _or_taken(schema: Schema) -> Schema:
@@ -132,8 +143,10 @@ class Convert(Verb):
         return f"convert to {self.to}{listed({name: each for name, each in self.written.items() if name != _TO})}"
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        editing, found = entry.editing, entry.found
-        to, written = self.to, self.written
+        editing = entry.editing
+        found = entry.found
+        to = self.to
+        written = self.written
         models = _models(editing, found)
         lost: dict[str, list[str]] = {}
         for index, node in enumerate(found):
@@ -181,7 +194,8 @@ def _given(
             source = item.removeprefix(FROM)
             text = editing.effective(node, source)
             if not text or not any(numbers.read(text)):
-                message, help = f"{editing.called(node)} has no `{source}`", f"write `{name}: …` with its values"
+                message = f"{editing.called(node)} has no `{source}`"
+                help = f"write `{name}: …` with its values"
                 report_unusable(editing, node, Fault("missing-key", message, path, help=help))
             found[name] = str(text)
             continue
@@ -210,9 +224,16 @@ def _given(
 # The numbers of an entry describe the joint, as with `datasheet`. The force of an actuator moves the joint `gear`
 # times as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
 _POWERS = {
-    "kp": -2, "kv": -2, "ki": -2, "forcerange": -1, "ffrange": -1, "posrange": 1, "velrange": 1, "slewmax": 1,
+    "kp": -2,
+    "kv": -2,
+    "ki": -2,
+    "forcerange": -1,
+    "ffrange": -1,
+    "posrange": 1,
+    "velrange": 1,
+    "slewmax": 1,
     "imax": 1,
-}  # fmt: skip
+}
 _ROUNDING = 1e-6
 _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
@@ -258,13 +279,15 @@ def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
 def _converted(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
-    old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
+    old = str(node.tag)
+    kind = GRAMMAR.element(f"actuator/{to}")
     made, lost = ({}, []) if old == to else _written_for(editing, node, to, model=model, given=given, at=at)
     before = after = model.control
     if old != to or "input" in given:
         after = _control_of(to, model, {**made, **given})
     if before != after:
-        is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
+        is_now = _in_words(after, "another thing")
+        was = _in_words(before, "what it was")
         gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
         if model.gear and gear != 1 and after not in ("force", "other"):
             is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of its joint or tendon)"
@@ -406,7 +429,8 @@ def _lost_with(to: str, model: ActuatorModel) -> list[str]:
     if model.dynamics and not kept:
         lost.append(f"its dynamics, `{model.dynamics}`")
     if is_pid and to != "pid":
-        ki, slewmax = model.gainprm[0], model.slewmax
+        ki = model.gainprm[0]
+        slewmax = model.slewmax
         lost += [f"its integral gain, {ki:g}"] if ki else []
         lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
     return lost
@@ -446,7 +470,8 @@ def _position(
     # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
     if "input" not in given and (is_pid or model.form in ("position", "velocity")):
         made["input"] = " ".join(model.inputs) or ("pos" if model.form == "position" else "vel")
-    imax, whole = model.dynprm[0] if model.dynamics == "pid" else 0.0, _in_classes(editing)
+    imax = model.dynprm[0] if model.dynamics == "pid" else 0.0
+    whole = _in_classes(editing)
     found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax} if is_pid else {}
     return made | {name: numbers.text([value]) for name, value in found.items() if value or whole}
 

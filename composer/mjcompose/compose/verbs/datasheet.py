@@ -24,7 +24,8 @@ from mjcompose.link.delays import samples_in, time_step
 from mjcompose.link.key_layout import joint_type
 from mjcompose.tree.edit import assign
 
-_SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
+_SERVOS = ("position", "velocity")
+_PLAIN = ("motor",)
 
 
 _CHANGED = (
@@ -37,10 +38,13 @@ class Datasheet(Verb):
     """the torque, gains and armature of a motor, from its data sheet"""
 
     rules: ClassVar = (
-        For("actuator/", what="for actuators, and `{tag}` is not an actuator",
-            help="select the actuator of the joint: `select: {actuator: NAME}`"),
+        For(
+            "actuator/",
+            what="for actuators, and `{tag}` is not an actuator",
+            help="select the actuator of the joint: `select: {actuator: NAME}`",
+        ),
         Exclusive("bandwidth", "error"),
-    )  # fmt: skip
+    )
     example: ClassVar = "{model: NAME, bandwidth: 5}"
 
     model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
@@ -93,9 +97,13 @@ def _sheet(editing: Editing, name: str, at: Path) -> Sheet:
         note = exists_note("data sheet", sorted(known), name)
         help = did_you_mean(name, known) or "write it in the section `datasheets`"
         editing.sink.error(
-            "unknown-name", f"there is no data sheet `{name}`", editing.span(at), notes=(note,), help=help,
+            "unknown-name",
+            f"there is no data sheet `{name}`",
+            editing.span(at),
+            notes=(note,),
+            help=help,
             subjects=(name,),
-        )  # fmt: skip
+        )
         raise UnusableValue
     return known[name]
 

@@ -41,7 +41,8 @@ class Inertia(Verb):
     """only from the geoms of this group"""
 
     def carry_out(self, entry: Entry, at: Path) -> None:
-        editing, found = entry.editing, entry.found
+        editing = entry.editing
+        found = entry.found
         wanted = {body: _geoms(editing, body, self, at=at) for body in found}
         for body, geoms in wanted.items():
             _refuse_shells(editing, body, geoms, at=at)

@@ -60,9 +60,10 @@ class Move(Verb):
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         tag = context.selected.tag if context.selected is not None else ""
         kinds = kinds_of(tag) if tag else ()
-        for name in self.pose if kinds else ():
-            if not any(name in kind.attributes for kind in kinds):
-                yield unknown_attribute(name, tag, kinds, at=(name,))
+        if kinds:
+            for name in self.pose:
+                if not any(name in kind.attributes for kind in kinds):
+                    yield unknown_attribute(name, tag, kinds, at=(name,))
 
     def carry_out(self, entry: Entry, at: Path) -> None:
         # Each element moves first: its pose is relative to the new parent.
@@ -80,7 +81,8 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
     """Append a node to its new parent. It keeps its class, and its written pose is its pose there."""
     target = _target(editing, node, index, to=to, at=(*at, "to"))
     if node is target or node in list(target.iterancestors()):
-        message, span = f"{editing.called(node)} cannot be moved into itself", editing.span((*at, "to"))
+        message = f"{editing.called(node)} cannot be moved into itself"
+        span = editing.span((*at, "to"))
         editing.sink.error("wrong-type", message, span, subjects=(*editing.subjects(node), *editing.subjects(target)))
         raise UnusableValue
     if str(node.tag) not in kind_of(target).children:
@@ -99,9 +101,12 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
 
 
 def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> Node:
-    kind, written = "body", to
+    kind = "body"
+    written = to
     if isinstance(to, Frame):
-        kind, written, at = "frame", to.frame, (*at, "frame")
+        kind = "frame"
+        written = to.frame
+        at = (*at, "frame")
     name = str(Values(editing, node, index, at=at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
@@ -128,9 +133,13 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
     )
     if not (is_mocap or floats):
         return
-    code, what, help = "freejoint-on-body", "has a free joint", "remove its free joint first, or move it to the world"
+    code = "freejoint-on-body"
+    what = "has a free joint"
+    help = "remove its free joint first, or move it to the world"
     if is_mocap:
-        code, what, help = "mocap-on-body", "is a mocap body", "set `mocap: false` first"
+        code = "mocap-on-body"
+        what = "is a mocap body"
+        help = "set `mocap: false` first"
     message = f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}"
     report_unusable(editing, node, Fault(code, message, (*at, "to"), help=help, names=editing.subjects(outer)), it="it")
 
@@ -145,7 +154,8 @@ def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
     message = f"{editing.called(node)} cannot be moved {way} a frame that scales: its sizes and masses would change"
     notes = (Note("the frame", editing.span_of(frame, "scale" if frame.get("scale") else "massscale")),)
     help = "write the frame's content in its final size, without `scale` and `massscale`"
-    span, subjects = editing.span((*at, "to")), (*editing.subjects(node), *editing.subjects(target))
+    span = editing.span((*at, "to"))
+    subjects = (*editing.subjects(node), *editing.subjects(target))
     editing.sink.error("not-supported", message, span, notes=notes, help=help, subjects=subjects)
     raise UnusableValue
 

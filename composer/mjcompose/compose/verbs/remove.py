@@ -109,10 +109,13 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
     alone = len(removal.going) == 1
     what = editing.called(removal.going[0][1]) if alone else f"{len(removal.going)} elements"
     editing.sink.error(
-        "still-referred-to", f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
-        editing.span(at), notes=notes, help="write `remove: cascade` to remove the elements that refer to it, too",
+        "still-referred-to",
+        f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
+        editing.span(at),
+        notes=notes,
+        help="write `remove: cascade` to remove the elements that refer to it, too",
         subjects=[name for _, node in removal.going for name in editing.subjects(node)],
-    )  # fmt: skip
+    )
 
 
 VERB = Remove

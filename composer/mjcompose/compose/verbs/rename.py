@@ -28,7 +28,8 @@ from mjcompose.tree.select import kind_of, naming_attribute
 
 def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> None:
     """Rewrite every skin file in which one of these bodies is a bone."""
-    unit, files = editing.linking.base, editing.linking.files
+    unit = editing.linking.base
+    files = editing.linking.files
     for skin in skins(unit.root):
         use = next((each for each in files if each.element is skin.element), None)
         source = unit.source_of(skin.path)
@@ -137,9 +138,10 @@ def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
     """Rename the joints in which a rod is twisted with it: they belong to it by their names."""
     for rod, name in list(new.items()):
         old = str(rod.get("name") or "")
-        for joint, node in editing.names.declared.get("joint", {}).items() if old and is_rod(rod) else ():
-            if twisted_by(joint) == old:
-                new.setdefault(node, name + joint.removeprefix(old))
+        if old and is_rod(rod):
+            for joint, node in editing.names.declared.get("joint", {}).items():
+                if twisted_by(joint) == old:
+                    new.setdefault(node, name + joint.removeprefix(old))
 
 
 def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
@@ -153,7 +155,8 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
         message = f"{editing.called(node)} cannot be called `{name}`: {why}"
         notes = (Note("the flex", editing.span_of(flex)),)
         help = f"rename the flex, which also renames its joints: `select: {{flex: {rod}}}`"
-        span, subjects = editing.span(at), editing.subjects(node)
+        span = editing.span(at)
+        subjects = editing.subjects(node)
         editing.sink.error("bad-name", message, span, notes=notes, help=help, subjects=subjects)
         raise UnusableValue
 
@@ -171,7 +174,8 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         if other is node:
             if (there := editing.names.find(naming.declares, name)) is None or there in new:
                 continue
-            other, help = there, "choose another name"
+            other = there
+            help = "choose another name"
         code = "class-clash" if naming.declares == "default" else "name-clash"
         message = f"{editing.called(node)} cannot be called `{name}`: {editing.called(other)} is"
         if other in new:

@@ -69,7 +69,8 @@ def compute(
     values: Values, operation: Operation, attribute: Attribute, subscript: int | None, written: Any, at: Path
 ) -> None:
     """Replace each number by the result of the operation; a subscript selects one number."""
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     now = _present(values, operation, attribute, subscript=subscript, at=at)
     given = values.of(written, at, values.now(attribute, subscript))
     if isinstance(given, list) and len(given) > len(now):
@@ -106,7 +107,8 @@ def _present(
     values: Values, operation: Operation, attribute: Attribute, subscript: int | None, at: Path
 ) -> list[float]:
     """Return the effective numbers of the attribute, in the model's units. Report missing numbers."""
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     text = editing.effective(node, attribute.name)
     if not attribute.is_number or not text or not text.split():
         help = None
@@ -135,7 +137,8 @@ def _without_defaults(values: Values, attribute: Attribute, found: list[float]) 
 
 def _number(values: Values, operation: Operation, item: Any, attribute: Attribute, is_angle: bool, at: Path) -> float:
     """Return the written number. An angle is in the model's unit, unless it is a factor."""
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     making = editing.making
     given = Angle.read(item) if isinstance(item, str) else item
     if isinstance(given, bool) or not isinstance(given, int | float | Angle):
@@ -162,7 +165,8 @@ def _number(values: Values, operation: Operation, item: Any, attribute: Attribut
 
 
 def _check_sequence(values: Values, at: Path) -> None:
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     making = editing.making
     if (sequence := making.angle_context.at(at).eulerseq) != making.model_eulerseq:
         sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
@@ -172,7 +176,8 @@ def _check_sequence(values: Values, at: Path) -> None:
 
 def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> None:
     """Write the value onto the element, convert units and files, and check that references exist."""
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     read = _read(values, attribute, written, at=at)
     check_without_ends(values, attribute, at)
     if written is not None:
@@ -196,7 +201,8 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
 
 def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value:
     """Return the written value in the form that the attribute takes. Report its first fault."""
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     given = values.of(written, at, values.now(attribute))
     faults: list[Fault] = []
     read = read_value(attribute, given, at, owner=editing.called(node), faults=faults, tag=str(node.tag))
@@ -212,7 +218,8 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
 
 def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Path) -> None:
     """Report unwritten numbers of a joint that its new type, `wanted`, turns from lengths into angles or back."""
-    editing, joint = values.editing, values.node
+    editing = values.editing
+    joint = values.node
     now = joint_type(joint, editing.classes)
     for attribute in kind_of(joint).attributes.values():
         turns = is_angular(attribute, now)
@@ -232,7 +239,8 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
     """Report a part of the pose that has no effect because `fromto` determines the element's pose."""
     if attribute.name not in ("pos", *ORIENTATIONS):
         return
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     # MuJoCo 4.0 silently ignores an `euler` next to `fromto`, and refuses a `pos`.
     ends = editing.effective(node, "fromto")
     if ends and "nan" not in ends.lower():
@@ -241,14 +249,16 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
 
 
 def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
-    editing, node = values.editing, values.node
+    editing = values.editing
+    node = values.node
     if attribute.refers == "default" and node.get(attribute.name) == MAIN:
         with changing(editing, node):
             refer_to_top_class(editing.linking, node, attribute.name)
         return
     for name, namespace, value, typed_by in own_references(node, section_of(node)):
         if name == attribute.name and not resolves(editing, namespace, value):
-            span, written = editing.span(at), f"{name}: {{}}"
+            span = editing.span(at)
+            written = f"{name}: {{}}"
             editing.sink.add(unresolved(editing, namespace, value, span=span, written=written, typed_by=typed_by))
             raise UnusableValue
 
@@ -288,7 +298,8 @@ class Change(Struct):
 
     def _below(self, node: Node, index: int, tag: str, written: Mapping[str, Any], at: Path) -> None:
         """Edit the child with this tag of a class or section, and create it if needed."""
-        editing, kind = self.editing, kind_of(node)
+        editing = self.editing
+        kind = kind_of(node)
         if tag not in kind.children:
             report_unusable(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at=at))
         if (child := next(node.iterchildren(tag, reversed=True), None)) is None:

@@ -249,7 +249,8 @@ class Rows:
     is_rows = True
 
     def __init__(self, table: Callable[[], Table[Any]], *, selects: str | None = None) -> None:
-        self.table, self.selects = table, selects
+        self.table = table
+        self.selects = selects
 
     def form(self, word: str) -> Any:
         row = self.table()[word]

@@ -33,7 +33,8 @@ class Generator(GenerateJsonSchema):
     _ours = False
 
     def model_schema(self, schema: Any) -> Schema:
-        before, self._ours = self._ours, issubclass(schema["cls"], Model)
+        before = self._ours
+        self._ours = issubclass(schema["cls"], Model)
         try:
             found = super().model_schema(schema)
         finally:
@@ -148,9 +149,12 @@ def _texts_below(model: type[Model]) -> dict[str, str]:
     return {
         field.target.id: inspect.cleandoc(text.value.value)
         for field, text in pairwise(declared.body)
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
-        and isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant) and isinstance(text.value.value, str)
-    }  # fmt: skip
+        if isinstance(field, ast.AnnAssign)
+        and isinstance(field.target, ast.Name)
+        and isinstance(text, ast.Expr)
+        and isinstance(text.value, ast.Constant)
+        and isinstance(text.value.value, str)
+    }
 
 
 @cache

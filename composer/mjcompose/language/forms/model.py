@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 
 
 # Characters for private use, which no recipe can contain: a name with braces in it is never taken for a mark.
-IT, OWNER, KEY = "\ue001", "\ue002", "\ue003"
+IT = "\ue001"
+OWNER = "\ue002"
+KEY = "\ue003"
 WHOLE: Final = "<value>"
 """The alias of a model's only field, if you write the value itself instead of a mapping."""
 
@@ -117,7 +119,8 @@ class Model(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _with_rules(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-        at, context = path_of(value), settings(info.context)
+        at = path_of(value)
+        context = settings(info.context)
         faults: list[Fault] = []
         if is_whole(cls):
             value = {WHOLE: value}
@@ -229,7 +232,8 @@ class Exclusive:
     """At most one of several keys is written. `help` replaces the usual advice."""
 
     def __init__(self, *names: str, help: str | None = None) -> None:
-        self.names, self.help = names, help
+        self.names = names
+        self.help = help
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         first, *others = [name for name in value if name in self.names] or [""]
@@ -254,11 +258,19 @@ class OneOf(Exclusive):
     exclusive = True
 
     def __init__(
-        self, *names: str, lacks: str, advice: str, help: str | None = None, unless: str | None = None,
+        self,
+        *names: str,
+        lacks: str,
+        advice: str,
+        help: str | None = None,
+        unless: str | None = None,
         noun: str | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(*names, help=help)
-        self.lacks, self.advice, self.unless, self.noun = lacks, advice, unless, noun
+        self.lacks = lacks
+        self.advice = advice
+        self.unless = unless
+        self.noun = noun
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         if self.exclusive:
@@ -288,7 +300,8 @@ class Belongs:
     """A key has a meaning only together with another key."""
 
     def __init__(self, name: str, to: str, *, help: str | None = None) -> None:
-        self.name, self.to = name, to
+        self.name = name
+        self.to = to
         self.help = help or f"write `{to}` next to it, or omit `{name}` out"
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
@@ -311,12 +324,15 @@ class Bars:
     """If one key is written, certain other keys must not be written. `why` says this about the mapping."""
 
     def __init__(self, name: str, *others: str, why: str) -> None:
-        self.name, self.others, self.why = name, others, why
+        self.name = name
+        self.others = others
+        self.why = why
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
-        for other in value if self.name in value else ():
-            if other in self.others:
-                yield exclusive(f"{IT} {self.why}, and has `{other}` as well", (self.name, other))
+        if self.name in value:
+            for other in value:
+                if other in self.others:
+                    yield exclusive(f"{IT} {self.why}, and has `{other}` as well", (self.name, other))
 
     def schema(self) -> Iterator[Schema]:
         others: Schema = {**dict.fromkeys(self.others, False)}
@@ -328,7 +344,8 @@ class Needs:
     """Some keys are required unless another one is written. `examples` has a value for each."""
 
     def __init__(self, examples: Mapping[str, str], *, unless: str) -> None:
-        self.examples, self.unless = examples, unless
+        self.examples = examples
+        self.unless = unless
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         known = model.key_names()

@@ -76,7 +76,8 @@ class Checked:
     """
 
     def __init__(self, fault: Callable[[Any], Fault | None], *, first: bool = False) -> None:
-        self._fault, self._first = fault, first
+        self._fault = fault
+        self._first = first
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         if self._first:
@@ -99,12 +100,21 @@ class Name(Checked):
     """
 
     def __init__(
-        self, *scope: str, glob: bool = False, computed: bool = False, inside: str | None = None,
-        what: str | None = None, new: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        *scope: str,
+        glob: bool = False,
+        computed: bool = False,
+        inside: str | None = None,
+        what: str | None = None,
+        new: bool = False,
+    ) -> None:
         tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
-        self.scope, self.glob, self.computed, self.inside, self.what = scope, glob, computed, inside, what or usual
+        self.scope = scope
+        self.glob = glob
+        self.computed = computed
+        self.inside = inside
+        self.what = what or usual
         self.new = new
         super().__init__(self._wrong)
 
@@ -131,7 +141,9 @@ class Measure:
     """A number that may have the unit of an angle, which is kept: `Annotated[float | Angle, Measure(ge=0)]`."""
 
     def __init__(self, *, ge: float | None = None, gt: float | None = None, le: float | None = None) -> None:
-        self._ge, self._gt, self._le = ge, gt, le
+        self._ge = ge
+        self._gt = gt
+        self._le = le
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -171,13 +183,16 @@ class Scaled:
     def __init__(
         self, units: Mapping[str, float], *, ge: float | None = None, gt: float | None = None, le: float | None = None
     ) -> None:
-        self._units, self._measure, self._signed = units, Measure(ge=ge, gt=gt, le=le), ge is None and gt is None
+        self._units = units
+        self._measure = Measure(ge=ge, gt=gt, le=le)
+        self._signed = ge is None and gt is None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self._read)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
-        sign, known = "-?" if self._signed else "", "|".join(self._units)
+        sign = "-?" if self._signed else ""
+        known = "|".join(self._units)
         return {
             **{key: each for key, each in self._measure.bounds.items() if each is not None},
             "type": ["number", "string"],
@@ -213,7 +228,10 @@ class Items:
     """
 
     def __init__(self, least: int = 0, most: int | None = None, *, single: Any = False, unique: bool = False) -> None:
-        self.least, self.most, self._single, self._unique = least, most, single, unique
+        self.least = least
+        self.most = most
+        self._single = single
+        self._unique = unique
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         item = handler.generate_schema(get_args(source)[0])
@@ -229,9 +247,10 @@ class Items:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         found = handler(schema)
-        for each in (found, *found.get("anyOf", ())) if self._unique else ():
-            if each.get("type") in (LIST, "array"):
-                each["uniqueItems"] = True
+        if self._unique:
+            for each in (found, *found.get("anyOf", ())):
+                if each.get("type") in (LIST, "array"):
+                    each["uniqueItems"] = True
         return found
 
     def _read(self, items: list[Any]) -> tuple[Any, ...]:
@@ -251,8 +270,9 @@ def whole(value: Any) -> Any:
 
 
 def in_order(pair: tuple[Any, ...]) -> Fault | None:
-    (low, unit), (high, other) = ((each.value, each.unit) if isinstance(each, Angle) else (each, "")
-                                  for each in (pair[0], pair[-1]))  # fmt: skip
+    (low, unit), (high, other) = (
+        (each.value, each.unit) if isinstance(each, Angle) else (each, "") for each in (pair[0], pair[-1])
+    )
     if unit != other or low <= high:
         return None
     message = f"{IT} starts with {low:g}{unit}, which is more than {high:g}{unit}"
@@ -274,7 +294,8 @@ class Keys:
     """A check of the keys of a mapping: `fault` returns the fault of a key, or None; `schema` describes the keys."""
 
     def __init__(self, fault: Callable[[str, Settings], Fault | None], schema: Schema | None = None) -> None:
-        self._fault, self._schema = fault, schema
+        self._fault = fault
+        self._schema = schema
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_wrap_validator_function(self._read, handler(source))
@@ -305,15 +326,18 @@ WHEN: Schema = {
 When = Annotated[Any, WithJsonSchema(WHEN)]
 """The condition of an item. `expand` decides it before the forms read a recipe."""
 FOR: Schema = {
-    "type": "object", "minProperties": 1,
+    "type": "object",
+    "minProperties": 1,
     "additionalProperties": {
         "anyOf": [
-            {"type": "integer", "minimum": 0}, {"type": ["array", "object"]}, {"type": "string", "pattern": r"\$\{"},
+            {"type": "integer", "minimum": 0},
+            {"type": ["array", "object"]},
+            {"type": "string", "pattern": r"\$\{"},
         ]
     },
     "description": "Names and their values: `{i: 3}`, `{side: [left, right]}`. The entry is repeated for each"
     " combination of these, with `${i}` in its values and in its key.",
-}  # fmt: skip
+}
 Turns = Annotated[Any, WithJsonSchema(FOR)]
 """The names of a repeated entry and their values. `expand` repeats it before the forms read a recipe."""
 
@@ -335,7 +359,9 @@ class Attribute(ByGrammar):
     """
 
     def __init__(self, element: str, name: str, *, computed: bool = False) -> None:
-        self.element, self.name, self.computed = element, name, computed
+        self.element = element
+        self.name = name
+        self.computed = computed
 
     @property
     def declared(self) -> Declared:

@@ -189,15 +189,25 @@ def _models(root: Any) -> Iterator[tuple[Path, type[Model]]]:
 
 
 _NOUNS = {
-    "float_type": "a number", "finite_number": "a finite number", "int_type": "a whole number",
-    "int_from_float": "a whole number", "bool_type": "`true` or `false`", "string_type": "text",
-    "string_too_short": "text", "model_type": "a mapping", "dict_type": "a mapping", "mapping_type": "a mapping",
-    "list_type": "a list", "tuple_type": "a list",
-}  # fmt: skip
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "`true` or `false`",
+    "string_type": "text",
+    "string_too_short": "text",
+    "model_type": "a mapping",
+    "dict_type": "a mapping",
+    "mapping_type": "a mapping",
+    "list_type": "a list",
+    "tuple_type": "a list",
+}
 _BOUNDS = {
-    "greater_than": ("gt", "more than"), "greater_than_equal": ("ge", "at least"), "less_than": ("lt", "less than"),
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
-}  # fmt: skip
+}
 # The meaning of `1cm`, `5g` or `2ms` is clear only for numbers in these units, and for plain numbers.
 _PLAIN_UNITS = (None, "m", "kg", "s", "N")
 
@@ -215,14 +225,16 @@ def report(faults: Iterable[Fault], node: Node, sink: Sink) -> None:
     """Report faults at their places in a tree."""
     for fault in faults:
         notes = (*fault.notes, *(Note(message, locate(node, at, key=True)) for message, at in fault.related))
-        message, span = fault.message, locate(node, fault.at, key=fault.key)
+        message = fault.message
+        span = locate(node, fault.at, key=fault.key)
         if not fault.at:
             span = Span(span.file, span.line, span.column)
         if fault.within is not None:
             line, column, width = fault.within
             text = find(node, fault.at)
             if isinstance(text, Scalar) and text.block is not None:
-                line, column = line + text.block[0] - 1, column + text.block[1] - 1
+                line = line + text.block[0] - 1
+                column = column + text.block[1] - 1
                 span = Span(span.file, line, column, end_line=line, end_column=column + width)
             else:
                 message = f"line {line} of the fragment: {message}"
@@ -239,7 +251,8 @@ def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
     for each in errors:
         beside = missing.get(each["loc"][:-1], {})
         if beside and each["type"] == "extra_forbidden":
-            key, around = str(each["loc"][-1]), spot(root, each["loc"], data).model
+            key = str(each["loc"][-1])
+            around = spot(root, each["loc"], data).model
             right = around.instead.get(key) if is_model(around) else None  # type: ignore[union-attr]
             only = list(beside) if right is not None and len(beside) == 1 else None
             for near in [right] if right in beside else only or closest(key, list(beside)):
@@ -249,7 +262,9 @@ def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
 
 def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:
     """Return the fault for one error of pydantic's `errors()`."""
-    kind, loc, context = error["type"], error["loc"], error.get("ctx", {})
+    kind = error["type"]
+    loc = error["loc"]
+    context = error.get("ctx", {})
     if kind == "fault":
         return _filled(context["fault"], root, loc, data=data, start=start)
     place = spot(root, loc, data, start=start)
@@ -276,7 +291,8 @@ def named(place: Spot) -> str:
         return place.model.subject(place.above)
     if place.key is None:
         return f"`{place.at[-1]}`" if place.at else "the recipe"
-    owner, name = _owner(place), f"`{place.key}`"
+    owner = _owner(place)
+    name = f"`{place.key}`"
     if len(place.at) > len(place.above) + 1 and isinstance(place.at[-1], str):  # the entry of a mapping from names
         name = f"`{place.at[-1]}` in {name}"
     return f"{name} of {owner}" if owner not in ("", name) else name
@@ -317,13 +333,15 @@ def _subject(place: Spot) -> str:
 
 
 def _unknown(place: Spot) -> Fault:
-    model, key = place.model, str(place.key)
+    model = place.model
+    key = str(place.key)
     assert model is not None and issubclass(model, Model)
     message = f"{_subject(place)} has no {model.noun} `{key}`"
     help, fix = advised(key, model.listed())
     if (instead := model.instead.get(key)) is not None:
         is_key = instead in model.key_names()
-        help, fix = f"write `{instead}`" if is_key else instead, Fix(instead, key) if is_key else None
+        help = f"write `{instead}`" if is_key else instead
+        fix = Fix(instead, key) if is_key else None
     notes = (exists_note(model.noun, model.listed(), key),)
     return Fault("unknown-key", message, place.at, key=True, notes=notes, help=help, fix=fix)
 
@@ -342,9 +360,11 @@ def _keyword(place: Spot, value: Any) -> Fault:
     fix = renaming(value, words)
     elsewhere = place.marked(Hints)
     if elsewhere is not None and value in elsewhere.elsewhere:
-        help, fix = elsewhere.elsewhere[value], None
+        help = elsewhere.elsewhere[value]
+        fix = None
         if help in words:
-            help, fix = f"write `{key}{help}`", Fix(help, value)
+            fix = Fix(help, value)
+            help = f"write `{key}{help}`"
     note = exists_note("keyword", words, value)
     return Fault("wrong-keyword", f"{name} cannot be `{value}`", place.at, notes=(note,), help=help, fix=fix)
 
@@ -362,7 +382,8 @@ def _length(place: Spot, value: Any, context: Mapping[str, Any]) -> Fault:
 
 
 def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
-    expects, name = place.marked(Expects), place.marked(Name)
+    expects = place.marked(Expects)
+    name = place.marked(Name)
     noun = _NOUNS.get(kind)
     if noun is None:
         return Fault("wrong-type", f"{named(place)}: {message[:1].lower()}{message[1:]}", place.at)

@@ -61,17 +61,31 @@ def result_of_build(
 ) -> BuildResult:
     from mjcompose.plan.describe import allowed_everywhere
 
-    plan, composed, compiled = built.plan, built.composed, built.compiled
+    plan = built.plan
+    composed = built.composed
+    compiled = built.compiled
     draws = None
     if plan.randomize is not None and not plan.worlds:
         draws = dict(column for each in composed.drawn for column in each.columns())
     return BuildResult(
-        name=plan.name, sha256=built.bundle.sha256, sizes=compiled.sizes if compiled else None, merged=composed.merged,
-        mujoco=compiled.mujoco_version if compiled else None, licenses=tuple(licenses), draws=draws, cells=plan.cells,
-        cells_at=plan.cells_at, adopted=tuple(each.located() for each in composed.model.adopted),
-        allowed=allowed_everywhere(plan), excluded=len(composed.excluded),
-        built=built, bundle=built.bundle, why=why, key=key, is_new=True,
-    )  # fmt: skip
+        name=plan.name,
+        sha256=built.bundle.sha256,
+        sizes=compiled.sizes if compiled else None,
+        merged=composed.merged,
+        mujoco=compiled.mujoco_version if compiled else None,
+        licenses=tuple(licenses),
+        draws=draws,
+        cells=plan.cells,
+        cells_at=plan.cells_at,
+        adopted=tuple(each.located() for each in composed.model.adopted),
+        allowed=allowed_everywhere(plan),
+        excluded=len(composed.excluded),
+        built=built,
+        bundle=built.bundle,
+        why=why,
+        key=key,
+        is_new=True,
+    )
 
 
 def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
@@ -148,13 +162,21 @@ class Maker:
     """Makes the models of a recipe in a `form` of output; `place` returns the output's path, if any."""
 
     def __init__(
-        self, recipe: Path, options: BuildOptions, cache: Cache | None, context: Context, form: str | None = None,
+        self,
+        recipe: Path,
+        options: BuildOptions,
+        cache: Cache | None,
+        context: Context,
+        form: str | None = None,
         place: OutputLocator = no_output,
-    ) -> None:  # fmt: skip
+    ) -> None:
         is_piped = recipe.name == STDIN  # the cache compares files
-        self.recipe, self.options, self.context = recipe, options, context
+        self.recipe = recipe
+        self.options = options
+        self.context = context
         self.cache = None if is_piped else cache
-        self.form, self.place = form, place
+        self.form = form
+        self.place = place
         self.library: Library = {}
         self._key: CacheKey | None = None
         self._ahead: BackgroundPacker | None = None
@@ -165,7 +187,8 @@ class Maker:
         if self.cache is None:
             return None
         if self._key is None:
-            context, store = self.context, self.cache.store.folder
+            context = self.context
+            store = self.cache.store.folder
             self._key = self.options.key(self.recipe, context.folder, context.environment, store=store)
         return self._key if cell is None else self._key.of_cell(cell, values or {})
 
@@ -186,17 +209,31 @@ class Maker:
         return made, ()
 
     def make(
-        self, context: Context, session: Session, choice: ModelChoice, *, key: CacheKey | None = None,
-        why: tuple[str, ...] = (), outcomes: list[Outcome] | None = None,
-    ) -> BuildResult | None:  # fmt: skip
+        self,
+        context: Context,
+        session: Session,
+        choice: ModelChoice,
+        *,
+        key: CacheKey | None = None,
+        why: tuple[str, ...] = (),
+        outcomes: list[Outcome] | None = None,
+    ) -> BuildResult | None:
         """Plan the model, and build it unless the cache has the plan; report errors."""
         from mjcompose.pipeline import stages
 
-        outcomes, options = [] if outcomes is None else outcomes, self.options
+        outcomes = [] if outcomes is None else outcomes
+        options = self.options
         request = stages.Request(
-            self.recipe, choice.given, choice.name, sample=choice.sample, verified=options.verified,
-            deduplicated=options.deduplicated, pictured=options.pictured, target=options.target, worlds=options.worlds,
-        )  # fmt: skip
+            self.recipe,
+            choice.given,
+            choice.name,
+            sample=choice.sample,
+            verified=options.verified,
+            deduplicated=options.deduplicated,
+            pictured=options.pictured,
+            target=options.target,
+            worlds=options.worlds,
+        )
         if (plan := stages.planned(request, context)) is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
@@ -236,7 +273,8 @@ class Maker:
         """Return a compressed file, compressed once for all models that have it."""
         from mjcompose.bundle.write import level_of, pack
 
-        level, digest = level_of(path), bundle.digest(path)
+        level = level_of(path)
+        digest = bundle.digest(path)
         ahead = self._ahead.take(digest) if self._ahead is not None else None
         packed = self._packed(digest, level) if ahead is None and level else None
         is_new = ahead[1] if ahead is not None else packed is None
@@ -288,7 +326,8 @@ class Maker:
 
         assert self.cache is not None
         found = self.cache.find(self._planned(plan, cell))
-        record, answer = found.record, found.answer
+        record = found.record
+        answer = found.answer
         if record is None or answer is None or (context.strict and _warns(record)):
             return None
         if record.mentions_positions and record.places != hash_of_positions(plan):
@@ -323,17 +362,24 @@ class Maker:
         return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=recipes)
 
     def _keep(
-        self, result: BuildResult, outcomes: Sequence[Outcome], context: Context, cell: str | None,
+        self,
+        result: BuildResult,
+        outcomes: Sequence[Outcome],
+        context: Context,
+        cell: str | None,
         text: bytes | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Store a model that was built now, unless one of its inputs has changed meanwhile."""
         from mjcompose.bundle.assemble import portable
         from mjcompose.pipeline.cache.inputs import hash_of_positions, may_move, mentions_positions
 
-        cache, built, key = self.cache, result.built, result.key
+        cache = self.cache
+        built = result.built
+        key = result.key
         if cache is None or built is None or key is None:
             return
-        names, files = self._inputs, cache.files
+        names = self._inputs
+        files = cache.files
         files.forget()
         paths = names.recipes(built.plan), names.others(built, context)
         own = os.fspath(cache.store.folder) + os.sep
@@ -347,11 +393,15 @@ class Maker:
             cache.keep_raw(digest, text)
         name = portable(built.plan, built.composed.model, context).name
         record = Record(
-            **result.facts(), model=built.bundle.model, files=self._kept(built.bundle, known) if text is None else (),
-            text=digest, diagnostics=tuple(context.sink.diagnostics), checks=tuple(outcomes),
+            **result.facts(),
+            model=built.bundle.model,
+            files=self._kept(built.bundle, known) if text is None else (),
+            text=digest,
+            diagnostics=tuple(context.sink.diagnostics),
+            checks=tuple(outcomes),
             recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places=hash_of_positions(built.plan),
-        )  # fmt: skip
+        )
         mentions = mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
         record = replace(record, mentions_positions=mentions)
         packages = list(names.packages(built.plan))

@@ -151,9 +151,15 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
     }
     fix = None if data["fix"] is None else Fix(**{**data["fix"], "span": _span(data["fix"]["span"])})
     return Diagnostic(
-        data["code"], data["message"], _span(data["span"]), severity=Severity(data["severity"]), help=data["help"],
-        subjects=frozenset(data["subjects"]), fix=fix, **notes,
-    )  # fmt: skip
+        data["code"],
+        data["message"],
+        _span(data["span"]),
+        severity=Severity(data["severity"]),
+        help=data["help"],
+        subjects=frozenset(data["subjects"]),
+        fix=fix,
+        **notes,
+    )
 
 
 def _span(data: dict[str, Any] | None) -> Span | None:
@@ -205,7 +211,8 @@ class Cache(Struct, frozen=False):
         for answer in answers:
             if self._changes(answer):
                 continue
-            record, text = None, blobs.get(self.store.folder, "built", answer.record)
+            record = None
+            text = blobs.get(self.store.folder, "built", answer.record)
             with contextlib.suppress(TypeError, ValueError, KeyError):
                 record = None if text is None else from_json(text)
             if record is None:

@@ -209,9 +209,13 @@ class BuildOptions(Struct):
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
         """Return the key of the model of a recipe file, with these options."""
         flags = {
-            "`--no-compile`": not self.verified, "`--dedup`": self.deduplicated, "`--locked`": self.locked,
-            "`--offline`": self.offline, "`--picture`": self.pictured, "`--as worlds`": self.worlds,
-        }  # fmt: skip
+            "`--no-compile`": not self.verified,
+            "`--dedup`": self.deduplicated,
+            "`--locked`": self.locked,
+            "`--offline`": self.offline,
+            "`--picture`": self.pictured,
+            "`--as worlds`": self.worlds,
+        }
         parts = {name: GIVEN for name, given in flags.items() if given}
         if self.target is not None:
             parts["`--target`"] = self.target
@@ -247,8 +251,14 @@ def _source(model: Plan | Source | None) -> object:
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     origin = model.origin.id if model.origin else None
     return [
-        *about, list(licenses), list(packages), repr(model.urdf), list(model.compiler), origin, list(model.door.roots),
-    ]  # fmt: skip
+        *about,
+        list(licenses),
+        list(packages),
+        repr(model.urdf),
+        list(model.compiler),
+        origin,
+        list(model.door.roots),
+    ]
 
 
 def _values(node: Node, file: str) -> Iterator[object]:
@@ -261,11 +271,13 @@ def _values(node: Node, file: str) -> Iterator[object]:
         yield [node.text, node.plain, repr(node.value)]
         return
     yield "{" if isinstance(node, Mapping) else "["
-    for item in node.items if isinstance(node, Sequence) else ():
-        yield from _values(item, file)
-    for name, (_, value) in node.entries.items() if isinstance(node, Mapping) else ():
-        yield name
-        yield from _values(value, file)
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from _values(item, file)
+    if isinstance(node, Mapping):
+        for name, (_, value) in node.entries.items():
+            yield name
+            yield from _values(value, file)
     yield "."
 
 
@@ -285,7 +297,8 @@ def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[st
     """
     changes: list[str] = []
     for name in sorted({*before, *after}):
-        was, now = before.get(name), after.get(name)
+        was = before.get(name)
+        now = after.get(name)
         if was == now:
             continue
         if name.startswith(_OPTION):
@@ -322,14 +335,16 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
         yield f"{name} is {'no longer ' if now is None else ''}given"
         return
     file = f"`{name.removeprefix(_OPTION)}"
-    before, after = _values_by_name(was), _values_by_name(now)
+    before = _values_by_name(was)
+    after = _values_by_name(now)
     if before is None or after is None:
         yield f"{file} changed, but it is unknown which of its values"
     elif before == after:
         yield f"{file} changed, but none of its values"
     else:
         for each in sorted({*before, *after}):
-            old, new = before.get(each), after.get(each)
+            old = before.get(each)
+            new = after.get(each)
             if new is None:
                 yield f"`{each}` in {file} was {old} and does not exist now"
             elif old != new:

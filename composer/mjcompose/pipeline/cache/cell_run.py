@@ -70,7 +70,8 @@ class CellMaker(Struct, frozen=False):
 
     def known(self, cell: Cell, *, builds: bool = False) -> CellResult | None:
         """Return the cell if the cache has it, or `builds` it."""
-        own, key = replace(self.maker.context, sink=Sink(), timings=[]), self._key(cell)
+        own = replace(self.maker.context, sink=Sink(), timings=[])
+        key = self._key(cell)
         outcomes: list[Outcome] = []
         result, why = self.maker.recall(key, own, outcomes)
         if result is None:
@@ -83,17 +84,26 @@ class CellMaker(Struct, frozen=False):
         if result is not None and self.finish is not None:
             result = self.finish(result, self.maker, own, self.session)
         return CellResult(
-            cell, None if result is None else result.summary(), result is None or own.sink.has_errors,
-            diagnostics=tuple(own.sink.diagnostics), outcomes=tuple(outcomes), files=frozenset(files),
+            cell,
+            None if result is None else result.summary(),
+            result is None or own.sink.has_errors,
+            diagnostics=tuple(own.sink.diagnostics),
+            outcomes=tuple(outcomes),
+            files=frozenset(files),
             timings=tuple(own.timings),
-        )  # fmt: skip
+        )
 
     def keep(
-        self, cell: Cell, record: Record, inputs: Sequence[FileState], packages: Iterable[Package],
+        self,
+        cell: Cell,
+        record: Record,
+        inputs: Sequence[FileState],
+        packages: Iterable[Package],
         result: BuildResult | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Store the record of a cell that was written elsewhere, and its result, if its inputs are the same here."""
-        cache, key = self.maker.cache, self._key(cell)
+        cache = self.maker.cache
+        key = self._key(cell)
         if cache is None or key is None:
             return
         here = [cache.files.look(each.path) for each in inputs]
@@ -122,26 +132,34 @@ class RecipeResult(Struct):
 
 def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> RecipeResult:
     """Make the model of a recipe with its default values and these, unless the cache has it."""
-    context, outcomes = maker.context, list[Outcome]()
+    context = maker.context
+    outcomes: list[Outcome] = []
     key = maker.key()
     made, why = maker.recall(key, context, outcomes)
     if made is None:
         with interruptible():
             made = maker.make(context, session, ModelChoice(given), key=key, why=why, outcomes=outcomes)
     return RecipeResult(
-        tuple(context.sink.diagnostics), tuple(outcomes), frozenset(shown_input_files(made, context)),
-        timings=tuple(context.timings), failed=made is None, cells=made.cells if made else 0,
+        tuple(context.sink.diagnostics),
+        tuple(outcomes),
+        frozenset(shown_input_files(made, context)),
+        timings=tuple(context.timings),
+        failed=made is None,
+        cells=made.cells if made else 0,
         cells_at=made.cells_at if made else None,
-    )  # fmt: skip
+    )
 
 
 def context_for_worker(context: Context) -> Context:
     """Return a context for a process: it knows the files read and fetched here, and has its own diagnostics."""
     how = context.fetching
     return replace(
-        context, sink=Sink(), timings=[], concrete={},
+        context,
+        sink=Sink(),
+        timings=[],
+        concrete={},
         fetching=None if how is None else replace(how, progress=quiet),
-    )  # fmt: skip
+    )
 
 
 OnKeep = Callable[[Record, Sequence[FileState]], None]
@@ -175,12 +193,20 @@ class Job(Struct):
 
     @classmethod
     def of(cls, making: CellMaker) -> Job:
-        maker, context = making.maker, context_for_worker(making.maker.context)
+        maker = making.maker
+        context = context_for_worker(making.maker.context)
         return cls(
-            maker.recipe, maker.options, None if maker.cache is None else maker.cache.store,
-            form=maker.form, place=maker.place,
-            given=making.given, finish=making.finish, context=context, limits=in_force(), noted=files.current().noted(),
-        )  # fmt: skip
+            maker.recipe,
+            maker.options,
+            None if maker.cache is None else maker.cache.store,
+            form=maker.form,
+            place=maker.place,
+            given=making.given,
+            finish=making.finish,
+            context=context,
+            limits=in_force(),
+            noted=files.current().noted(),
+        )
 
     @contextmanager
     def opened(self, on_keep: OnKeep | None = None) -> Iterator[Callable[[Cell], CellResult]]:
@@ -240,7 +266,8 @@ class CellRun:
     """
 
     def __init__(self, making: CellMaker, jobs: int | None = None, crew: RemoteWorkers | None = None) -> None:
-        self.making, self.crew = making, crew
+        self.making = making
+        self.crew = crew
         self.jobs = 1 if making.maker.recipe.name == files.STDIN else jobs  # only this process has read it
         self._pool: Pool[Cell, CellResult] | None = None
         self._held = ExitStack()
@@ -286,7 +313,8 @@ class CellRun:
         """Read and fetch the sources of a cell. Most cells need the same sources, and workers take them from here."""
         from mjcompose.pipeline import stages  # a run whose cells are all known does not need it
 
-        making, maker = self.making, self.making.maker
+        making = self.making
+        maker = self.making.maker
         request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
         with interruptible():
             stages.planned(request, replace(maker.context, sink=Sink()))

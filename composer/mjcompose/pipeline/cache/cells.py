@@ -50,7 +50,9 @@ def sample_name(name: str, sample: int) -> str:
 
 def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
     """Return every cell, or the recipe without a matrix, as its samples, if it draws any; the nominal model first."""
-    document, cells, sink = matrix.document, matrix.cells, context.sink
+    document = matrix.document
+    cells = matrix.cells
+    sink = context.sink
     if not {"randomize", "variants"} & document.entries.keys() or ("matrix" in document.entries and not cells):
         return cells
     before = sink.error_count
@@ -91,14 +93,19 @@ def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
 def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
     """Report draws that would replace a value that a cell sets."""
     fields = find(concrete, ("randomize", "fields"))
-    for name, (_, field) in fields.entries.items() if isinstance(fields, Mapping) else ():
-        param = find(field, ("param",))
-        if not isinstance(param, Scalar) or param.text not in cell.given or not isinstance(field, Mapping):
-            continue
-        if not {"scale", "offset"} & field.entries.keys():
-            message = f"`{param.text}` is an axis of the matrix, whose value field `{name}` would replace"
-            sink.error("unknown-name", message, param.span,
-                       help="draw relative to it, with `scale` or `offset`, or remove it from the axes")  # fmt: skip
+    if isinstance(fields, Mapping):
+        for name, (_, field) in fields.entries.items():
+            param = find(field, ("param",))
+            if not isinstance(param, Scalar) or param.text not in cell.given or not isinstance(field, Mapping):
+                continue
+            if not {"scale", "offset"} & field.entries.keys():
+                message = f"`{param.text}` is an axis of the matrix, whose value field `{name}` would replace"
+                sink.error(
+                    "unknown-name",
+                    message,
+                    param.span,
+                    help="draw relative to it, with `scale` or `offset`, or remove it from the axes",
+                )
 
 
 def cells_of(
@@ -163,21 +170,31 @@ def check_axes_are_free(chosen: Iterable[Cell], given: Iterable[str], sink: Sink
     names = dict.fromkeys(name for cell in chosen for name in cell.given)
     for name in given:
         if name in names:
-            sink.error("unknown-name", f"`{name}` is an axis of the matrix, whose cells set it",
-                       help=f"do not set it, or {instead}")  # fmt: skip
+            sink.error(
+                "unknown-name",
+                f"`{name}` is an axis of the matrix, whose cells set it",
+                help=f"do not set it, or {instead}",
+            )
 
 
 def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
     axis, equals, value = pick.partition("=")
     values = list(dict.fromkeys(pick_text(cell.given[axis]) for cell in every if axis in cell.given))
     if equals and values and "," not in value:
-        sink.error("unknown-name", f"no cell of `{recipe}` has `{axis}` = `{value}`",
-                   notes=(exists_note("value", values, value),),
-                   help=did_you_mean(value, values, f"--pick {axis}={{}}"))  # fmt: skip
+        sink.error(
+            "unknown-name",
+            f"no cell of `{recipe}` has `{axis}` = `{value}`",
+            notes=(exists_note("value", values, value),),
+            help=did_you_mean(value, values, f"--pick {axis}={{}}"),
+        )
         return
     names = {each.name: each for each in every}
-    sink.error("unknown-name", f"the matrix of `{recipe}` has no cell `{pick}`",
-               notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
+    sink.error(
+        "unknown-name",
+        f"the matrix of `{recipe}` has no cell `{pick}`",
+        notes=(exists_note("cell", names, pick),),
+        help=did_you_mean(pick, names, "--pick {}"),
+    )
 
 
 def pick_text(node: Node) -> str:

@@ -35,12 +35,15 @@ def read(file):
             found["joints"].setdefault(name, {}).update(damping=damping, armature=0.0)
     for index in plant.GetJointActuatorIndices(model):
         actuator = plant.get_joint_actuator(index)
-        effort, joint = actuator.effort_limit(), actuator.joint().name()
+        effort = actuator.effort_limit()
+        joint = actuator.joint().name()
         gains = actuator.get_controller_gains() if actuator.has_controller() else None
         found["actuators"][actuator.name()] = {
-            "joint": joint, "kp": gains.p if gains else 0.0, "kd": gains.d if gains else 0.0,
+            "joint": joint,
+            "kp": gains.p if gains else 0.0,
+            "kd": gains.d if gains else 0.0,
             "effort": ends(-effort, effort),
-        }  # fmt: skip
+        }
         found["joints"][joint]["armature"] = actuator.default_rotor_inertia() * actuator.default_gear_ratio() ** 2
     inspector = scene.model_inspector()
     for body in [plant.world_body(), *bodies.values()]:
@@ -97,14 +100,16 @@ def read(file):
 
         def forces(q, v, which):
             """Return the forces of all servos and motors, and their damping."""
-            tau, damping = np.zeros(len(of_joints)), np.zeros(len(of_joints))
+            tau = np.zeros(len(of_joints))
+            damping = np.zeros(len(of_joints))
             for name, drive in asked["drives"].items():
                 if (about := found["actuators"].get(name)) is not None:
                     joint = single[drive["joint"]]
                     at = single[drive["joint"]].velocity_start()
                     most = about["effort"][1] if about["effort"] is not None else None
                     force, resistance = torque(drive, which, about, q[joint.position_start()], v[at], most)
-                    tau[at], damping[at] = tau[at] + force, damping[at] + resistance
+                    tau[at] = tau[at] + force
+                    damping[at] = damping[at] + resistance
             return tau, damping
 
         def dynamics(q, v):

@@ -31,7 +31,8 @@ def read(file):
     found = facts(version("genesis-world"), without=["friction"] if constrained else [])
     links = {link.name: link for link in entity.links if link.name != "world"}
     for name, link in links.items():
-        about, axes = link.desc, rotation(link.desc.inertial_quat)
+        about = link.desc
+        axes = rotation(link.desc.inertial_quat)
         matrix = axes @ np.asarray(about.inertia, dtype=float) @ axes.T
         found["bodies"][name] = inertia(about.mass, about.inertial_pos, matrix)
     joints = {joint.name: joint for joint in entity.joints if joint.n_qs == 1}
@@ -47,7 +48,8 @@ def read(file):
                 found["joints"].setdefault(joint.name, {})[word.removesuffix("loss")] = value
     found["shapes"] = {"all": len(entity.vgeoms)}  # of which kind each is, it does not say
     # Its actuators have no names: they are gains of joints.
-    forces, bias = map(numbers, entity.get_dofs_force_range()), list(map(numbers, entity.get_dofs_act_bias()))
+    forces = map(numbers, entity.get_dofs_force_range())
+    bias = list(map(numbers, entity.get_dofs_act_bias()))
     most_of = np.max(np.abs(list(forces)), axis=0)
     drives = [(each.get("name"), each.get("joint")) for each in tree.iterfind("actuator/*")]
     for name, joint in drives:

@@ -14,7 +14,8 @@ from mujoco import mjx
 def read(file):
     jax.config.update("jax_enable_x64", True)
     model = mujoco.MjModel.from_xml_path(file)
-    on_device, data = mjx.put_model(model), mjx.make_data(model)
+    on_device = mjx.put_model(model)
+    data = mjx.make_data(model)
 
     def placed(rows):
         moved = jax.jit(jax.vmap(lambda q: mjx.kinematics(on_device, data.replace(qpos=q))))(jp.array(rows))
@@ -23,7 +24,8 @@ def read(file):
     def moved(start, steps):
         without = without_forces(mujoco, copy.copy(model))
         free = mjx.put_model(without)
-        step, at = jax.jit(mjx.step), mjx.make_data(without).replace(qpos=jp.array(start))
+        step = jax.jit(mjx.step)
+        at = mjx.make_data(without).replace(qpos=jp.array(start))
         for _ in range(steps):
             at = step(free, at)
         return at.qpos
@@ -31,7 +33,8 @@ def read(file):
     def driven(only, start, full, eased, steps):
         put = mjx.put_model(only)
         still = mjx.make_data(only).replace(qpos=jp.array(start))
-        step, at = jax.jit(mjx.step), still.replace(ctrl=jp.array(eased))
+        step = jax.jit(mjx.step)
+        at = still.replace(ctrl=jp.array(eased))
         # A step has the forces of its start.
         forces = step(put, still.replace(ctrl=jp.array(full))).qfrc_actuator
         for _ in range(steps):

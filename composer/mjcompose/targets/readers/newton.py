@@ -19,7 +19,8 @@ def read(file):
     names, joints = own_names(model)
     numbers = {name: number for number, name in joints.items()}
     types, starts, dofs = (each.numpy() for each in (model.joint_type, model.joint_q_start, model.joint_qd_start))
-    low, high = model.joint_limit_lower.numpy(), model.joint_limit_upper.numpy()
+    low = model.joint_limit_lower.numpy()
+    high = model.joint_limit_upper.numpy()
     of_body = {names[int(model.joint_child.numpy()[number])]: number for number in joints}
 
     found = facts(version("newton"))
@@ -72,7 +73,9 @@ def read(file):
         model.joint_q.assign(standing(asked["home"]))
         solver = newton.solvers.SolverMuJoCo(model, use_mujoco_cpu=True, disable_contacts=True)
         without_forces(mujoco, solver.mj_model)
-        before, after, control = model.state(), model.state(), model.control()
+        before = model.state()
+        after = model.state()
+        control = model.control()
         newton.eval_fk(model, model.joint_q, model.joint_qd, before)
         for _ in range(steps):
             solver.step(before, after, control, None, STEP)
@@ -85,8 +88,10 @@ def read(file):
 
 def own_names(model):
     """Newton names a body by its path from the root, in which names may contain slashes themselves."""
-    parents, children = model.joint_parent.numpy(), model.joint_child.numpy()
-    names, joints = {}, {}
+    parents = model.joint_parent.numpy()
+    children = model.joint_child.numpy()
+    names = {}
+    joints = {}
     for joint, (parent, child) in enumerate(zip(parents.tolist(), children.tolist())):
         if child in names:  # a second joint closes a loop
             continue

@@ -6,9 +6,17 @@ from facts import count, ends, facts, fallen, inertia, torque
 from ros2_control import commands
 
 SHAPES = {
-    "Halfspace": "plane", "Plane": "plane", "Sphere": "sphere", "Capsule": "capsule", "Ellipsoid": "ellipsoid",
-    "Cylinder": "cylinder", "Box": "box", "BVHModelOBBRSS": "mesh", "Convex": "mesh", "ConvexBase": "mesh",
-}  # fmt: skip
+    "Halfspace": "plane",
+    "Plane": "plane",
+    "Sphere": "sphere",
+    "Capsule": "capsule",
+    "Ellipsoid": "ellipsoid",
+    "Cylinder": "cylinder",
+    "Box": "box",
+    "BVHModelOBBRSS": "mesh",
+    "Convex": "mesh",
+    "ConvexBase": "mesh",
+}
 
 
 def read(file):
@@ -38,7 +46,8 @@ def read(file):
         if joint.nq == 2 and joint.nv == 1:  # a joint without limits: cosine and sine
             found["joints"][names[number]] = {"range": None, **dynamics_of(joint)}
         if joint.nq == 1:
-            low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+            low = float(model.lowerPositionLimit[joint.idx_q])
+            high = float(model.upperPositionLimit[joint.idx_q])
             bounds = ends(low, high) if abs(low) < 1e30 else None
             found["joints"][names[number]] = {"range": bounds, **dynamics_of(joint)}
         if joint.shortname() in ("JointModelSpherical", "JointModelSphericalZYX"):
@@ -94,7 +103,8 @@ def read(file):
 
         def forces(q, v, which):
             """Return the forces of all servos and motors, and their damping."""
-            tau, damping = np.zeros(model.nv), np.zeros(model.nv)
+            tau = np.zeros(model.nv)
+            damping = np.zeros(model.nv)
             for drive in asked["drives"].values():
                 if (name := drive["joint"]) in of:
                     at = of[name].idx_q

@@ -4,8 +4,14 @@ import numpy as np
 import pybullet as p
 from facts import STEP, count, facts, inertia, rotation
 
-SHAPES = {p.GEOM_SPHERE: "sphere", p.GEOM_BOX: "box", p.GEOM_CYLINDER: "cylinder", p.GEOM_MESH: "mesh",
-          p.GEOM_PLANE: "plane", p.GEOM_CAPSULE: "capsule"}  # fmt: skip
+SHAPES = {
+    p.GEOM_SPHERE: "sphere",
+    p.GEOM_BOX: "box",
+    p.GEOM_CYLINDER: "cylinder",
+    p.GEOM_MESH: "mesh",
+    p.GEOM_PLANE: "plane",
+    p.GEOM_CAPSULE: "capsule",
+}
 
 
 def turned(quat):
@@ -18,7 +24,9 @@ def read(file):
     urdf = file.endswith(".urdf")
     models = [p.loadURDF(file, flags=flags)] if urdf else p.loadMJCF(file, flags=flags)
     found = facts(str(p.getAPIVersion()), without=["friction"])
-    links, joints, roots = {}, {}, {}
+    links = {}
+    joints = {}
+    roots = {}
     for model in models:
         base = p.getBodyInfo(model)[0].decode()
         roots[base] = model

@@ -16,7 +16,8 @@ def read(file):
 
     def array(name):
         """Return a field for the first world; MuJoCo Warp has no force range of joints by itself."""
-        mine, found = getattr(model, name), getattr(on_device, name, None)
+        mine = getattr(model, name)
+        found = getattr(on_device, name, None)
         if found is None:
             return mine
         found = found.numpy()
@@ -31,7 +32,8 @@ def read(file):
 
     def moved(start, steps):
         without = without_forces(mujoco, copy.copy(model))
-        free, data = mjw.put_model(without), mjw.make_data(without)
+        free = mjw.put_model(without)
+        data = mjw.make_data(without)
         data.qpos = wp.array(start[None], dtype=float)
         for _ in range(steps):
             mjw.step(free, data)
@@ -46,7 +48,8 @@ def read(file):
             data.ctrl = wp.array(controls[None], dtype=float)
             return data
 
-        still, data = at_start(full), at_start(eased)
+        still = at_start(full)
+        data = at_start(eased)
         mjw.forward(put, still)
         for _ in range(steps):
             mjw.step(put, data)

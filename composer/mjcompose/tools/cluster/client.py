@@ -100,7 +100,8 @@ def connected(text: str) -> Client:
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
     except Exception as error:  # Dask does not check whether a scheduler wrote the file, and fails later
-        message, reach = f"no scheduler of Dask answers at `{text}`", "runs there and that you can reach its port"
+        message = f"no scheduler of Dask answers at `{text}`"
+        reach = "runs there and that you can reach its port"
         help = f"check that `dask scheduler` {reach}; `tls:` needs the keys of the cluster in Dask's configuration"
         raise ClusterError("cluster-unreachable", message, help, notes=(_words(error),)) from error
 
@@ -120,10 +121,20 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
     except ImportError:  # Dask installs without it
         raise _missing("cryptography") from None
     # If it is killed, Dask leaves folders and lock files of its scheduler and workers; the next run sweeps ours.
-    with scratch("dask") as folder, config.set({**_IDLE, "temporary-directory": str(folder)}), distributed.LocalCluster(
-        n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
-        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None,
-    ) as cluster:  # fmt: skip
+    with (
+        scratch("dask") as folder,
+        config.set({**_IDLE, "temporary-directory": str(folder)}),
+        distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=0,
+            security=security,
+            silence_logs=logging.CRITICAL,
+            worker_dashboard_address=None,
+        ) as cluster,
+    ):
         yield cluster
 
 
@@ -154,7 +165,8 @@ def versions(packages: tuple[str, ...]) -> dict[str, str]:
     spec = importlib.util.find_spec("mjcompose")
     if spec is None or spec.origin is None:
         return found
-    package, digest = os.path.dirname(spec.origin), hashlib.sha256()
+    package = os.path.dirname(spec.origin)
+    digest = hashlib.sha256()
     for folder, folders, names in os.walk(package):
         folders.sort()
         for name in sorted(name for name in names if name.endswith(".py")):
@@ -222,9 +234,13 @@ class Stations:
     """
 
     def __init__(
-        self, making: CellMaker, cells: Sequence[Cell], out: Location | None, away: Finish | None,
+        self,
+        making: CellMaker,
+        cells: Sequence[Cell],
+        out: Location | None,
+        away: Finish | None,
         held: ExitStack,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._making = making
         store = making.maker.cache.store.folder if making.maker.cache is not None else None
         freight = freight_of(making, cells)
@@ -240,11 +256,18 @@ class Stations:
         except OSError as error:
             raise unwritable_error(str(out), error) from error
         self.order = Order(
-            os.urandom(8).hex(), pickle.dumps(Job.of(making)), away_job(making, away),
-            folder=os.fspath(making.maker.context.folder), memory=int(in_force().memory), files=freight.files,
-            layout=freight.layout, store=seen, out=out_seen, address=out if isinstance(out, str) else None,
+            os.urandom(8).hex(),
+            pickle.dumps(Job.of(making)),
+            away_job(making, away),
+            folder=os.fspath(making.maker.context.folder),
+            memory=int(in_force().memory),
+            files=freight.files,
+            layout=freight.layout,
+            store=seen,
+            out=out_seen,
+            address=out if isinstance(out, str) else None,
             journal=self._journal,
-        )  # fmt: skip
+        )
 
     def begin(self, client: Client, workers: list[str]) -> None:
         """Prepare workers: each gets its missing files before it gets a cell."""
@@ -290,7 +313,8 @@ class Stations:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
-            cell, packages = result.cell, self._packages
+            cell = result.cell
+            packages = self._packages
             self._making.keep(cell.cell, result.record, result.inputs, packages=packages, result=cell.result)
             if self._journal is not None:
                 self._journal.forget(result.cell.cell.name)
@@ -334,13 +358,19 @@ class Crew(ExitStack):
         self, address: str, workers: int, out: Location | None, tell: Tell, away: Finish | None = None
     ) -> None:
         super().__init__()
-        self._address, self._count, self._out, self._tell, self._away = address, workers, out, tell, away
+        self._address = address
+        self._count = workers
+        self._out = out
+        self._tell = tell
+        self._away = away
         self._client: Client = None
         self._stations: Stations | None = None
         self._running: dict[Any, Part] = {}
         self._again: deque[Part] = deque()
         self._ready: dict[int, Any] = {}
-        self._threads, self._counted, self._lost = 0, 0.0, 0
+        self._threads = 0
+        self._counted = 0.0
+        self._lost = 0
         self._workers: set[str] = set()
         self._pace = _SECONDS
         self._cells: Sequence[Cell] = ()
@@ -367,7 +397,8 @@ class Crew(ExitStack):
 
     def finished(self) -> Iterator[CellResult]:
         """End the work of an interrupted run, and yield the results that were not taken."""
-        running, self._running = self._running, {}
+        running = self._running
+        self._running = {}
         taken = {number for part in (*running.values(), *self._again) for number in part.numbers}
         with contextlib.suppress(Exception):  # a lost cluster cannot answer
             for future in running:
@@ -430,7 +461,8 @@ class Crew(ExitStack):
         for gone in sorted(self._workers - there):
             self._tell(f"the worker `{gone}` has ended; its cells go to others")
         self._workers = there
-        self._threads, self._counted = threads, time.monotonic()
+        self._threads = threads
+        self._counted = time.monotonic()
 
     def _take(self) -> None:
         from distributed import wait

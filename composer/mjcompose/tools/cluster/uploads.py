@@ -50,8 +50,10 @@ def layout_of(paths: Iterable[str]) -> Layout:
 
     It includes the marker files of the top of a project, which limits the files that a model may read.
     """
-    files, links = dict[str, str](), dict[str, str]()
-    folders, marked = set[str](), set[str]()
+    files: dict[str, str] = {}
+    links: dict[str, str] = {}
+    folders: set[str] = set()
+    marked: set[str] = set()
 
     def add(path: str) -> str:
         real = _followed(path, links)
@@ -140,14 +142,17 @@ def _inside(root: Path, path: str) -> Path:
 
 
 def _followed(path: str, links: dict[str, str]) -> str:
-    rest, at, followed = path.split(os.sep)[1:], os.sep, 0
+    rest = path.split(os.sep)[1:]
+    at = os.sep
+    followed = 0
     while rest:
         candidate = os.path.join(at, rest.pop(0))
         if os.path.islink(candidate) and followed < _MOST_LINKS:
             followed += 1
             leads = os.path.normpath(os.path.join(at, os.readlink(candidate)))
             links[candidate] = leads
-            rest, at = [*leads.split(os.sep)[1:], *rest], os.sep
+            rest = [*leads.split(os.sep)[1:], *rest]
+            at = os.sep
         else:
             at = candidate
     return at
@@ -166,8 +171,10 @@ class Freight(Struct):
 
 def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
     """Plan enough cells to see every value of a parameter or variant; other files are found if a worker fails."""
-    maker, inputs = making.maker, Inputs()
-    paths, packages = dict[str, None](), dict[Package, None]()
+    maker = making.maker
+    inputs = Inputs()
+    paths: dict[str, None] = {}
+    packages: dict[Package, None] = {}
     context = replace(maker.context, sink=Sink())
     for cell in _typical(cells):
         request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
@@ -177,9 +184,10 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
             packages.update(dict.fromkeys(inputs.packages(plan)))
     fetching = context.fetching
     store = maker.cache.store.folder if maker.cache is not None else None
-    for origin in fetching.origins.values() if fetching is not None else ():
-        if store is not None and origin.root.parent.parent.name in KINDS:
-            paths[os.fspath(origin.root.parent / ENTRY)] = None
+    if fetching is not None:
+        for origin in fetching.origins.values():
+            if store is not None and origin.root.parent.parent.name in KINDS:
+                paths[os.fspath(origin.root.parent / ENTRY)] = None
     files = Files()
     return Freight(tuple(files.look(path) for path in paths), layout_of(paths), tuple(packages))
 
@@ -190,10 +198,21 @@ def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
         return None
     job = Job.of(making)
     how = job.context.fetching
-    fetching = None if how is None else Fetching(
-        offline=True, locked=how.locked, lock=how.lock, lock_file=how.lock_file, recipe=how.recipe, fresh=how.fresh,
-        origins=how.origins, outer=how.outer, trust=how.trust,
-    )  # fmt: skip
+    fetching = (
+        None
+        if how is None
+        else Fetching(
+            offline=True,
+            locked=how.locked,
+            lock=how.lock,
+            lock_file=how.lock_file,
+            recipe=how.recipe,
+            fresh=how.fresh,
+            origins=how.origins,
+            outer=how.outer,
+            trust=how.trust,
+        )
+    )
     context = replace(job.context, recipes={}, concrete={}, fetching=fetching)
     return pickle.dumps(replace(job, context=context, finish=finish))
 

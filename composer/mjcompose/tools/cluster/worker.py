@@ -98,7 +98,8 @@ class Journal(Struct):
 
 def journal_of(making: CellMaker, folder: object) -> Journal | None:
     """Return the journal of a run; None without a cache, which gets its entries, or without a folder for the models."""
-    cache, key = making.maker.cache, making.maker.key()
+    cache = making.maker.cache
+    key = making.maker.key()
     if cache is None or key is None or not isinstance(folder, Path) or making.finish is None:
         return None
     name = blobs.key_of(["the key of journals"])
@@ -193,7 +194,8 @@ def opened_away(
     """Open a job whose files are a mirror below `root`; cached results go to a store of this worker."""
     limit(memory, 0)
     here = loaded(job, root)
-    context, is_cached = here.context, here.store is not None
+    context = here.context
+    is_cached = here.store is not None
     environment = dict(context.environment)
     for name in ("MJCOMPOSE_CACHE", *(each for kind in KINDS for each in kind.variables)):
         path = f"{root}{environment.get(name, '')}"
@@ -239,7 +241,9 @@ class Station:
     """The processes of one run in this worker."""
 
     def __init__(self, run: str, opening: Opening[Any, Any], folder: str, held: ExitStack) -> None:
-        self._opening, self._folder, self._held = pickle.dumps(opening), folder, held
+        self._opening = pickle.dumps(opening)
+        self._folder = folder
+        self._held = held
         self._helpers: list[Helper] = []
         self._idle: list[Helper] = []
         self._lock = threading.Lock()
@@ -255,7 +259,8 @@ class Station:
     def end(self) -> None:
         self._over.set()
         with self._lock:
-            self._ended, helpers = True, self._helpers
+            self._ended = True
+            helpers = self._helpers
         for helper in helpers:
             helper.ask_to_end()
         for helper in helpers:

@@ -23,8 +23,19 @@ from mjcompose.tree.select import kind_of
 
 _NO_REASON = ("name", "class", "childclass")
 _PLACING = (
-    "pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "site", "body", "frame", "mate", "replicate", "joint",
-)  # fmt: skip
+    "pos",
+    "quat",
+    "euler",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "site",
+    "body",
+    "frame",
+    "mate",
+    "replicate",
+    "joint",
+)
 """The keys of a part in a recipe that determine its pose."""
 _DEEP = 8
 
@@ -44,7 +55,8 @@ class Causes:
             Elements(side, {kind: n[at] for kind, n in found.elements.items()}) for at, side in enumerate((a, b))
         )
         self.both = self.a, self.b
-        self.written, self.pairs = Written(self.a.recipes, self.b.recipes), Pairs(self.a, self.b)
+        self.written = Written(self.a.recipes, self.b.recipes)
+        self.pairs = Pairs(self.a, self.b)
 
     def of(self, change: Change) -> Cause | None:
         """Return the cause of a change, or None if no line is known."""
@@ -170,7 +182,8 @@ class Causes:
             yield Cause("class", self.a.class_in_force(before), self.b.class_in_force(after))
 
     def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
-        mine, theirs = self._part(0, before), self._part(1, after)
+        mine = self._part(0, before)
+        theirs = self._part(1, after)
         if mine is not None and theirs is not None and mine.prefix != theirs.prefix:
             yield Cause(f"part `{theirs.called}`", mine.span, theirs.span)
         for first, second in _latest_first(self.a.written(before, "name"), self.b.written(after, "name")):
@@ -178,7 +191,9 @@ class Causes:
 
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
         """Yield the part or base that was added or removed with the element, or the element's line or removal."""
-        part, here, other = self._part(side, node), self.both[side], self.both[1 - side]
+        part = self._part(side, node)
+        here = self.both[side]
+        other = self.both[1 - side]
         if part is None:
             node = self._outermost(node, side)
         else:
@@ -189,7 +204,8 @@ class Causes:
             yield _cause(f"part `{part.called}`", part.span, None if there is None else there.span, side=side)
         plans = (each.side.plan for each in self.both)
         bases = [None if plan is None else locate(plan.document, ("base",)) for plan in plans]
-        file, traced = here.traced.model.file, other.side.traced
+        file = here.traced.model.file
+        traced = other.side.traced
         is_other = traced is not None and not self._same_file(side, file, traced.model.file)
         if is_other and all(bases) and here.traced.watch.life(node).owner == file:
             yield Cause("base", bases[0], bases[1])
@@ -209,11 +225,13 @@ class Causes:
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
         """Yield the cause that removed the element on the side that also read it."""
-        life, traced = self.both[1 - side].traced.watch.life(node), self.both[side].side.traced
-        for gone in () if traced is None else traced.watch.gone:
-            is_same = (gone.tag, gone.attributes) == (life.tag, life.attributes)
-            if is_same and isinstance(gone.owner, str) is isinstance(life.owner, str):
-                yield _cause("removed", None, self.both[side].traced.causes.gone(gone).span, side=1 - side)
+        life = self.both[1 - side].traced.watch.life(node)
+        traced = self.both[side].side.traced
+        if traced is not None:
+            for gone in traced.watch.gone:
+                is_same = (gone.tag, gone.attributes) == (life.tag, life.attributes)
+                if is_same and isinstance(gone.owner, str) is isinstance(life.owner, str):
+                    yield _cause("removed", None, self.both[side].traced.causes.gone(gone).span, side=1 - side)
 
     def _conditions(self, span: Span | None) -> Iterator[Cause]:
         """Yield the `when` of the item around a place."""
@@ -240,12 +258,14 @@ class Causes:
 
     def _same_file(self, side: int, file: str, there: str) -> bool:
         """Return whether both sides name the same file, or files at the same place."""
-        here, other = self.both[side].side, self.both[1 - side].side
+        here = self.both[side].side
+        other = self.both[1 - side].side
         return real(here, file) == real(other, there) or name(here, file) == name(other, there)
 
     def _around(self, before: Node | None, after: Node | None) -> Iterator[Cause]:
         """Yield the cause for the part, the file or the recipe that an element comes from."""
-        ours, yours = self.a.recipes, self.b.recipes
+        ours = self.a.recipes
+        yours = self.b.recipes
         for first, second in zip_longest(self.a.parts_of(before), self.b.parts_of(after)):
             mine = ours.attachment(second, yours) if first is None else ours.attachment(first)
             theirs = yours.attachment(first, ours) if second is None else yours.attachment(second)
@@ -258,9 +278,11 @@ class Causes:
             yield Cause(f"`{each.split()[0]}`", compilers[0].get(each), compilers[1].get(each))
 
     def _setting(self, change: Change) -> Iterator[Cause]:
-        path, attribute = change.kind.split("/"), change.field
+        path = change.kind.split("/")
+        attribute = change.field
         if attribute.startswith("flag "):
-            path, attribute = [*path, "flag"], attribute.removeprefix("flag ")
+            path = [*path, "flag"]
+            attribute = attribute.removeprefix("flag ")
         nodes = [(side, side.setting(*path)) for side in self.both]
         places = (
             [] if node is None or node.get(attribute) is None else side.written(node, attribute) for side, node in nodes
@@ -269,7 +291,8 @@ class Causes:
 
     def _entry(self, change: Change) -> Iterator[Cause]:
         """Yield the key's numbers for a joint, actuator or body, or else the cause that moves the body with its key."""
-        vector, (before, after) = change.field.removeprefix("key_"), self._nodes(change)
+        vector = change.field.removeprefix("key_")
+        (before, after) = self._nodes(change)
         mine, ours = self.a.key_lines(before, vector, change.entry)
         yours, theirs = self.b.key_lines(after, vector, change.entry)
         yield from (Cause("key", first, second) for first, second in zip_longest(ours, theirs))

@@ -44,7 +44,8 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
         if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
             context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=NEEDS_OPENGL)
             return ()
-        views, used = list[View](), set[str]()
+        views: list[View] = []
+        used: set[str] = set()
         with context.sink:
             for number, each in enumerate(answer.value["views"]):
                 first = re.sub(r"[^\w.-]+", "_", each["name"]).lstrip(".") or "camera"
@@ -90,7 +91,8 @@ def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
     """Return the cause with its lines; if both sides have lines, return only the differing lines."""
     if cause is None:
         return None
-    before, after = block(cause.before, a), block(cause.after, b)
+    before = block(cause.before, a)
+    after = block(cause.after, b)
     if cause.before is not None and cause.after is not None:
         before, after = different(before, after), different(after, before)
     else:
@@ -101,14 +103,25 @@ def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
     return Cause(cause.words, here, there, lines_before=excerpt(before), lines_after=excerpt(after))
 
 
-ADDRESSES, COUNTS = "address", "count"
+ADDRESSES = "address"
+COUNTS = "count"
 
 
 def diff(
-    a: str, b: str, context: Context, session: Session, *, tolerance: float = 0.0, only: Collection[str] = (),
-    everything: bool = False, given: Given | None = None, pick: str | None = None, sample: int | None = None,
-    renders: Path | None = None, show: Callable[[Side, Side, Diff], object] | None = None,
-) -> Diff | None:  # fmt: skip
+    a: str,
+    b: str,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+    given: Given | None = None,
+    pick: str | None = None,
+    sample: int | None = None,
+    renders: Path | None = None,
+    show: Callable[[Side, Side, Diff], object] | None = None,
+) -> Diff | None:
     """Return the differences from A to B, or None if one of them is not a model, which goes to `context.sink`.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`; empty
@@ -149,9 +162,15 @@ def diff(
 
 
 def between(
-    a: Side, b: Side, context: Context, session: Session, *, tolerance: float = 0.0,
-    only: Collection[str] = (), everything: bool = False,
-) -> Diff | None:  # fmt: skip
+    a: Side,
+    b: Side,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+) -> Diff | None:
     """Return the differences between two models that the session keeps, or None if MuJoCo crashes.
 
     A crash is reported.
@@ -167,7 +186,8 @@ def between(
     follows = [each for each in found.changes if each.follows]
     wanted = [each for each in found.changes if not each.follows]
     if everything or not (wanted or found.moves or found.counts):
-        wanted, follows = list(found.changes), []
+        wanted = list(found.changes)
+        follows = []
     groups = grouped(wanted, causes, a, b=b)
     files = tuple(sorted({path for path, _ in a.digests.items() ^ b.digests.items()}))
     return Diff(a.end, b.end, found, groups=tuple(groups), files=files, follows=len(follows))
@@ -178,9 +198,12 @@ def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contr
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
     return replace(
-        found, changes=tuple(each for each in found.changes if each.kind.partition("/")[0] in only),
-        moves=found.moves if ADDRESSES in only else (), counts=found.counts if COUNTS in only else (), arrays=(),
-    )  # fmt: skip
+        found,
+        changes=tuple(each for each in found.changes if each.kind.partition("/")[0] in only),
+        moves=found.moves if ADDRESSES in only else (),
+        counts=found.counts if COUNTS in only else (),
+        arrays=(),
+    )
 
 
 _INTERFACE = frozenset(
@@ -205,7 +228,8 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
         context.sink.error("mujoco-crash", f"the changes cannot be sorted: {answer.error or answer.crash}")
     if read[0] is None or read[1] is None or not answer.ok:
         return None
-    contrast, listed = found.contrast, a.plan.interface if a.plan is not None else ()
+    contrast = found.contrast
+    listed = a.plan.interface if a.plan is not None else ()
     listed = listed or (b.plan.interface if b.plan is not None else ())
     sorting = _Sorting({each.kind: each for each in listed}, answer.value)
     renamed = {(each.kind, str(each.before)): each.name for each in contrast.changes if each.what == "renamed"}
@@ -228,7 +252,8 @@ class _Sorting:
     """Sorts changes into levels. `orders` has the interface by kind, and `looks` the visual elements."""
 
     def __init__(self, orders: Mapping[str, Order], looks: Sequence[Mapping[str, list[int]]]) -> None:
-        self.orders, self.looks = orders, looks
+        self.orders = orders
+        self.looks = looks
 
     def of_name(self, kind: str, *names: str) -> str:
         """Return the level of a change in the names, places or meaning of an element."""
@@ -255,13 +280,17 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
     for kind in KINDS:
         before, after = (getattr(each, _ROWS.get(kind, f"{kind}s")) for each in (a, b))
         places = {each.name: at for at, each in enumerate(after) if each.name}
-        pairs = [(at, places[name]) for at, each in enumerate(before)
-                 if (name := renamed.get((kind, each.name), each.name)) in places]  # fmt: skip
+        pairs = [
+            (at, places[name])
+            for at, each in enumerate(before)
+            if (name := renamed.get((kind, each.name), each.name)) in places
+        ]
         order = [place for _, place in pairs]
         blocks = SequenceMatcher(None, order, sorted(order), autojunk=False).get_matching_blocks()
         kept = {place for block in blocks for place in order[block.a : block.a + block.size]}
         for at, place in pairs:
-            one, other = before[at], after[place]
+            one = before[at]
+            other = after[place]
             change = Change("changed", kind, other.name, index=(at, place), name_before=one.name)
             units = [getattr(each, "unit", None) for each in (one, other)]
             if units[0] != units[1]:

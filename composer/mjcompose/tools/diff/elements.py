@@ -46,15 +46,18 @@ class Elements:
     """
 
     def __init__(self, side: Side, counts: dict[str, int]) -> None:
-        self.side, self.counts, self.recipes = side, counts, Recipes(side)
+        self.side = side
+        self.counts = counts
+        self.recipes = Recipes(side)
         self.found: dict[str, list[Node]] = defaultdict(list)
         self.named: dict[tuple[str, str], Node] = {}
         self.lives = [] if side.traced is None else list(side.traced.watch.lives.values())
         self.parts = {part.called: part for life in self.lives for part in life.parts}
-        for kind, node in () if side.traced is None else in_order(side.traced.model.root):
-            self.found[kind].append(node)
-            if (name := query.name_of(node)) is not None and node.tag != "worldbody":
-                self.named.setdefault((kind, name), node)
+        if side.traced is not None:
+            for kind, node in in_order(side.traced.model.root):
+                self.found[kind].append(node)
+                if (name := query.name_of(node)) is not None and node.tag != "worldbody":
+                    self.named.setdefault((kind, name), node)
         self._bodies = {query.name_of(node): number for number, node in enumerate(self.found["body"])}
         for kind in ("exclude", "pair"):
             self.found[kind].sort(key=self._signature)
@@ -89,16 +92,18 @@ class Elements:
     def parts_of(self, node: Node | None) -> Iterator[Part]:
         """Yield the parts that an element belongs to, the outermost first."""
         life = self.life(node)
-        for each in () if life is None else (life, *life.sources):
-            yield from reversed(each.parts)
+        if life is not None:
+            for each in (life, *life.sources):
+                yield from reversed(each.parts)
 
     def compiler_settings(self, life: Life | None) -> dict[str, Span]:
         """Return where the file of an element, or the recipe, writes the compiler settings that apply to it."""
         found: dict[str, Span] = {}
-        for source in () if life is None else (life, *life.sources):
-            for each in self.lives:
-                if each.tag == "compiler" and each.root is source.root and isinstance(each.owner, str):
-                    found |= {key: each.span(self.traced.model.origins, key) for key in each.attributes}
+        if life is not None:
+            for source in (life, *life.sources):
+                for each in self.lives:
+                    if each.tag == "compiler" and each.root is source.root and isinstance(each.owner, str):
+                        found |= {key: each.span(self.traced.model.origins, key) for key in each.attributes}
         settings = () if life is None else self.recipes.settings
         return found | {f"{key} of {name(self.side, span.file)}": span for key, span in settings}
 
@@ -157,7 +162,8 @@ class Elements:
 
     def weighs(self, body: Node) -> bool:
         """Return whether a body has an inertial, or a geom with mass."""
-        found, classes = self.inside(body, "inertial", "geom"), self.traced.classes
+        found = self.inside(body, "inertial", "geom")
+        classes = self.traced.classes
         return any(each.tag == "inertial" or has_mass(each, classes) for each in found)
 
     def frames(self, node: Node) -> list[Node]:
@@ -199,7 +205,8 @@ Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
 
 class Pairs:
     def __init__(self, a: Elements, b: Elements) -> None:
-        self.a, self.b = a, b
+        self.a = a
+        self.b = b
 
     def candidates(self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
         """Yield possible causes, the likeliest first."""

@@ -47,12 +47,14 @@ def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
 
 def moves(matching: Correspondence) -> Iterator[Move]:
     """Yield joints, actuators, sensors and mocap bodies of both models whose address in a vector changed."""
-    a, b = matching.alone.model, matching.composed.model
+    a = matching.alone.model
+    b = matching.composed.model
     for kind in ("joint", "actuator", "sensor", "body"):
         pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])
         for vector in (vector for vector, (of, _) in VECTORS.items() if of == kind):
             for index, target in pairs:
-                before, after = span(a, vector, index), span(b, vector, target)
+                before = span(a, vector, index)
+                after = span(b, vector, target)
                 if before and after and before.start != after.start:
                     name = matching.composed.describe(kind, target)
                     yield Move(vector, kind, name, before=before.start, after=after.start)
@@ -71,7 +73,8 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
             before, after = (_word(mujoco, difference.name, each) for each in (difference.expected, difference.actual))
             yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in compare.statistic_differences(a, b):
-        before, after = difference.expected, difference.actual
+        before = difference.expected
+        after = difference.actual
         if not _close(before, after, tolerance):
             yield Change("changed", "statistic", "", field=difference.name, before=before, after=after, follows=True)
 
@@ -124,8 +127,11 @@ class Values:
     """The numbers that differ, in the unit and words of MuJoCo's arrays."""
 
     def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
-        self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
-        self.a, self.b = matching.alone.model, matching.composed.model
+        self.mujoco = mujoco
+        self.matching = matching
+        self.tolerance = tolerance
+        self.a = matching.alone.model
+        self.b = matching.composed.model
 
     def changes(self) -> Iterator[Change]:
         """Yield changes in the order of kinds, and of elements in B."""
@@ -138,10 +144,18 @@ class Values:
             for field, before, after in self._of(unequal[kind, target, index]):
                 note = str(after) if before is None and isinstance(after, str) else ""
                 yield Change(
-                    "changed", kind, names[1], field=field, before=before, after=None if note else after,
+                    "changed",
+                    kind,
+                    names[1],
+                    field=field,
+                    before=before,
+                    after=None if note else after,
                     form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "",
-                    index=(index, target), name_before=names[0], follows=about(field).is_computed, note=note,
-                )  # fmt: skip
+                    index=(index, target),
+                    name_before=names[0],
+                    follows=about(field).is_computed,
+                    note=note,
+                )
 
     def _of(self, unequal: list[compare.Unequal]) -> Iterator[tuple[str, Value, Value]]:
         first = unequal[0]
@@ -166,7 +180,8 @@ class Values:
             yield from self._numbers(name, before, after)
 
     def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
-        ours, others = _flat(before), _flat(after)
+        ours = _flat(before)
+        others = _flat(after)
         different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)]
         if different and len(ours) <= _SHOWN:
             yield name, _value(before), _value(after)
@@ -184,7 +199,8 @@ class Values:
             elif name not in _COUNTED:
                 yield name, f"{len(mine)} rows", f"{len(theirs)} rows"
         elif mine.size <= _SHOWN and not name.startswith(_SHAPES):
-            before, after = mine.tolist(), theirs.tolist()
+            before = mine.tolist()
+            after = theirs.tolist()
             if before != after and name.endswith("limited"):
                 yield name, bool(before[0]), bool(after[0])
             elif before != after:
@@ -197,7 +213,8 @@ class Values:
 
     def _gains(self, index: int, target: int) -> list[tuple[str, Value, Value]] | None:
         """Return gains by name, if both models have the actuator in the same form."""
-        before, after = _servo(self.a, index), _servo(self.b, target)
+        before = _servo(self.a, index)
+        after = _servo(self.b, target)
         if before is None or after is None or before.keys() != after.keys():
             return None
         pairs = ((name, value, after[name]) for name, value in before.items())
@@ -206,7 +223,8 @@ class Values:
 
 def _servo(model: Model, index: int) -> dict[str, float] | None:
     """Return the gains of a motor or servo without other parameters, which describe it completely."""
-    gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
+    gain = model.actuator_gainprm[index]
+    bias = model.actuator_biasprm[index]
     beside = bias if int(model.actuator_biastype[index]) == NO_BIAS else bias[3:]
     return None if gain[1:].any() or beside.any() else servo(model, index)
 
@@ -229,8 +247,20 @@ Names = Mapping[str, Mapping[str, str]]
 _ALIKE = 0.6
 """The share of names that two prefixes must have in common to count as one part."""
 
-_SINGLE = ("body", "joint", "geom", "site", "camera", "light", "material", "mesh", "texture", "tendon", "actuator",
-           "sensor")  # fmt: skip
+_SINGLE = (
+    "body",
+    "joint",
+    "geom",
+    "site",
+    "camera",
+    "light",
+    "material",
+    "mesh",
+    "texture",
+    "tendon",
+    "actuator",
+    "sensor",
+)
 
 
 def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
@@ -256,7 +286,8 @@ def _prefixes(
     lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: NameTable, b: NameTable
 ) -> list[tuple[str, str]]:
     """Return pairs of a prefix that only A has and a prefix that only B has, with similar names after them."""
-    gone, come = _behind(lost, b), _behind(new, a)
+    gone = _behind(lost, b)
+    come = _behind(new, a)
     pairs = []
     for before, mine in gone.items():
         shares = {after: len(mine & theirs) / len(mine | theirs) for after, theirs in come.items()}
@@ -304,32 +335,43 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
     It may also have ``names``, which maps A's names to B's by kind if that is known. Then unnamed elements may be in a
     different order.
     """
-    mine, theirs = NameTable(a), NameTable(b)
+    mine = NameTable(a)
+    theirs = NameTable(b)
     known = given.get("names")
     names = renames(mine, theirs) if known is None else known
     matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     tolerance = float(given["tolerance"])
     values = Values(mujoco, matching, tolerance)
     changes = [
-        *(_renamed(names, matching) if known is None else ()), *_presence(matching), *references(matching),
-        *values.changes(), *_keys(matching, tolerance), *setting_changes(mujoco, a, b, tolerance=tolerance),
-    ]  # fmt: skip
+        *(_renamed(names, matching) if known is None else ()),
+        *_presence(matching),
+        *references(matching),
+        *values.changes(),
+        *_keys(matching, tolerance),
+        *setting_changes(mujoco, a, b, tolerance=tolerance),
+    ]
     arrays = [name for name, *_ in compare.unequal_attributes(a, b)]
     contrast = Contrast(
-        identical=not arrays, changes=tuple(changes), moves=tuple(moves(matching)),
-        counts=tuple(counts(a, b, tolerance)), arrays=() if changes else tuple(arrays),
+        identical=not arrays,
+        changes=tuple(changes),
+        moves=tuple(moves(matching)),
+        counts=tuple(counts(a, b, tolerance)),
+        arrays=() if changes else tuple(arrays),
         elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
-    )  # fmt: skip
+    )
     return asdict(contrast)
 
 
 def contrast_of(data: Mapping[str, Any]) -> Contrast:
     frozen = ({name: _value(value) for name, value in each.items()} for each in data["changes"])
     return Contrast(
-        identical=data["identical"], changes=tuple(Change(**each) for each in frozen),
-        moves=tuple(Move(**each) for each in data["moves"]), counts=tuple(Count(**each) for each in data["counts"]),
-        arrays=tuple(data["arrays"]), elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
-    )  # fmt: skip
+        identical=data["identical"],
+        changes=tuple(Change(**each) for each in frozen),
+        moves=tuple(Move(**each) for each in data["moves"]),
+        counts=tuple(Count(**each) for each in data["counts"]),
+        arrays=tuple(data["arrays"]),
+        elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
+    )
 
 
 def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
@@ -370,15 +412,22 @@ def references(matching: Correspondence) -> Iterator[Change]:
             for each, side in ((mine, matching.alone), (other, matching.composed))
         )
         yield Change(
-            "changed", kind, named(matching.composed, kind, target), field=link.field, before=before,
-            after=after, index=(index, target), name_before=named(matching.alone, kind, index),
+            "changed",
+            kind,
+            named(matching.composed, kind, target),
+            field=link.field,
+            before=before,
+            after=after,
+            index=(index, target),
+            name_before=named(matching.alone, kind, index),
             follows=about(link.field).is_computed,
-        )  # fmt: skip
+        )
 
 
 def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     """Yield changes of keyframes by joint, actuator and mocap body."""
-    mine, theirs = matching.alone, matching.composed
+    mine = matching.alone
+    theirs = matching.composed
     types = matching.composed.model.jnt_type.tolist()
     joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
     for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
@@ -388,12 +437,21 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
             continue
         field, _, entry = difference.field.partition(" of ")
         name = entry.strip("`")
-        before, after = _alone(difference.expected), _alone(difference.actual)
+        before = _alone(difference.expected)
+        after = _alone(difference.actual)
         both = index, theirs.ids["key"].get(difference.name, ABSENT)
         yield Change(
-            "changed", "key", difference.name, field=field, before=before, after=after,
-            form=joints.get(name, ""), entry=name, index=both, name_before=difference.name,
-        )  # fmt: skip
+            "changed",
+            "key",
+            difference.name,
+            field=field,
+            before=before,
+            after=after,
+            form=joints.get(name, ""),
+            entry=name,
+            index=both,
+            name_before=difference.name,
+        )
     known = set(mine.names["key"])
     for index, name in enumerate(theirs.names["key"]):
         if name not in known:
@@ -409,9 +467,14 @@ def looks(mujoco: Any, *models_and_none: Any) -> list[dict[str, list[int]]]:
 
     It runs under `mjcompose.mujoco.engine.call`. A rangefinder meets every geom.
     """
-    return [{"geom": sorted(found := _seen_only(mujoco, each)), "mesh": _meshes(mujoco, each, found),
-             "camera": sorted({*range(each.ncam)} - _sensed(mujoco, each, "CAMERA"))}
-            for each in models_and_none[:-1]]  # fmt: skip
+    return [
+        {
+            "geom": sorted(found := _seen_only(mujoco, each)),
+            "mesh": _meshes(mujoco, each, found),
+            "camera": sorted({*range(each.ncam)} - _sensed(mujoco, each, "CAMERA")),
+        }
+        for each in models_and_none[:-1]
+    ]
 
 
 def _sensed(mujoco: Any, model: Model, kind: str) -> set[int]:

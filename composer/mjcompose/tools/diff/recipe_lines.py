@@ -44,7 +44,8 @@ def extent(span: Span, side: Side) -> range:
     lines = side.lines(span.file)
     if not 0 < span.line <= len(lines):
         return range(0)
-    first, end = lines[span.line - 1], span.line
+    first = lines[span.line - 1]
+    end = span.line
     ahead = first[: span.column - 1]
     if is_yaml(span) and not ahead.replace("-", " ").strip():
         depth = len(first) - len(first.lstrip())
@@ -86,15 +87,16 @@ class Recipes:
         self.attached: dict[tuple[Span, str | None], tuple[Plan, AttachPart]] = {}
         """The parts by their place, and the turn of a `for` there."""
         self._given: dict[str, list[Span]] = defaultdict(list)
-        for plan in () if side.plan is None else side.plan.plans():
-            if any(plan is each for each in self.plans):
-                continue
-            self.plans.append(plan)
-            self.attached |= {(step.span, step.span.turn): (plan, step) for step in plan.parts}
-            blocks = (find(plan.document, (*step.at, "with")) for step in plan.members)
-            for entries in (each.entries for each in blocks if isinstance(each, Mapping)):
-                for name, (_, node) in entries.items():
-                    self._given[name].append(node.span)
+        if side.plan is not None:
+            for plan in side.plan.plans():
+                if any(plan is each for each in self.plans):
+                    continue
+                self.plans.append(plan)
+                self.attached |= {(step.span, step.span.turn): (plan, step) for step in plan.parts}
+                blocks = (find(plan.document, (*step.at, "with")) for step in plan.members)
+                for entries in (each.entries for each in blocks if isinstance(each, Mapping)):
+                    for name, (_, node) in entries.items():
+                        self._given[name].append(node.span)
         for name, node in side.given.items():
             self._given[name].append(node.span)
 
@@ -122,8 +124,11 @@ class Recipes:
             return ()
         lines = extent(span, self.side)
         end = span.end_column if span.end_line == span.line and len(lines) == 1 else None
-        found = (names for (file, line, column), names in self._expressions.items()
-                 if file == span.file and line in lines and (end is None or span.column <= column < end))  # fmt: skip
+        found = (
+            names
+            for (file, line, column), names in self._expressions.items()
+            if file == span.file and line in lines and (end is None or span.column <= column < end)
+        )
         turns = self._turns.get((span.file, span.line, span.column), ()) if span.turn is not None else ()
         return (*chain.from_iterable(found), *turns)
 
@@ -196,9 +201,11 @@ class Recipes:
 
 def _pieces(document: Node) -> Iterator[Node]:
     axes = find(document, ("variants",))
-    for _, values in axes.entries.values() if isinstance(axes, Mapping) else ():
-        for _, piece in values.entries.values() if isinstance(values, Mapping) else ():
-            yield piece
+    if isinstance(axes, Mapping):
+        for _, values in axes.entries.values():
+            if isinstance(values, Mapping):
+                for _, piece in values.entries.values():
+                    yield piece
 
 
 class Written:
@@ -254,7 +261,8 @@ class Written:
 
     def _counterpart(self, side: int, file: str) -> str | None:
         """Return the file at the same place on the other side; the counterpart of A itself is B."""
-        here, there = self.sides[side], self.sides[1 - side]
+        here = self.sides[side]
+        there = self.sides[1 - side]
         if (found := self._paths[1 - side].get(real(here, file))) is not None:
             return found
         if (found := self._named[1 - side].get(name(here, file))) is not None:
@@ -305,7 +313,8 @@ def _files(side: Side, recipes: Recipes) -> Iterator[str]:
 def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
     """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
     head, tail = common_ends(ours, theirs)
-    mine, yours = ours[head : len(ours) - tail], theirs[head : len(theirs) - tail]
+    mine = ours[head : len(ours) - tail]
+    yours = theirs[head : len(theirs) - tail]
     for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():
         if tag != "equal":
             yield first + head, last + head, start + head, end + head

@@ -203,7 +203,10 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
     Temporary folders live as long as `opened`.
     """
-    path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
+    path = context.folder / text
+    revision = None
+    files = None
+    own = replace(context, sink=Sink())
     if not os.path.exists(path) and (parts := split(text)) is not None:
         revision = parts[0]
         with context.sink:
@@ -222,7 +225,8 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         message = f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle"
         help = "name a .yaml, .xml, .urdf, .xacro, .zip, .mjz or a folder, or one of a git revision as `REV:path`"
         if foreign is not None:
-            message, help = foreign.message(text), foreign.help(text)
+            message = foreign.message(text)
+            help = foreign.help(text)
         context.sink.error("source-kind", message, help=help)
         return None
     given = path if path.suffix.lower() in URDF_FILES else None
@@ -251,7 +255,9 @@ def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) 
     """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = Path(os.path.realpath(opened.enter_context(scratch("revision"))))
     root, there = check_out(revision, context.folder / path, made, environment=context.environment)
-    inside, named, folder = os.path.relpath(there, root), os.path.normpath(path), root
+    inside = os.path.relpath(there, root)
+    named = os.path.normpath(path)
+    folder = root
     if not Path(path).is_absolute() and ".." not in Path(path).parts and inside.endswith(named):
         folder = root / inside.removesuffix(named)
     # Its root counts as the root of the project, even without a file there that says so.
@@ -295,12 +301,19 @@ class Side(Struct, frozen=False):
     def end(self) -> End:
         whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
         cells = 0 if self.cell is not None else self.cells
-        root, outside = self.operand.files, set[str]()
+        root = self.operand.files
+        outside: set[str] = set()
         if root is not None:  # files outside of the repository are as they are now
             inputs = (Path(os.path.normpath(path)) for path in self.inputs)
             outside = {os.path.relpath(path, root) for path in inputs if not path.is_relative_to(root)}
-        return End(self.operand.label, self.operand.kind, whole.hexdigest(), cell=self.cell, cells=cells,
-                   outside=tuple(sorted(outside)))  # fmt: skip
+        return End(
+            self.operand.label,
+            self.operand.kind,
+            whole.hexdigest(),
+            cell=self.cell,
+            cells=cells,
+            outside=tuple(sorted(outside)),
+        )
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
@@ -313,9 +326,16 @@ class Side(Struct, frozen=False):
 
 
 def load(
-    operand: Operand, kept: str, session: Session, given: Given | None = None, pick: str | None = None,
-    sample: int | None = None, library: Library | None = None, *, whole: bool = False,
-) -> Side | None:  # fmt: skip
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given | None = None,
+    pick: str | None = None,
+    sample: int | None = None,
+    library: Library | None = None,
+    *,
+    whole: bool = False,
+) -> Side | None:
     """Return the compiled model of an operand, or None if there is none, which is reported.
 
     For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
@@ -336,11 +356,17 @@ def load(
 
 
 def load_cell(
-    operand: Operand, kept: str, session: Session, given: Given, cell: Cell | None, sample: int = 0,
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given,
+    cell: Cell | None,
+    sample: int = 0,
     library: Library | None = None,
-) -> Side | None:  # fmt: skip
+) -> Side | None:
     """Return the model of a cell of a recipe, or without a cell the `sample` of its draws; None as in `load`."""
-    context, watch = operand.context, Trace()
+    context = operand.context
+    watch = Trace()
     if cell is None:
         values = given
         plan = make_plan(operand.path, context, given, sample=sample)
@@ -365,10 +391,18 @@ def load_cell(
     traced = Traced(composed.model, watch, plan.separator, folder=context.folder, merged=composed.merged)
     matrix = read_matrix(operand.path, context, given)
     return Side(
-        operand, kept, _digests(bundle), traced=traced, plan=plan, cell=None if cell is None else cell.name,
-        cells=len(matrix.cells) if matrix else 0, given=values,
-        inputs=tuple(source_files(plan, composed.model, composed.files)), bundle=bundle, excluded=composed.excluded,
-    )  # fmt: skip
+        operand,
+        kept,
+        _digests(bundle),
+        traced=traced,
+        plan=plan,
+        cell=None if cell is None else cell.name,
+        cells=len(matrix.cells) if matrix else 0,
+        given=values,
+        inputs=tuple(source_files(plan, composed.model, composed.files)),
+        bundle=bundle,
+        excluded=composed.excluded,
+    )
 
 
 def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:
@@ -382,7 +416,8 @@ def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell
 
 
 def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
-    context, path = operand.context, operand.path
+    context = operand.context
+    path = operand.path
     shown = context.shown(path)
     unit = parse_file(path, aside := Sink(), file=shown)
     too_much = any(each.code == TOO_MUCH for each in aside.errors)
@@ -413,14 +448,21 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     if verified.error is not None and not verified.compiled.ok:
         _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)
         return None
-    file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
-    unit = parse_text(text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files,
-                      door=NOTHING)  # fmt: skip
+    file = f"{shown}/{bundle.model}"
+    text = bundle.files[bundle.model]
+    unit = parse_text(
+        text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files, door=NOTHING
+    )
     files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
     return Side(
-        operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files), bundle=bundle,
+        operand,
+        kept,
+        _digests(bundle),
+        traced=_traced(unit, context),
+        inputs=tuple(files),
+        bundle=bundle,
         read={file: text.decode("utf-8", "replace").splitlines()},
-    )  # fmt: skip
+    )
 
 
 def _traced(unit: Unit | None, context: Context) -> Traced | None:

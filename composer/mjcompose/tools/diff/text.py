@@ -15,9 +15,13 @@ from mjcompose.tools.diff.changes import SETTINGS, Breaking, Cause, Change, Coun
 
 _NAMED = 5
 _PLURALS = {
-    "body": "bodies", "mesh": "meshes", "equality": "equalities", "flex": "flexes", "key": "keyframes",
+    "body": "bodies",
+    "mesh": "meshes",
+    "equality": "equalities",
+    "flex": "flexes",
+    "key": "keyframes",
     "default class": "default classes",
-}  # fmt: skip
+}
 _SINGULARS = {"key": "keyframe"}
 Between: TypeAlias = Callable[[Value, Value, str], str]
 _ORDER = ("renamed", "removed", "added", "changed")
@@ -35,8 +39,15 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
         if change.what == "renamed":
             key = (change.what, _prefixes(change) or (change.kind, change.name))
         elif change.what == "changed":
-            key = (change.kind, change.field, change.before, change.after, change.note, change.form,
-                   change.name if change.kind == "key" else "")  # fmt: skip
+            key = (
+                change.kind,
+                change.field,
+                change.before,
+                change.after,
+                change.note,
+                change.form,
+                change.name if change.kind == "key" else "",
+            )
         found[key].append(change)
     yield from (_sentence(alike, between) for alike in found.values())
 
@@ -51,7 +62,8 @@ def moved(moves: Iterable[Move]) -> Iterator[str]:
     """Yield changed addresses: one line for a run of elements that all move by the same number of places."""
     for (vector, kind, by), run in groupby(moves, key=lambda each: (each.vector, each.kind, each.after - each.before)):
         several = list(run)
-        first, last = several[0], several[-1]
+        first = several[0]
+        last = several[-1]
         of = f"of {subject(kind, [each.name for each in several])} in {vector}:"
         if len(several) == 1:
             yield f"address {of} {first.before} → {first.after}"
@@ -92,9 +104,11 @@ def plural(kind: str) -> str:
 def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) -> str:
     """`0.25 kg → 0.3 kg (+20 %)`."""
     unit = f" {unit}" if unit and not isinstance(before, str) and not isinstance(after, str) else ""
-    ours, theirs = shown(before), shown(after)
+    ours = shown(before)
+    theirs = shown(after)
     if ours == theirs:
-        ours, theirs = shown(before, None), shown(after, None)
+        ours = shown(before, None)
+        theirs = shown(after, None)
     change = (relative(before, after) if share else None) or 0.0
     grown = f" (×{change + 1:.3g})" if change >= 9 else f" ({'+' if change > 0 else '−'}{abs(100 * change):.3g} %)"
     grown = grown if abs(change) >= 5e-4 else ""
@@ -108,7 +122,8 @@ def view(view: View) -> str:
 
 def relative(before: Value, after: Value) -> float | None:
     """Return the relative change, or None if it has no meaning or the numbers changed by different factors."""
-    ours, theirs = _numbers(before), _numbers(after)
+    ours = _numbers(before)
+    theirs = _numbers(after)
     if all(isinstance(each, int) for each in (*ours, *theirs)):
         return None
     if not ours or len(ours) != len(theirs) or not any(ours):
@@ -135,7 +150,8 @@ def shown(value: Value, digits: int | None = 6) -> str:
 
 
 def _sentence(alike: Sequence[Change], between: Between | None) -> str:
-    change, names = alike[0], [each.name for each in alike]
+    change = alike[0]
+    names = [each.name for each in alike]
     if change.what in ("added", "removed"):
         return f"{'+' if change.what == 'added' else '−'} {subject(change.kind, names)}"
     if change.what == "renamed":
@@ -176,11 +192,18 @@ def as_data(diff: Diff) -> dict[str, Any]:
     """Return everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
     contrast = diff.contrast
     return {
-        "same": diff.same, "identical": contrast.identical, "a": _end(diff.a), "b": _end(diff.b),
-        "files": list(diff.files), "counts": list(map(plain_data, contrast.counts)), "groups": _groups(diff.groups),
-        "addresses": list(map(plain_data, contrast.moves)), "arrays": list(contrast.arrays), "follows": diff.follows,
+        "same": diff.same,
+        "identical": contrast.identical,
+        "a": _end(diff.a),
+        "b": _end(diff.b),
+        "files": list(diff.files),
+        "counts": list(map(plain_data, contrast.counts)),
+        "groups": _groups(diff.groups),
+        "addresses": list(map(plain_data, contrast.moves)),
+        "arrays": list(contrast.arrays),
+        "follows": diff.follows,
         "views": list(map(plain_data, diff.views)),
-    }  # fmt: skip
+    }
 
 
 def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
@@ -200,10 +223,13 @@ def _change(change: Change) -> dict[str, Any]:
         data["before"] = change.before
     if change.what == "changed":
         data |= {
-            "quantity": about(change.field).words, "field": change.field, "before": change.before,
-            "after": change.after, "unit": unit(change.field, change.form) or None,
+            "quantity": about(change.field).words,
+            "field": change.field,
+            "before": change.before,
+            "after": change.after,
+            "unit": unit(change.field, change.form) or None,
             "relative": relative(change.before, change.after),
-        }  # fmt: skip
+        }
         data |= {name: text for name, text in (("note", change.note), ("entry", change.entry)) if text}
     return data
 
@@ -352,7 +378,8 @@ _EFFECTS = {
 
 def render_breaking(breaking: Breaking, *, markdown: bool) -> str:
     """Return the changes by level: for a terminal, or as a comment on GitHub."""
-    diff, names = breaking.diff, [level.name for level in breaking.levels]
+    diff = breaking.diff
+    names = [level.name for level in breaking.levels]
     says = f"{names[0]}: {_EFFECTS[names[0]]}" if names else "the same interface, motion and looks"
     lines = [*_head(diff, says, markdown=markdown)]
     for level in breaking.levels:

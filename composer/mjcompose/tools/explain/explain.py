@@ -79,8 +79,11 @@ class Traced:
         attribute = None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
-            fitting = [node for node in found
-                       if attribute in kind_of(node).attributes or trace_words.is_derived(node, attribute)]  # fmt: skip
+            fitting = [
+                node
+                for node in found
+                if attribute in kind_of(node).attributes or trace_words.is_derived(node, attribute)
+            ]
             if not fitting:
                 no_attribute(found[0], asked.attribute, context.sink)
                 return None
@@ -90,12 +93,16 @@ class Traced:
         return self.element(found[0]) if attribute is None else self.attribute(found[0], attribute)
 
     def element(self, node: Node) -> ElementExplained:
-        life, kind = self.watch.life(node), kind_of(node)
-        in_force, steps, values = None, [], []
+        life = self.watch.life(node)
+        kind = kind_of(node)
+        in_force = None
+        steps = []
+        values = []
         if kind.takes_class:
             in_force = self._in_force(node)
             for name in (each.name for each in default_classes.chain(node, self.classes)):
-                declared, unset = self.declared.get(name), Reason("the top class, which sets nothing")
+                declared = self.declared.get(name)
+                unset = Reason("the top class, which sets nothing")
                 steps.append(explanation.ClassStep(name, unset if declared is None else self._first_written(declared)))
             for attribute, level in given(node, kind, self.classes):
                 span = self.written_at(level.writer, attribute.name)
@@ -103,15 +110,25 @@ class Traced:
         children = node.iterchildren("*") if node.tag == "default" else ()
         sets = [
             explanation.Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
-            for child in children if child.tag != "default" for name, text in child.items()
-        ]  # fmt: skip
+            for child in children
+            if child.tag != "default"
+            for name, text in child.items()
+        ]
         holders = (self.labels[each] for each in node.iterancestors() if each.tag == "worldbody" or query.name_of(each))
         return ElementExplained(
-            label=self.labels[node], text=_start_tag(node), holder=next(holders, None), shared=self._shared_with(node),
-            end_line=life.line if isinstance(life.owner, str) else None, written=tuple(self.written(life)),
-            parts=tuple(self.parts(life)), changes=tuple(self.changes(life)), in_force=in_force, classes=tuple(steps),
-            given=tuple(values), sets=tuple(sets),
-        )  # fmt: skip
+            label=self.labels[node],
+            text=_start_tag(node),
+            holder=next(holders, None),
+            shared=self._shared_with(node),
+            end_line=life.line if isinstance(life.owner, str) else None,
+            written=tuple(self.written(life)),
+            parts=tuple(self.parts(life)),
+            changes=tuple(self.changes(life)),
+            in_force=in_force,
+            classes=tuple(steps),
+            given=tuple(values),
+            sets=tuple(sets),
+        )
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
         if trace_words.is_derived(node, name):
@@ -128,19 +145,30 @@ class Traced:
             changes: tuple[Changed, ...] = ()
             if step.writer is not None and (step.text is not None or step.kind == "element"):
                 changes = tuple(self.changes(self.watch.life(step.writer), name))
-            explained.append(explanation.LevelExplained(
-                step.kind, words, step.text, wins=bool(step.taken), span=origin.span, changes=changes,
-                words=origin.words,
-                part_of_it=" ".join(numbers[step.taken.start : step.taken.stop]) if is_part else None,
-            ))  # fmt: skip
+            explained.append(
+                explanation.LevelExplained(
+                    step.kind,
+                    words,
+                    step.text,
+                    wins=bool(step.taken),
+                    span=origin.span,
+                    changes=changes,
+                    words=origin.words,
+                    part_of_it=" ".join(numbers[step.taken.start : step.taken.stop]) if is_part else None,
+                )
+            )
         others = [other for other in ORIENTATIONS if other != name and node.get(other)] if name in ORIENTATIONS else []
         note = "`{}` is written on the element too: only one of several orientations counts"
         return AttributeExplained(
-            label=self.labels[node], attribute=name, value=value(steps), levels=tuple(explained),
+            label=self.labels[node],
+            attribute=name,
+            value=value(steps),
+            levels=tuple(explained),
             in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
-            about=attribute.doc or None, notes=tuple(map(note.format, others)),
+            about=attribute.doc or None,
+            notes=tuple(map(note.format, others)),
             rows=tuple(row for _, row in self.key_rows(node, name)) if node.tag == "key" and name in VECTORS else (),
-        )  # fmt: skip
+        )
 
     def _derived(self, node: Node, name: str) -> AttributeExplained:
         """Explain an attribute that other attributes determine: each of them is a level of its own."""
@@ -155,12 +183,19 @@ class Traced:
                     levels.append(replace(level, kind="element", name=f"{called} {attribute}{place}"))
         said = trace_words.total(found, name, [each.value for each in explained]) if node.tag == "body" else None
         return AttributeExplained(
-            label=self.labels[node], attribute=name, value=said, levels=tuple(levels), in_force=None,
-            about=None, rows=(), notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
-        )  # fmt: skip
+            label=self.labels[node],
+            attribute=name,
+            value=said,
+            levels=tuple(levels),
+            in_force=None,
+            about=None,
+            rows=(),
+            notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
+        )
 
     def _listed(self, node: Node, attribute: str | None) -> explanation.Listed:
-        text, life = None, self.watch.life(node)
+        text = None
+        life = self.watch.life(node)
         written = list(self.written(life))
         reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
         if attribute is not None and trace_words.is_derived(node, attribute):
@@ -205,7 +240,8 @@ class Traced:
 
     def on_line(self, file: str, line: int) -> list[Node]:
         def is_there(life: Life) -> bool:
-            span, last = self._span(life), life.line if isinstance(life.owner, str) else None
+            span = self._span(life)
+            last = life.line if isinstance(life.owner, str) else None
             is_in_file = span is not None and (span.file == file or span.file.endswith(f"/{file}"))
             return span is not None and is_in_file and span.line <= line <= (last or span.line)
 
@@ -213,8 +249,9 @@ class Traced:
         return [node for node, life in lives if any(map(is_there, (life, *life.sources)))]
 
     def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
-        for source in life.sources if len(life.sources) == 1 else ():
-            yield from self.changes(source, only)
+        if len(life.sources) == 1:
+            for source in life.sources:
+                yield from self.changes(source, only)
         yield from self._as_the_recipe_has_it(life, only)
         for change in life.changes:
             if isinstance(change, Move):
@@ -229,8 +266,11 @@ class Traced:
         """Yield values that a recipe writes in a different form from MJCF, such as angles in their own unit."""
         if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
             return
-        settled = {each.attribute: each.after or "" for each in life.changes
-                   if isinstance(each, Change) and each.cause.function is settle_joints}  # fmt: skip
+        settled = {
+            each.attribute: each.after or ""
+            for each in life.changes
+            if isinstance(each, Change) and each.cause.function is settle_joints
+        }
         element = life.owner(None)
         for name, text in {**life.attributes, **settled}.items():
             span = life.owner(name)
@@ -295,7 +335,8 @@ class Traced:
             return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
         if life.line is None and isinstance(life.owner, str):
             return Reason(f"the name of the recipe `{life.owner}`", None)
-        span, text = self._span(life, attribute), life.attributes[attribute]
+        span = self._span(life, attribute)
+        text = life.attributes[attribute]
         if getattr(life.born.done, "format", None) == "urdf":
             return Reason("" if self.recipe_lines.has(span, text) else _URDF, span)
         if isinstance(life.born.done, EditElements) and not self.recipe_lines.has(span, text):
@@ -334,15 +375,16 @@ class Traced:
 
     def _left_out(self, asked: query.Asked) -> Iterator[Note]:
         replaced = {source.node for life in self.watch.lives.values() for source in life.sources}
-        for life in self.watch.gone if asked.name is not None else ():
-            named = dict(life.items).get("name")
-            if named is None or life.node in replaced:
-                continue
-            prefixes = [part.prefix for part in life.parts]
-            called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
-            if asked.name in called | {"".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))}:
-                cause = self.causes.gone(life)
-                yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
+        if asked.name is not None:
+            for life in self.watch.gone:
+                named = dict(life.items).get("name")
+                if named is None or life.node in replaced:
+                    continue
+                prefixes = [part.prefix for part in life.parts]
+                called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
+                if asked.name in called | {"".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))}:
+                    cause = self.causes.gone(life)
+                    yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
 
 
 def _start_tag(node: Node) -> str:

@@ -160,8 +160,9 @@ def render(explained: Explained, read_source: ReadSource | None = None, color: b
 
 def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
     yield paint("bold", it.label)
-    yield from textwrap.wrap(it.text, _WIDE, initial_indent="  ", subsequent_indent="      ",
-                             break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    yield from textwrap.wrap(
+        it.text, _WIDE, initial_indent="  ", subsequent_indent="      ", break_long_words=False, break_on_hyphens=False
+    )
     if it.holder:
         yield f"  in {it.holder}"
     if it.shared:

@@ -78,7 +78,8 @@ def same_value(a: str, b: str) -> bool:
     >>> same_value("1 0.50 x", "1.0 .5 x")
     True
     """
-    ours, theirs = a.split(), b.split()
+    ours = a.split()
+    theirs = b.split()
     with suppress(ValueError):
         return all(one == other or float(one) == float(other) for one, other in zip(ours, theirs, strict=True))
     return False
@@ -109,24 +110,30 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         help = "write for example `geom gripper/pad`, or `option timestep`"
         sink.error("unknown-name", "the query is empty", help=help)
         return None
-    numbered, line = _NUMBERED.fullmatch(words[0]), _LINE.fullmatch(words[0])
+    numbered = _NUMBERED.fullmatch(words[0])
+    line = _LINE.fullmatch(words[0])
     kinds = _kinds(numbered[1] if numbered else words[0])
     unknown = numbered[1] if numbered and kinds is None else None
     if numbered and kinds is not None:
-        asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
+        asked = Asked(text, kinds, number=int(numbered[2]))
+        rest = words[1:]
     elif line and kinds is None:
-        asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
+        asked = Asked(text, None, line=(line[1], int(line[2])))
+        rest = words[1:]
     elif kinds is None:
         is_attribute = len(words) > 1 and any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
         if len(words) > 1 and re.fullmatch(r"[a-z_]+", words[0]) and not is_attribute:
             unknown = words[0]
-        asked, rest = Asked(text, None, name=words[0]), words[1:]
+        asked = Asked(text, None, name=words[0])
+        rest = words[1:]
     elif _is_one(kinds):
         asked, rest = _inside(text, words)
     elif len(words) > 1:
-        asked, rest = Asked(text, kinds, name=words[1]), words[2:]
+        asked = Asked(text, kinds, name=words[1])
+        rest = words[2:]
     else:
-        asked, rest = Asked(text, kinds), []
+        asked = Asked(text, kinds)
+        rest = []
     if unknown is not None:
         sink.error("unknown-element", f"MJCF has no element `{unknown}`", help=did_you_mean(unknown, tags_of()))
         return None
@@ -198,7 +205,8 @@ def labels(root: Node) -> dict[Node, str]:
     found: dict[Node, str] = {}
     for node in ordered(root):
         kind = kind_of(node)
-        word, name = _word(kind), name_of(node)
+        word = _word(kind)
+        name = name_of(node)
         if kind.path == "worldbody":
             found[node] = "body world"
         elif node.getparent() is root and kind.path != "default":
@@ -246,9 +254,11 @@ def _is_one(kinds: frozenset[str]) -> bool:
 
 def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
     """Follow the words into a section of settings as far as there are elements, as in `option flag gravity`."""
-    path, rest = words[0], words[1:]
+    path = words[0]
+    rest = words[1:]
     while rest and f"{path}/{rest[0]}" in GRAMMAR.paths:
-        path, rest = f"{path}/{rest[0]}", rest[1:]
+        path = f"{path}/{rest[0]}"
+        rest = rest[1:]
     return Asked(text, _kinds(path) or frozenset({path})), rest
 
 

@@ -135,7 +135,8 @@ class Trace:
         linking = self._linkings.get(units[0].root)
         causes = {each.root: Cause(done, each, self._parts.get(each.root), linking=linking) for each in units}
         before = {node for unit in changed for node in self._members.get(unit.root, ())}
-        now, born = set[Node](), list[Life]()
+        now: set[Node] = set()
+        born: list[Life] = []
         for unit in changed:
             cause = causes[unit.root]
             members = self._members[unit.root] = list(unit.root.iter("*"))
@@ -181,9 +182,20 @@ class Trace:
         parent = node.getparent()
         root = cause.unit.root
         life = Life(
-            node, root, owner, line=line_of(node), tag=str(node.tag), attributes=dict(items), parent=parent,
-            home=root, made_by=made, born=cause, items=items, last_tag=str(node.tag), last_parent=parent,
-        )  # fmt: skip
+            node,
+            root,
+            owner,
+            line=line_of(node),
+            tag=str(node.tag),
+            attributes=dict(items),
+            parent=parent,
+            home=root,
+            made_by=made,
+            born=cause,
+            items=items,
+            last_tag=str(node.tag),
+            last_parent=parent,
+        )
         self.lives[node] = life
         part = cause.part or (self._carriers(cause.linking).of(life) if cause.linking is not None else None)
         if part is not None and made is not None and made.is_pass:
@@ -201,9 +213,11 @@ class Trace:
         items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
         tag = life.node.tag
         if items != life.items or tag != life.last_tag:
-            before, after = {TAG: life.last_tag, **dict(life.items)}, {TAG: str(tag), **dict(items)}
+            before = {TAG: life.last_tag, **dict(life.items)}
+            after = {TAG: str(tag), **dict(items)}
             life.changes += _differences(before, after, cause, owner=unit.origins.owner(life.node, unit.file))
-            life.items, life.last_tag = items, str(tag)
+            life.items = items
+            life.last_tag = str(tag)
         parent = life.node.getparent()
         if parent is not life.last_parent:
             life.changes.append(Move(life.last_parent, parent, cause))
@@ -293,10 +307,13 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
     owners = [] if layout is None else layout.holders(vector)
     if not known or sum(width for _, width in owners) != len(known):
         return []
-    found, at = [], 0
+    found = []
+    at = 0
     for holder, width in owners:
-        found += [Row(element_of(holder), " ".join(each.number.text for each in run), reading.origin(run))
-                  for run in _runs(known[at : at + width])]  # fmt: skip
+        found += [
+            Row(element_of(holder), " ".join(each.number.text for each in run), reading.origin(run))
+            for run in _runs(known[at : at + width])
+        ]
         at += width
     return found
 
@@ -318,7 +335,8 @@ class _Reading:
     """Reads the linker's records of keys, and the observed changes to them."""
 
     def __init__(self, model: Unit, trace: Trace) -> None:
-        self.model, self.trace = model, trace
+        self.model = model
+        self.trace = trace
         self.known: dict[tuple[Node, str], list[_Known]] = {}
 
     def settled(self, key: Node, vector: str) -> list[_Known]:
@@ -339,7 +357,8 @@ class _Reading:
         if found.number.source is not source:
             if found.number.source.key is not source.key:
                 found = self._settled(found)
-            ours, theirs = source, found.number.source
+            ours = source
+            theirs = found.number.source
             both = replace(theirs, taken=theirs.taken + ours.taken, moved=theirs.moved + ours.moved, lost=theirs.lost)
             found = _Known(Number(known.number.text, both, found.number.at), found.change)
         return found
@@ -351,7 +370,8 @@ class _Reading:
     def _numbers(self, key: Node, vector: str) -> list[_Known]:
         """Return the numbers of an element from the linker's notes, updated by later edits and draws."""
         if (key, vector) not in self.known:
-            life, noted = self.trace.life(key), self._noted(key, vector)
+            life = self.trace.life(key)
+            noted = self._noted(key, vector)
             if noted is None:
                 noted = _numbered(life.attributes.get(vector, ""), KeySource("key", vector, key))
             changes = [each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)]
@@ -360,7 +380,8 @@ class _Reading:
         return self.known[key, vector]
 
     def origin(self, run: list[_Known]) -> NumberOrigin:
-        first, last = run[0], run[-1]
+        first = run[0]
+        last = run[-1]
         source = first.number.source
         lost = None if source.lost is None else self._of(source.lost.source, (source.lost.at, source.lost.at))
         found = self._of(source, (first.number.at, last.number.at))

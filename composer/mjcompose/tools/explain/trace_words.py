@@ -157,7 +157,8 @@ class Causes:
         return None if life is None else life.span(unit.origins, name)
 
     def _names(self, life: Life, change: Change) -> Reason | None:
-        part, span = change.cause.part, change.cause.part.span if change.cause.part else None
+        part = change.cause.part
+        span = change.cause.part.span if change.cause.part else None
         if change.after is not None and change.before is None and change.attribute == "name":
             return Reason("named after its file, with the prefix of the part", span)
         if part is not None and change.after == part.prefix + (change.before or ""):
@@ -183,7 +184,8 @@ class Causes:
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
     def _inertia(self, life: Life, change: Change) -> Reason:
-        settings, unit = change.cause.unit.settings, change.cause.unit
+        settings = change.cause.unit.settings
+        unit = change.cause.unit
         measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
         if measured:
             names = " and ".join(f"`{name}`" for name in measured)
@@ -265,7 +267,8 @@ class Causes:
 
     def _bodies_value(self, life: Life, change: Change) -> Reason | None:
         """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
-        part, attribute = change.cause.part, change.attribute
+        part = change.cause.part
+        attribute = change.attribute
         if part is None:
             return None
         span = change.cause.unit.origins.set_at(life.node, attribute)
@@ -497,6 +500,7 @@ def _of_body(body: Node, name: str, classes: Classes) -> Iterator[tuple[Node, st
         written = next((each for each in (name, "fullinertia") if inertials[-1].get(each)), name)
         yield inertials[-1], MASS if name == MASS else written
         return
-    for geom in geoms if rule != "false" else ():
-        mass = classes.effective(geom, childclass_of(geom), MASS)
-        yield geom, "density" if mass is None else MASS
+    if rule != "false":
+        for geom in geoms:
+            mass = classes.effective(geom, childclass_of(geom), MASS)
+            yield geom, "density" if mass is None else MASS

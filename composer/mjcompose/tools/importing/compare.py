@@ -32,10 +32,18 @@ class Comparison:
     """Compares the parts with their state in the merged model, and writes the edits for the differences."""
 
     def __init__(
-        self, merged: Unit, parts: list[Unit], references: list[str], *,
-        relative: Callable[[Path], str], likeness: Callable[[Instance, Names], elements.Likeness],
-    ) -> None:  # fmt: skip
-        self.merged, self.parts, self.references, self.relative = merged, parts, references, relative
+        self,
+        merged: Unit,
+        parts: list[Unit],
+        references: list[str],
+        *,
+        relative: Callable[[Path], str],
+        likeness: Callable[[Instance, Names], elements.Likeness],
+    ) -> None:
+        self.merged = merged
+        self.parts = parts
+        self.references = references
+        self.relative = relative
         self.found = find(merged, parts)
         self.separator = separator_of(self.found)
         name_in_recipe(self.found, [part.label for part in parts], self.separator)
@@ -89,7 +97,8 @@ class Comparison:
             return item.section == other.section and self.meant(item, each) == self.meant(other, None)
         if item.kind.tag != other.kind.tag or self.changes(item, other, each):
             return False
-        before, after = parent_body(item.node), parent_body(other.node)
+        before = parent_body(item.node)
+        after = parent_body(other.node)
         if before is None or after is None:
             return before is after and each.is_base
         return self.theirs(each, "body", str(before.get("name"))) == after.get("name")
@@ -171,7 +180,8 @@ class Comparison:
         for name, attribute in before.kind.attributes.items():
             if name not in one or name not in other:
                 continue
-            ours, theirs = one[name], other[name]
+            ours = one[name]
+            theirs = other[name]
             is_equal = attribute.is_reference and theirs.split() == [
                 self.theirs(each, attribute.refers, old) for old in ours.split()
             ]
@@ -185,15 +195,18 @@ class Comparison:
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
         """Return whether MuJoCo compiles both to the same result."""
-        part, likeness = self.parts[each.part], self.likeness.get(id(each), elements.Likeness())
+        part = self.parts[each.part]
+        likeness = self.likeness.get(id(each), elements.Likeness())
         of_body = before.tag == after.tag == "inertial"
         here, there = (parent_body(node) if of_body else node for node in (before, after))
         if here is None or there is None:
             return False
-        one, other = self.places[part].get(here), self.places[self.merged].get(there)
+        one = self.places[part].get(here)
+        other = self.places[self.merged].get(there)
         if one is None or other is None or one[0] != other[0] or one[0] in _SORTED:
             return False
-        kind, counts = one[0], (self.counts[part][one[0]], self.counts[self.merged][one[0]])
+        kind = one[0]
+        counts = (self.counts[part][one[0]], self.counts[self.merged][one[0]])
         return likeness.counts.get(kind) == counts and (one[1], other[1]) in likeness.same.get(kind, ())
 
     def changed(self) -> None:
@@ -233,7 +246,8 @@ class Comparison:
 
     def owner(self, pair: Pair, name: str) -> str | None:
         """Return the class that sets an element's value, or None if the element itself or nothing sets it."""
-        node, unit = pair.item.node, self.parts[pair.each.part]
+        node = pair.item.node
+        unit = self.parts[pair.each.part]
         if node.get(name) is not None or not pair.item.kind.takes_class:
             return None
         found = unit.classes.get(str(node.get("class") or childclass_of(node) or MAIN))
@@ -269,7 +283,8 @@ class Comparison:
 
     def unit(self, pair: Pair, name: str) -> str:
         """Return the unit in which the merged model writes an attribute."""
-        kind, attribute = pair.item.kind, pair.item.kind.attributes[name]
+        kind = pair.item.kind
+        attribute = pair.item.kind.attributes[name]
         form = ""
         if kind.tag == "joint" and pair.item.section == "worldbody":
             form = elements.effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
@@ -282,11 +297,13 @@ class Comparison:
 
     def compare_assets(self, each: Instance) -> None:
         """Write the edits of the part's own assets; their files remain the part's."""
-        part, assets = self.parts[each.part], elements.assets_of(self.merged)
+        part = self.parts[each.part]
+        assets = elements.assets_of(self.merged)
         for (tag, name), node in elements.assets_of(part).items():
             there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
             if there is not None:
-                kind, select = GRAMMAR.element(tag), elements.selector_of(tag, tag, each.out + name)
+                kind = GRAMMAR.element(tag)
+                select = elements.selector_of(tag, tag, each.out + name)
                 item, other = (Item(one, kind, "asset", namespace=tag) for one in (node, there))
                 self.pair(select, item, other, each=each)
 
@@ -345,7 +362,8 @@ class Comparison:
         """Return the new parent of a body of a part, if it changed."""
         if item.kind.tag != "body" or item.node is each.root:
             return {}
-        before, after = parent_body(item.node), parent_body(there.node)
+        before = parent_body(item.node)
+        after = parent_body(there.node)
         if before is not None and after is not None and not before.get("name") and after in self.covered:
             return {}  # bodies without a name come before their content
         was = "world" if before is None else self.theirs(each, "body", str(before.get("name")))
@@ -359,7 +377,8 @@ class Comparison:
     def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
         """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
         for tag in (*_IN_BODIES, "body"):
-            one, other = _unnamed(before, tag), _unnamed(after, tag)
+            one = _unnamed(before, tag)
+            other = _unnamed(after, tag)
             for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
                 select = _numbered(a.node, parent)
                 if b is None:
@@ -383,7 +402,8 @@ class Comparison:
 
 def _numbered(node: Node, parent: str) -> str:
     """Return the selector of an element without a name, by the selector of its parent and its number there."""
-    tag, around = str(node.tag), parent_of(node)
+    tag = str(node.tag)
+    around = parent_of(node)
     assert around is not None
     number = numbered(around, tag)[node]
     where = {} if tag == "inertial" else {"where": quoted(f"${{index == {number}}}")}

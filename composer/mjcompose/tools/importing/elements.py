@@ -148,7 +148,9 @@ def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
 
 # Ranks. Classes come first. Removals come after all changes, because they may select by number, and references are
 # removed before their targets. Renames come last: until then, names are the parts' own.
-CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
+CLASSES = -1
+REMOVED = 10_000
+RENAMED = 20_000
 
 
 class Entry(Struct, frozen=False):
@@ -285,7 +287,8 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for names that are not just
     prefixed, and the ``body`` that the part is attached to.
     """
-    tables, mount = (NameTable(alone), NameTable(merged)), Mount(given["body"], None)
+    tables = (NameTable(alone), NameTable(merged))
+    mount = Mount(given["body"], None)
     matching = Correspondence(*tables, prefix=given["prefix"], mount=mount, renamed=given["names"], by_order=False)
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
     for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
@@ -308,7 +311,8 @@ def likeness_of(data: Mapping[str, Any]) -> Likeness:
 
 def is_rounding(change: Change) -> bool:
     """Return whether the numbers are the same to six digits; quaternions may have the opposite sign."""
-    ours, theirs = numbers_likeness(change.before), numbers_likeness(change.after)
+    ours = numbers_likeness(change.before)
+    theirs = numbers_likeness(change.after)
     if ours is None or theirs is None or len(ours) != len(theirs):
         return False
     return is_near(ours, theirs) or (change.field.endswith("quat") and is_near(ours, [-each for each in theirs]))

@@ -196,7 +196,8 @@ def _quotient(name: str, step: Decimal, start: Decimal) -> str | None:
     if digits > _MOST_DIGITS:
         return None
     divisor = 10**digits
-    factor, rest = int(step * divisor), int(start * divisor)
+    factor = int(step * divisor)
+    rest = int(start * divisor)
     text = name if factor == 1 else f"{factor} * {name}"
     if rest:
         text += f" {'+' if rest > 0 else '-'} {abs(rest)}"

@@ -56,9 +56,12 @@ class Proposal(Struct, frozen=False):
 
 
 def propose(
-    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str],
+    merged: Unit,
+    parts: list[Unit],
+    references: list[str],
+    relative: Callable[[Path], str],
     likeness: Callable[[Instance, Names], Likeness] = lambda _, __: Likeness(),
-) -> Proposal:  # fmt: skip
+) -> Proposal:
     """Return the recipe that makes `merged` from `parts`, which `references` name; `relative` writes file paths.
 
     `likeness` returns the elements of a part that compile to the same result; without it, any difference in writing
@@ -81,16 +84,23 @@ class _Proposer(Comparison):
         self.settings()
         self.compiler()
         self.left_over()
-        head, renamed = self.head(), self.rename()
+        head = self.head()
+        renamed = self.rename()
         nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
         keys: dict[str, list[str]] = defaultdict(list)
         for each in self.base_first:
             for key in self.parts[each.part].root.iter("key"):
                 keys[str(key.get("name") or "")].append("base" if each.is_base else each.key)
         return Proposal(
-            head, self.entries, self.found, renamed=renamed, alike=self.alike, nameless_keys=nameless,
-            keys=keys, changed=tuple(self.found_changes),
-        )  # fmt: skip
+            head,
+            self.entries,
+            self.found,
+            renamed=renamed,
+            alike=self.alike,
+            nameless_keys=nameless,
+            keys=keys,
+            changed=tuple(self.found_changes),
+        )
 
     def match_names(self) -> None:
         """Map each name of a part in the merged model to its name in the composition."""
@@ -128,10 +138,12 @@ class _Proposer(Comparison):
     def head(self) -> list[str]:
         model = self.merged.model
         return [
-            "recipe: 1", *([f"name: {word(model)}"] if model else []), f"angle: {self.merged.settings.angle}",
+            "recipe: 1",
+            *([f"name: {word(model)}"] if model else []),
+            f"angle: {self.merged.settings.angle}",
             *([f"separator: {quoted(self.separator)}"] if self.separator != "/" else []),
             *(f"base: {word(self.references[each.part])}" for each in self.found if each.is_base),
-        ]  # fmt: skip
+        ]
 
     def rename(self) -> dict[str, dict[str, str]]:
         """Rename elements whose names differ in the merged model; return the names that only verification renames."""
@@ -187,15 +199,16 @@ class _Proposer(Comparison):
         for each in self.found:
             part = self.parts[each.part]
             body = elements.named(part).get(("body", str(parent.get("name")).removeprefix(each.prefix)))
-            for site in body.node.iterchildren("site") if body is not None else ():
-                if not site.get("name"):
-                    continue
-                own = elements.pose_in(
-                    elements.effective(elements.named(part)["site", str(site.get("name"))], part), part.settings
-                )
-                near = zip((*own.pos, *own.quat), (*pose.pos, *pose.quat), strict=True)
-                if all(abs(a - b) < 1e-5 for a, b in near):
-                    return f"{each.out}{site.get('name')}"
+            if body is not None:
+                for site in body.node.iterchildren("site"):
+                    if not site.get("name"):
+                        continue
+                    own = elements.pose_in(
+                        elements.effective(elements.named(part)["site", str(site.get("name"))], part), part.settings
+                    )
+                    near = zip((*own.pos, *own.quat), (*pose.pos, *pose.quat), strict=True)
+                    if all(abs(a - b) < 1e-5 for a, b in near):
+                        return f"{each.out}{site.get('name')}"
         return None
 
     def compiler(self) -> None:
@@ -273,7 +286,8 @@ class _Proposer(Comparison):
     def fragment(self, node: Node, called: str | None = None) -> str:
         """Return an element of the merged model as text, with the values from its classes; `called` is its name."""
         section = [node, *node.iterancestors()][-2]  # below the root
-        tag, kind = str(node.tag), GRAMMAR.within(str(section.tag)).get(str(node.tag))
+        tag = str(node.tag)
+        kind = GRAMMAR.within(str(section.tag)).get(str(node.tag))
         around = childclass_of(node)
         text = f"<{tag}"
         names = kind.attributes if kind is not None else map(str, node.keys())
@@ -317,9 +331,13 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
     file = file if file.startswith(".") else f"./{file}"
     keys = {"visuals": choices.visuals, "inertia": choices.inertia}
     lines = [
-        "recipe: 1", f"name: {path.name.partition('.')[0]}", "", "base:", f"  model: {file}",
+        "recipe: 1",
+        f"name: {path.name.partition('.')[0]}",
+        "",
+        "base:",
+        f"  model: {file}",
         f"  urdf: {{{', '.join(f'{name}: {value}' for name, value in keys.items() if value)}}}",
-    ]  # fmt: skip
+    ]
     if any(row.why and not row.is_minor for row in unit.table):
         lines.append(f"  allow: [{UNREAD}]")
     if unit.root.find("actuator") is None and any(each.get("name") for each in unit.root.iter("joint")):

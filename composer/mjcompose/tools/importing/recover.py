@@ -64,12 +64,14 @@ def _only_name(change: Change, proposal: Proposal) -> bool:
 
     That is an equal asset under another name, or an additional one, or a negated quaternion.
     """
-    ours, theirs = elements.numbers_likeness(change.before), elements.numbers_likeness(change.after)
+    ours = elements.numbers_likeness(change.before)
+    theirs = elements.numbers_likeness(change.after)
     if change.field.endswith("quat") and ours and theirs:
         return all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))
     if change.what == "added":
         return change.kind in ("texture", "material", "mesh", "hfield", "skin") and change.name in proposal.alike
-    wanted, there = change.before, change.after
+    wanted = change.before
+    there = change.after
     if not isinstance(wanted, str) or not isinstance(there, str):
         return False
     own = proposal.alike.get(there)
@@ -106,7 +108,8 @@ def left(outcome: Outcome, merged: str) -> Iterator[str]:
     follows = [each for each in outcome.changes if each.follows]
     others = [each for each in outcome.changes if not each.follows]
     if not others:
-        others, follows = follows, []
+        others = follows
+        follows = []
     presence = sorted((each for each in others if each.what != "changed"), key=lambda each: (each.what, each.kind))
     for (what, kind), several in groupby(presence, key=lambda each: (each.what, each.kind)):
         names = [each.name for each in several]
@@ -137,9 +140,13 @@ class Recovered(Struct):
 
 
 def recover(
-    merged: Path, parts: list[Path], out: Path, context: Context,
-    progress: Callable[[str], None] = lambda _: None, references: Mapping[Path, str] | None = None,
-) -> Recovered | None:  # fmt: skip
+    merged: Path,
+    parts: list[Path],
+    out: Path,
+    context: Context,
+    progress: Callable[[str], None] = lambda _: None,
+    references: Mapping[Path, str] | None = None,
+) -> Recovered | None:
     """Return the recipe to write to `out`, or None if a model cannot be read, which `context.sink` reports.
 
     Entries that do not build become comments, one after the other, until the recipe builds. `progress` is called
@@ -188,12 +195,14 @@ class _Recovery:
         if self.compared and (found.outcome is None or not found.outcome.same):
             # An element that counted as the same may still be the reason.
             other = self.settled(self.proposal(lambda _, __: elements.Likeness()), progress)
-            first, second = found.outcome, other.outcome
+            first = found.outcome
+            second = other.outcome
             if second is not None and (first is None or len(second.changes) < len(first.changes)):
                 found = other
         for number, part in enumerate(self.parts):
             if not any(each.part == number for each in proposal.found):
-                missing, merged = self.context.shown(part), self.context.shown(self.merged)
+                missing = self.context.shown(part)
+                merged = self.context.shown(self.merged)
                 message = f"`{merged}` has no body with the names of `{missing}`"
                 help = "mjcompose finds only parts that keep their names, with a prefix or without"
                 self.context.sink.warning("unknown-name", message, help=help)
@@ -270,8 +279,9 @@ class _Recovery:
         changes = outcome.changes if outcome is not None else ()
         keys = keyframes(changes, proposal, missing)
         note = "a key without a name, which a recipe cannot write"
-        numbers = [each.index[0] for each in changes
-                   if each.kind == "key" and each.what == "removed" and not _has_name(each)]  # fmt: skip
+        numbers = [
+            each.index[0] for each in changes if each.kind == "key" and each.what == "removed" and not _has_name(each)
+        ]
         proposal.entries += [elements.Entry("keyframe", f"key_{number}: {{}}", note) for number in numbers] + keys
         text, _ = recipe_text(proposal)
         if keys:
@@ -282,7 +292,8 @@ class _Recovery:
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
         """Build the text as if it were at `out`."""
-        out, context = self.out, self.context
+        out = self.out
+        context = self.context
         trial = sibling(out, "trial")  # which is never written
         own = Context(environment=context.environment, folder=context.folder)
         with unsaved({os.path.realpath(trial): text.encode()}):

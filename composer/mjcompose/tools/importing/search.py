@@ -56,11 +56,14 @@ def _common(one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool])
     for i in reversed(range(len(one))):
         for j in reversed(range(len(other))):
             length[i][j] = 1 + length[i + 1][j + 1] if same[i][j] else max(length[i + 1][j], length[i][j + 1])
-    pairs, i, j = [], 0, 0
+    pairs = []
+    i = 0
+    j = 0
     while i < len(one) and j < len(other):
         if same[i][j]:
             pairs.append((i, j))
-            i, j = i + 1, j + 1
+            i = i + 1
+            j = j + 1
         elif length[i + 1][j] >= length[i][j + 1]:
             i += 1
         else:
@@ -97,7 +100,8 @@ def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
     """Return the places of the parts, in the order of the merged model's bodies; they do not overlap."""
     bodies = {str(body.get("name")): body for body in _bodies(merged) if body.get("name")}
     candidates = [each for number, part in enumerate(parts) for each in _of_part(number, part, bodies)]
-    found, taken = list[Instance](), set[str]()
+    found: list[Instance] = []
+    taken: set[str] = set()
     for each in sorted(candidates, key=lambda each: (-each.likeness, -len(each.names), each.part)):
         here = {each.prefix + name for name in each.names} & bodies.keys()
         if not here & taken:
@@ -127,7 +131,8 @@ def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> 
         while key in taken or key == "base":
             key += "2"
         taken.add(key)
-        each.key, each.out = key, key + separator
+        each.key = key
+        each.out = key + separator
 
 
 def parent_body(body: Node) -> Node | None:
@@ -139,13 +144,15 @@ def parent_body(body: Node) -> Node | None:
 def _of_part(number: int, part: Unit, bodies: dict[str, Node]) -> Iterator[Instance]:
     named = [body for body in _bodies(part) if body.get("name")]
     own = frozenset(str(body.get("name")) for body in named)
-    for there, body in bodies.items() if named else ():
-        root, name = named[0], str(named[0].get("name"))
-        if there.endswith(name):
-            prefix = there.removesuffix(name)
-            likeness = sum(prefix + each in bodies for each in own) / len(own)
-            if likeness >= _MATCH_ENOUGH:
-                yield Instance(number, prefix, root, body=body, likeness=likeness, names=own)
+    if named:
+        for there, body in bodies.items():
+            root = named[0]
+            name = str(named[0].get("name"))
+            if there.endswith(name):
+                prefix = there.removesuffix(name)
+                likeness = sum(prefix + each in bodies for each in own) / len(own)
+                if likeness >= _MATCH_ENOUGH:
+                    yield Instance(number, prefix, root, body=body, likeness=likeness, names=own)
 
 
 def _bodies(unit: Unit) -> Iterator[Node]:
@@ -156,7 +163,8 @@ def _bodies(unit: Unit) -> Iterator[Node]:
 _BODY = re.compile(rb"""<body\b[^>]*?\bname\s*=\s*["']([^"']+)["']""")
 _MODEL = re.compile(rb"<mujoco[\s>]")
 # A part must share this much of its bodies with the merged model, and at least this number.
-_SEARCHING_ENOUGH, _LEAST = 0.8, 2
+_SEARCHING_ENOUGH = 0.8
+_LEAST = 2
 _MOST = 60
 _LARGEST = 16 << 20
 

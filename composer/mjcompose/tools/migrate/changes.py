@@ -71,9 +71,12 @@ def drop(places: str, attribute: str, harmless: str | None = None, lost: str = "
 
 
 def _report(
-    report: Callable[..., None], places: str, message: str, help: str | None,
+    report: Callable[..., None],
+    places: str,
+    message: str,
+    help: str | None,
     matches: Matches = lambda editing, node: True,
-) -> Acts:  # fmt: skip
+) -> Acts:
     def carry_out(editing: Editing) -> None:
         for node in editing.at(*places.split()):
             if matches(editing, node):
@@ -82,7 +85,8 @@ def _report(
     return carry_out, carry_out
 
 
-advise, refuse = partial(_report, Editing.warn), partial(_report, Editing.refuse)
+advise = partial(_report, Editing.warn)
+refuse = partial(_report, Editing.refuse)
 """Report each matching element, which no rule can migrate: as a warning, or as an error."""
 
 

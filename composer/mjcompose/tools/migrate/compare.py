@@ -15,8 +15,19 @@ from mjcompose.mujoco.attributes import KINDS
 from mjcompose.mujoco.environments import Compiled
 from mjcompose.tools.migrate.editing import later
 
-FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": True, "sleep": False, "diagexact": False,
-         "ipc": False, "speculative": False, "sensornoise": False, "spring": True, "damper": True}  # fmt: skip
+FLAGS = {
+    "nativeccd": False,
+    "multiccd": False,
+    "island": False,
+    "autoreset": True,
+    "sleep": False,
+    "diagexact": False,
+    "ipc": False,
+    "speculative": False,
+    "sensornoise": False,
+    "spring": True,
+    "damper": True,
+}
 """The behavior of a version without the flag."""
 
 Array = np.ndarray[Any, Any]
@@ -25,7 +36,8 @@ TOLERANCE = 1e-6
 """Relative to the largest number of a row: meshes are in single precision, and versions add in different orders."""
 _SMALL = 1e-8
 _SURFACE = 1e-4
-_SUMS, _GAPS = "3.5.0", "3.9.0"
+_SUMS = "3.5.0"
+_GAPS = "3.9.0"
 _MOST = 2000
 _DRAWN = 6  # standard deviations between two counts of random marks
 _AUTO = 2
@@ -36,9 +48,11 @@ _PREFIXES = {kind.arrays: word for word, kind in KINDS.items()} | {"dof": "dof"}
 _NOT_COMPARED = re.compile("n[^_]*|nnames_map|(name|flg)_.*")
 """Numbers of rows, flags of the compiler, and addresses of names."""
 _ALIASES = {
-    "opt.mpr_iterations": "opt.ccd_iterations", "opt.mpr_tolerance": "opt.ccd_tolerance",
-    "cam_orthographic": "cam_projection", "tex_rgb": "tex_data",
-}  # fmt: skip
+    "opt.mpr_iterations": "opt.ccd_iterations",
+    "opt.mpr_tolerance": "opt.ccd_tolerance",
+    "cam_orthographic": "cam_projection",
+    "tex_rgb": "tex_data",
+}
 
 
 class Difference(Struct):
@@ -77,7 +91,8 @@ class Outcome(Struct, frozen=False):
 def compare(before: Compiled, after: Compiled) -> Outcome:
     """Compare two models, both compiled without error."""
     outcome = Outcome()
-    one, two = _Side.of(before), _Side.of(after)
+    one = _Side.of(before)
+    two = _Side.of(after)
     _combine_margins(one, two, outcome)
     _settle_surfaces(one, two, outcome)
     _settle_marks(one, two)
@@ -176,9 +191,17 @@ class _Side(Struct, frozen=False):
 
 def _matrices(quats: Array) -> Array:
     w, x, y, z = (quats[:, i].astype(float) for i in range(4))
-    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-            2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-            2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]  # fmt: skip
+    rows = [
+        1 - 2 * (y * y + z * z),
+        2 * (x * y - w * z),
+        2 * (x * z + w * y),
+        2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z),
+        2 * (y * z - w * x),
+        2 * (x * z - w * y),
+        2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y),
+    ]
     return np.stack(rows, axis=-1).reshape(-1, 3, 3)
 
 
@@ -200,16 +223,20 @@ def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
 
 def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
     """Treat meshes with different triangles as equal if their surface is equal."""
-    x, y = one.arrays["mesh_face"], two.arrays["mesh_face"]
-    starts, others = one.arrays["mesh_faceadr"], two.arrays["mesh_faceadr"]
+    x = one.arrays["mesh_face"]
+    y = two.arrays["mesh_face"]
+    starts = one.arrays["mesh_faceadr"]
+    others = two.arrays["mesh_faceadr"]
     if len(starts) != len(others):
         return
-    counts, lengths = one.arrays["mesh_facenum"], two.arrays["mesh_facenum"]
+    counts = one.arrays["mesh_facenum"]
+    lengths = two.arrays["mesh_facenum"]
     used = {int(each) for side in (one, two) for each in side.arrays["geom_dataid"]}
     used |= {int(each) for side in (one, two) for each in side.arrays.get("site_dataid", ())}
     kept: list[Array] = []
     for mesh, (start, other) in enumerate(zip(starts, others, strict=True)):
-        a, b = x[start : start + counts[mesh]], y[other : other + lengths[mesh]]
+        a = x[start : start + counts[mesh]]
+        b = y[other : other + lengths[mesh]]
         # Versions place a mesh that no geom shows differently.
         is_same = mesh not in used and a.shape == b.shape
         if not is_same and (a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all()):
@@ -250,7 +277,8 @@ def _look_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
         return False
 
     def placed(corners: Array, side: _Side, geom: Any) -> Array:
-        rotation, place = side.arrays["geom_quat"][geom].reshape(3, 3), side.arrays["geom_pos"][geom]
+        rotation = side.arrays["geom_quat"][geom].reshape(3, 3)
+        place = side.arrays["geom_pos"][geom]
         return np.asarray(corners.reshape(-1, 3) @ rotation.T + place)
 
     if not all(_same_surface(placed(x, one, geom), placed(y, two, geom)) for geom in geoms):
@@ -269,7 +297,9 @@ def _same_surface(x: Array, y: Array) -> bool:
 
 def _measures(triangles: Array) -> Array:
     """Return lengths: the box, the center of the surface, and the roots of the area and the volume."""
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    a = triangles[:, 0]
+    b = triangles[:, 1]
+    c = triangles[:, 2]
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
     center = (areas[:, None] * triangles.mean(axis=1)).sum(axis=0) / max(areas.sum(), 1e-300)
@@ -285,7 +315,8 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
         other = list(two.names.get(kind, ()))
         if list(names) == other:
             continue
-        keys, others = _keys(list(names)), _keys(other)
+        keys = _keys(list(names))
+        others = _keys(other)
         for here, there, words in ((keys, others, ("present", "missing")), (others, keys, ("missing", "present"))):
             if several := [key for key in here if key not in there]:
                 name = several[0][0]
@@ -302,7 +333,8 @@ def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
 
 
 def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:
-    x, y = one.arrays.get(array), two.arrays.get(array)
+    x = one.arrays.get(array)
+    y = two.arrays.get(array)
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
         is_new = x is None or not x.size
         values = y if is_new else x
@@ -320,7 +352,8 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     if x.dtype.kind in "US" or y.dtype.kind in "US":
         wrong = x != y
     else:
-        x, y = x.astype(float), y.astype(float)
+        x = x.astype(float)
+        y = y.astype(float)
         if np.array_equal(x, y, equal_nan=True):
             outcome.equal.append(array)
             return
@@ -329,9 +362,11 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
             y = np.where(x == _AUTO, _AUTO, y)
         if UNSAID in about(array).traits:
             said = about(array).neutral
-            x, y = np.where(np.isin(x, said), said[0], x), np.where(np.isin(y, said), said[0], y)
+            x = np.where(np.isin(x, said), said[0], x)
+            y = np.where(np.isin(y, said), said[0], y)
         if "." in array and x.ndim == 1:
-            x, y = x[None], y[None]  # of the whole model
+            x = x[None]
+            y = y[None]  # of the whole model
         wrong = ~_close(x, y, _scale(array, x, one))
     if not wrong.any():
         outcome.rounded.append(array)
@@ -394,9 +429,11 @@ def _flags(side: _Side) -> dict[str, bool]:
 def _label(array: str, row: int, side: _Side) -> str:
     kind = _PREFIXES.get(array.partition("_")[0])
     if array == "mesh_face":
-        kind, row = "mesh", int(np.searchsorted(side.arrays["mesh_faceadr"], row, side="right")) - 1
+        kind = "mesh"
+        row = int(np.searchsorted(side.arrays["mesh_faceadr"], row, side="right")) - 1
     if kind == "dof" and "dof_jntid" in side.arrays:
-        kind, row = "joint", int(side.arrays["dof_jntid"][row])
+        kind = "joint"
+        row = int(side.arrays["dof_jntid"][row])
     if array.startswith("contact_"):
         row = int(np.flatnonzero((side.arrays["geom_contype"] | side.arrays["geom_conaffinity"]) != 0)[row])
         kind = "geom"

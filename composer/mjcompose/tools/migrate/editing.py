@@ -52,7 +52,8 @@ class Markup(Struct, frozen=False):
     @classmethod
     def read(cls, text: str) -> Markup:
         """Raises MarkupError if tags do not close each other."""
-        found, open_ = cls(text), list[_Written]()
+        found = cls(text)
+        open_: list[_Written] = []
         for piece in pieces(text):
             if piece.kind == "start":
                 element = _Written(piece, end=piece.end)
@@ -63,7 +64,8 @@ class Markup(Struct, frozen=False):
                 element = open_.pop() if open_ else _Written(piece)
                 if element.head.tag != piece.tag or element.head is piece:
                     raise MarkupError(piece.tag)
-                element.close, element.end = piece.start, piece.end
+                element.close = piece.start
+                element.end = piece.end
         if open_ or not all(each.head.complete for each in found.elements):
             raise MarkupError("")
         return found
@@ -86,7 +88,8 @@ class Source(Struct, frozen=False):
         for node, written in place.items():
             edits += _changes(node, written.head, written.close, renamed=renamed.get(node, {}), text=text)
             edits += _additions(node, written, place, text=text)
-        result, done = [], 0
+        result = []
+        done = 0
         for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
             if start < done:
                 raise MarkupError(text[start:end])
@@ -98,11 +101,13 @@ class Source(Struct, frozen=False):
 def _changes(
     node: Node, head: Tag, close: int, renamed: Mapping[str, str], text: str
 ) -> Iterator[tuple[int, int, str]]:
-    tag, now = str(node.tag), {str(name): str(value) for name, value in node.items()}
+    tag = str(node.tag)
+    now = {str(name): str(value) for name, value in node.items()}
     if tag != head.tag:
         for at in (head.start + 1, close + 2) if close else (head.start + 1,):
             yield at, at + len(head.tag), tag
-    known, kept = {each.name: each for each in head.attributes}, set()
+    known = {each.name: each for each in head.attributes}
+    kept = set()
     for name, value in now.items():
         before = renamed.get(name, name)
         if before in known and (before == name or name not in known):
@@ -115,8 +120,11 @@ def _changes(
     for name, each in known.items():
         if name not in kept and name not in now:
             yield head.start + len(text[head.start : each.at].rstrip()), each.end + 1, ""
-    new = "".join(f" {name}={quoteattr(value)}" for name, value in now.items()
-                  if name not in known and renamed.get(name, name) not in kept)  # fmt: skip
+    new = "".join(
+        f" {name}={quoteattr(value)}"
+        for name, value in now.items()
+        if name not in known and renamed.get(name, name) not in kept
+    )
     if new:
         last = max((each.end + 1 for each in head.attributes), default=head.start + 1 + len(tag))
         yield last, last, new
@@ -131,13 +139,20 @@ def _additions(
         return
     indent = _indent(text, written.head.start)
     texts: dict[int, str] = {}
-    known = [place[child].head.start for child in node.iterchildren("*")
-             if child in place and _inside(place[child], written)]  # fmt: skip
+    known = [
+        place[child].head.start for child in node.iterchildren("*") if child in place and _inside(place[child], written)
+    ]
     step = "\t" if "\n\t" in text else "  "
     inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
     for child in fresh:
-        following = next((place[each].head.start for each in child.itersiblings("*") if each in place
-                          and _inside(place[each], written)), None)  # fmt: skip
+        following = next(
+            (
+                place[each].head.start
+                for each in child.itersiblings("*")
+                if each in place and _inside(place[each], written)
+            ),
+            None,
+        )
         markup = _markup(child, inner, step)
         at, added = (-1, f"\n{inner}{markup}") if following is None else (following, f"{markup}\n{inner}")
         texts[at] = texts.get(at, "") + added
@@ -337,9 +352,13 @@ class Editing(Struct, frozen=False):
         return etree.SubElement(holder, tag) if tag else holder
 
     def warn(
-        self, node: Node | None, message: str, help: str | None = None, attribute: str | None = None,
+        self,
+        node: Node | None,
+        message: str,
+        help: str | None = None,
+        attribute: str | None = None,
         arrays: tuple[str, ...] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Report an element or attribute whose meaning changes."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)
@@ -387,7 +406,8 @@ class Pieces(Struct, frozen=False):
         for element in unit.root.iterfind("asset/model"):
             file = str(element.get("file") or "")
             path = Path(os.path.normpath(join(str(unit.directory), file)))
-            shown, real = self.context.shown(path), os.path.realpath(path)
+            shown = self.context.shown(path)
+            real = os.path.realpath(path)
             span = unit.origins.span(element, unit.file, "file")
             if real in above:
                 help = "remove this `<model>`, or name another file"

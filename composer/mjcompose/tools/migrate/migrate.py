@@ -121,9 +121,13 @@ def read(model: Path, context: Context) -> Unit | None:
 
 
 def migrate(
-    unit: Unit, before: str, after: str, context: Context, adopt: Collection[str] = (),
+    unit: Unit,
+    before: str,
+    after: str,
+    context: Context,
+    adopt: Collection[str] = (),
     values: Mapping[str, object] | None = None,
-) -> Migrated | None:  # fmt: skip
+) -> Migrated | None:
     """Return the model and the models that it attaches for another version, or None if that fails, which is reported.
 
     The unit is changed. `values` are the measurements of the MuJoCo of `before`, if known.
@@ -164,7 +168,8 @@ def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
         if change.name in adopt:
             continue
         for editing in whole:
-            editing.change, editing.whole = change, whole
+            editing.change = change
+            editing.whole = whole
             editing.unit.forget_classes()
         for editing in whole:
             act(editing)
@@ -177,7 +182,8 @@ def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
 def _leave_out(editing: Editing) -> None:
     """Remove attributes that the other version lacks if they change nothing there; report the others as errors."""
     for found in list(unread(editing.root, editing.after)):
-        node, name = found.node, found.attribute
+        node = found.node
+        name = found.attribute
         if node in editing.refused:
             continue
         unread_before = unread(editing.root, editing.before)
@@ -189,7 +195,8 @@ def _leave_out(editing: Editing) -> None:
             help = "`mjcompose build --target plain` writes a model without frames and copies"
             editing.refuse(node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None)
             continue
-        path, key = place(node), f"{place(node)}@{name}"
+        path = place(node)
+        key = f"{place(node)}@{name}"
         neutral = _HARMLESS.get(key, default_of(path, name))
         is_harmless = neutral == node.get(name) or (neutral is None and key in _HARMLESS)
         if found.value is None and is_harmless:
@@ -203,11 +210,18 @@ def _leave_out(editing: Editing) -> None:
 
 
 _HARMLESS = {
-    "option/flag@nativeccd": "disable", "option/flag@multiccd": "disable", "option/flag@island": "disable",
-    "option@sleep_tolerance": None, "visual/global@bvactive": "true", "body/light@softness": None,
-    "default/light@softness": None, "asset/texture@colorspace": "linear", "compiler@savecompiled": None,
-    "compiler@savecanonical": None, "compiler@saveinertial": None,
-}  # fmt: skip
+    "option/flag@nativeccd": "disable",
+    "option/flag@multiccd": "disable",
+    "option/flag@island": "disable",
+    "option@sleep_tolerance": None,
+    "visual/global@bvactive": "true",
+    "body/light@softness": None,
+    "default/light@softness": None,
+    "asset/texture@colorspace": "linear",
+    "compiler@savecompiled": None,
+    "compiler@savecanonical": None,
+    "compiler@saveinertial": None,
+}
 """Values that mean the same as no attribute; None: any value does."""
 
 _OF_THE_ENGINE = frozenset(
@@ -412,7 +426,8 @@ def gather(versions: Iterable[str], others: dict[str, Other], context: Context) 
 
 
 def found_model(model: str, context: Context) -> Path | None:
-    path, folder = context.folder / model, context.folder
+    path = context.folder / model
+    folder = context.folder
     if os.path.exists(path):
         return path
     with context.sink:
@@ -421,7 +436,8 @@ def found_model(model: str, context: Context) -> Path | None:
 
 
 def _judge(result: Result, context: Context) -> None:
-    migrated, proof = result.migrated, result.proof
+    migrated = result.migrated
+    proof = result.proof
     for compiled, whose in ((proof.before, "as it is"), (proof.after, "after the migration")):
         if compiled is not None and compiled.error is not None:
             fault = parse(compiled.error)

@@ -38,7 +38,8 @@ def _shift(editing: Editing, sign: float) -> None:
             editing.set(node, "margin", number_text(round(new, 15)))
 
 
-gap_inside, gap_outside = partial(_shift, sign=-1.0), partial(_shift, sign=1.0)
+gap_inside = partial(_shift, sign=-1.0)
+gap_outside = partial(_shift, sign=1.0)
 """Since 3.9 the force begins at the margin; before, at the margin less the gap."""
 
 
@@ -93,7 +94,8 @@ def split_passive(editing: Editing) -> None:
 
 def join_passive(editing: Editing) -> None:
     for node in editing.at("option/flag"):
-        spring, damper = node.get("spring"), node.get("damper")
+        spring = node.get("spring")
+        damper = node.get("damper")
         if (spring or "enable") != (damper or "enable"):
             message = f"MuJoCo {editing.after} can only disable springs and dampers together"
             editing.refuse(node, message, attribute="spring" if spring else "damper")
@@ -125,9 +127,10 @@ def inertia_of_meshes(editing: Editing) -> None:
     exact = any(node.get("exactmeshinertia") == "true" for node in editing.at("compiler"))
     for node in editing.at("compiler"):
         editing.unset(node, "exactmeshinertia")
-    for node in editing.at("asset/mesh") if exact else ():
-        if editing.value(node, "inertia") is None:
-            editing.set(node, "inertia", "exact")
+    if exact:
+        for node in editing.at("asset/mesh"):
+            if editing.value(node, "inertia") is None:
+                editing.set(node, "inertia", "exact")
 
 
 def inertia_of_all(editing: Editing) -> None:

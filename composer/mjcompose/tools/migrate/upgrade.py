@@ -93,11 +93,22 @@ class _Trials:
     """Simulates models in a folder."""
 
     def __init__(
-        self, request: Request, model: Path, folder: Path, context: Context, *, others: Mapping[str, Other],
+        self,
+        request: Request,
+        model: Path,
+        folder: Path,
+        context: Context,
+        *,
+        others: Mapping[str, Other],
         progress: Callable[[str], None],
-    ) -> None:  # fmt: skip
-        self.request, self.model, self.folder, self.context = request, model, folder, context
-        self.others, self.progress, self.count = others, progress, 0
+    ) -> None:
+        self.request = request
+        self.model = model
+        self.folder = folder
+        self.context = context
+        self.others = others
+        self.progress = progress
+        self.count = 0
 
     def motion(self, model: Path, version: str) -> Motion:
         """Simulate a model in a version. Raises ProgramError."""

@@ -92,9 +92,13 @@ class ProgramRecipe:
         if fix is not None and fix.span is not None:
             fix = Fix(fix.replacement, fix.replaces, span(fix.span))
         return replace(
-            diagnostic, message=text(diagnostic.message), notes=notes, others=tuple(map(note, diagnostic.others)),
-            span=diagnostic.span and span(diagnostic.span), fix=fix,
-        )  # fmt: skip
+            diagnostic,
+            message=text(diagnostic.message),
+            notes=notes,
+            others=tuple(map(note, diagnostic.others)),
+            span=diagnostic.span and span(diagnostic.span),
+            fix=fix,
+        )
 
     def _place_note(self, span: Span) -> list[Note]:
         """Return the keys and the line of a place: nobody can open the file."""
@@ -137,11 +141,12 @@ class _Keys:
         tree = load(text, DATA, Sink())
         self._paths: dict[tuple[int, int, int | None], DataPath] = {}
         scalars: list[tuple[int, int, Scalar, DataPath]] = []
-        for path, key, node in () if tree is None else walk(tree):
-            for span in (node.span,) if key is None else (key.span, node.span):
-                self._paths[span.line, span.column, span.end_column] = path
-            if isinstance(node, Scalar):
-                scalars.append((node.span.line, node.span.column, node, path))
+        if tree is not None:
+            for path, key, node in walk(tree):
+                for span in (node.span,) if key is None else (key.span, node.span):
+                    self._paths[span.line, span.column, span.end_column] = path
+                if isinstance(node, Scalar):
+                    scalars.append((node.span.line, node.span.column, node, path))
         scalars.sort(key=itemgetter(0, 1))
         self._starts = [scalar[:2] for scalar in scalars]
         self._scalars = [scalar[2:] for scalar in scalars]

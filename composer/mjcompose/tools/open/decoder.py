@@ -70,8 +70,12 @@ _Provider._fields_ = (
 class _Decoder(ctypes.Structure):
     """`mjpDecoder` of `mjplugin.h`."""
 
-    _fields_ = (("content_type", ctypes.c_char_p), ("extension", ctypes.c_char_p), ("can_decode", _OPEN),
-                ("decode", _DECODE))  # fmt: skip
+    _fields_ = (
+        ("content_type", ctypes.c_char_p),
+        ("extension", ctypes.c_char_p),
+        ("can_decode", _OPEN),
+        ("decode", _DECODE),
+    )
 
 
 _MARK = "_mjcompose"
@@ -153,7 +157,9 @@ class _Safe:
     """A callback that never raises: it returns `failure` instead, and passes the reason to `explain`."""
 
     def __init__(self, work: Callable[..., Any], failure: Any, explain: Callable[..., None] | None = None) -> None:
-        self.work, self.failure, self.explain = work, failure, explain
+        self.work = work
+        self.failure = failure
+        self.explain = explain
 
     def __call__(self, *arguments: Any) -> Any:
         try:
@@ -172,7 +178,8 @@ class _Safe:
         return self.work(*arguments)
 
 
-_GUARD, _WORK = _Safe.__call__.__code__, _Safe.run.__code__
+_GUARD = _Safe.__call__.__code__
+_WORK = _Safe.run.__code__
 
 
 def _on_interrupt(number: int, frame: FrameType | None) -> None:
@@ -241,9 +248,11 @@ def _decoder(library: Any) -> _Decoder:
             _write(place, size, reason)
 
     return _Decoder(
-        content_type=b"application/x-mjcompose", extension=EXTENSIONS, can_decode=_OPEN(_Safe(lambda resource: 1, 1)),
+        content_type=b"application/x-mjcompose",
+        extension=EXTENSIONS,
+        can_decode=_OPEN(_Safe(lambda resource: 1, 1)),
         decode=_DECODE(_Safe(decode, None, explain)),
-    )  # fmt: skip
+    )
 
 
 def _write(place: int, size: int, reason: str) -> None:
@@ -256,7 +265,8 @@ def _write(place: int, size: int, reason: str) -> None:
 
 def _provider(scheme: str) -> _Provider:
     """Return a provider of the files of one source kind, found by the resolver that recipes use."""
-    folders, contents = dict[str, Path](), dict[int, bytes]()
+    folders: dict[str, Path] = {}
+    contents: dict[int, bytes] = {}
 
     def path_of(name: str) -> Path:
         owner, _, inner = name.partition(":")[2].partition("/")
@@ -290,9 +300,12 @@ def _provider(scheme: str) -> _Provider:
         return int(state(path_of(os.fsdecode(resource.contents.name))) != timestamp)
 
     return _Provider(
-        prefix=scheme.encode(), open=_OPEN(_Safe(open_, 0)), read=_READ(_Safe(read, -1)),
-        close=_CLOSE(_Safe(close, None)), modified=_MODIFIED(_Safe(modified, 1)),
-    )  # fmt: skip
+        prefix=scheme.encode(),
+        open=_OPEN(_Safe(open_, 0)),
+        read=_READ(_Safe(read, -1)),
+        close=_CLOSE(_Safe(close, None)),
+        modified=_MODIFIED(_Safe(modified, 1)),
+    )
 
 
 def _folder(scheme: str, owner: str) -> Path:
@@ -341,8 +354,11 @@ def install(folder: Path) -> Path:
     header = read_regular(folder / "include" / "mujoco" / "mujoco.h").decode(errors="replace")
     version = next((line.split()[-1] for line in header.splitlines() if "#define mjVERSION_HEADER" in line), "0")
     if int(version) < 4_000_000:
-        raise PluginError("not-supported", f"the MuJoCo in `{folder}` is older than 4.0, the first that opens recipes",
-                          "install `mujoco>=4`, or build a bundle with `mjcompose build`")  # fmt: skip
+        raise PluginError(
+            "not-supported",
+            f"the MuJoCo in `{folder}` is older than 4.0, the first that opens recipes",
+            "install `mujoco>=4`, or build a bundle with `mjcompose build`",
+        )
     named = os.environ.get("CC", "cc")
     compiler = named if os.path.isabs(named) else program(named, os.environ)
     if compiler is None:
@@ -351,8 +367,18 @@ def install(folder: Path) -> Path:
     with scratch("plugin") as build:
         made = build / NAME
         python = sys.executable.replace("\\", "\\\\").replace('"', '\\"')
-        words = [compiler, "-O2", "-shared", "-fPIC", f"-I{folder.absolute() / 'include'}",
-                 f'-DMJCOMPOSE_PYTHON="{python}"', str(SOURCE), "-o", str(made), "-ldl"]  # fmt: skip
+        words = [
+            compiler,
+            "-O2",
+            "-shared",
+            "-fPIC",
+            f"-I{folder.absolute() / 'include'}",
+            f'-DMJCOMPOSE_PYTHON="{python}"',
+            str(SOURCE),
+            "-o",
+            str(made),
+            "-ldl",
+        ]
         _compile(words)
         with staged_file(place) as stage:  # raises OutputError
             stage.write_bytes(read_regular(made))

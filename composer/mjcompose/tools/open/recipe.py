@@ -61,9 +61,15 @@ class RecipeWarning(UserWarning):
 
 @short_traceback
 def spec(
-    recipe: RecipeLike, /, *, cell: str | None = None, sample: int = 0, verified: bool = False,
-    base_dir: str | PathLike[str] | None = None, **values: Any,
-) -> Spec:  # fmt: skip
+    recipe: RecipeLike,
+    /,
+    *,
+    cell: str | None = None,
+    sample: int = 0,
+    verified: bool = False,
+    base_dir: str | PathLike[str] | None = None,
+    **values: Any,
+) -> Spec:
     """Build a recipe in this process and return it as a `mujoco.MjSpec`, which you can edit, attach and compile.
 
         spec = mjcompose.spec("cell.yaml", tool="flange", reach=0.5)
@@ -91,9 +97,15 @@ def spec(
 
 @short_traceback
 def model(
-    recipe: RecipeLike, /, *, cell: str | None = None, sample: int = 0, verified: bool = False,
-    base_dir: str | PathLike[str] | None = None, **values: Any,
-) -> Model:  # fmt: skip
+    recipe: RecipeLike,
+    /,
+    *,
+    cell: str | None = None,
+    sample: int = 0,
+    verified: bool = False,
+    base_dir: str | PathLike[str] | None = None,
+    **values: Any,
+) -> Model:
     """Build a recipe in this process and return it as a compiled `mujoco.MjModel`.
 
         model = mjcompose.model("cell.yaml", tool="flange")
@@ -120,9 +132,15 @@ class _Opening(Struct):
 
     @classmethod
     def of(
-        cls, recipe: RecipeLike, base_dir: str | PathLike[str] | None = None, cell: str | None = None, *,
-        sample: int = 0, verified: bool = False, values: Mapping[str, Any] | None = None,
-    ) -> _Opening:  # fmt: skip
+        cls,
+        recipe: RecipeLike,
+        base_dir: str | PathLike[str] | None = None,
+        cell: str | None = None,
+        *,
+        sample: int = 0,
+        verified: bool = False,
+        values: Mapping[str, Any] | None = None,
+    ) -> _Opening:
         try:
             return cls(opened(recipe, base_dir), cell, sample=sample, verified=verified, written=as_yaml(values or {}))
         except MjcomposeError as error:
@@ -283,8 +301,11 @@ def _text(built: Built, context: Context) -> tuple[str, list[str]]:
     """
     folder = Store.of(context.environment).folder / "opened"
     root = built.composed.model.root
-    inner = [each for each in built.composed.files
-             if each.element.tag == "model" or each.element.getroottree().getroot() is not root]  # fmt: skip
+    inner = [
+        each
+        for each in built.composed.files
+        if each.element.tag == "model" or each.element.getroottree().getroot() is not root
+    ]
     generated = _write_models(root, inner, folder) if inner else []
     for use in built.composed.files:
         if use in inner:

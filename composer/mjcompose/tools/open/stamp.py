@@ -106,15 +106,21 @@ def _stamp(bundle: Bundle, manifest: Manifest) -> Stamp:
     assert manifest.recipe is not None
     drawn = {each.attribute for each in manifest.draws if each.element is None}  # the recipe draws them again
     return Stamp(
-        name=manifest.name, bundle=bundle.sha256, recipe=manifest.recipe.path, cell=manifest.cell,
+        name=manifest.name,
+        bundle=bundle.sha256,
+        recipe=manifest.recipe.path,
+        cell=manifest.cell,
         sample=manifest.sample or 0,
         variants={name: value for name, value in manifest.variants.items() if name not in drawn},
         params={name: value for name, value in manifest.params.items() if name not in drawn},
-        target=None if manifest.target is None else manifest.target.name, deduplicated=manifest.deduplicated,
-        pictured=manifest.picture is not None, worlds=WORLDS in bundle.files,
-        mjcompose=manifest.mjcompose, mujoco=manifest.mujoco,
+        target=None if manifest.target is None else manifest.target.name,
+        deduplicated=manifest.deduplicated,
+        pictured=manifest.picture is not None,
+        worlds=WORLDS in bundle.files,
+        mjcompose=manifest.mjcompose,
+        mujoco=manifest.mujoco,
         read={manifest.recipe.path: manifest.recipe.sha256, **{each.path: each.sha256 for each in manifest.read}},
-    )  # fmt: skip
+    )
 
 
 def read_stamp(file: Path, shown: str) -> Stamp:

@@ -74,9 +74,16 @@ class Watch:
         # Network drives and sleeping laptops lose events, so look every few seconds.
         with contextlib.suppress(OSError):
             seen = self._watchfiles.watch(
-                *there, watch_filter=None, recursive=False, stop_event=self.stop, debounce=50, step=10,
-                rust_timeout=2000, yield_on_timeout=True, raise_interrupt=False,
-            )  # fmt: skip
+                *there,
+                watch_filter=None,
+                recursive=False,
+                stop_event=self.stop,
+                debounce=50,
+                step=10,
+                rust_timeout=2000,
+                yield_on_timeout=True,
+                raise_interrupt=False,
+            )
             next(seen, None)
             return
         self.stop.wait(POLL_SECONDS)
@@ -107,13 +114,23 @@ class Workshop:
     """
 
     def __init__(
-        self, target: str, asked: Asked, session: Session, open: Callable[[], Context],
-        words: Callable[[Context], str], key: str | None = None, editor: str = EDITOR,
-    ) -> None:  # fmt: skip
-        self.target, self.asked, self.session = target, asked, session
-        self.key, self.editor = key, editor
+        self,
+        target: str,
+        asked: Asked,
+        session: Session,
+        open: Callable[[], Context],
+        words: Callable[[Context], str],
+        key: str | None = None,
+        editor: str = EDITOR,
+    ) -> None:
+        self.target = target
+        self.asked = asked
+        self.session = session
+        self.key = key
+        self.editor = editor
         self.writes = False
-        self._open, self._words = open, words
+        self._open = open
+        self._words = words
         self.lock = RLock()
         self.shown = Shown()
         self.inputs: frozenset[Path] = frozenset()
@@ -127,9 +144,13 @@ class Workshop:
         """Build and show the result; after a fault the previous model stays."""
         with self.lock, ExitStack() as opened:
             started = time.monotonic()
-            context, asked, before = self._open(), self.asked, (time.time_ns(), marks(self.inputs))
+            context = self._open()
+            asked = self.asked
+            before = (time.time_ns(), marks(self.inputs))
             operand = read_operand(self.target, context, opened)
-            made, is_new, old = None, False, self.shown
+            made = None
+            is_new = False
+            old = self.shown
             if operand is not None and check_given(operand, asked.given):
                 made = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
                 made = None if operand.context.sink.has_errors else made
@@ -143,7 +164,8 @@ class Workshop:
             return self.shown
 
     def _describe(self, side: Side, operand: Operand, old: Shown, before: tuple[int, dict[Path, Mark]]) -> bool:
-        menus, targets = choices(operand, self.asked), Targets()
+        menus = choices(operand, self.asked)
+        targets = Targets()
 
         def extend(scene: dict[str, Any]) -> None:
             nonlocal targets
@@ -178,7 +200,8 @@ def _recipes(context: Context, before: tuple[int, dict[Path, Mark]]) -> dict[str
     found: dict[str, bytes | None] = {}
     for recipe, read in context.recipes.items():
         for path in (context.folder / recipe, *(source.path for source, _ in read.extended)):
-            mark, text = mark_of(path), None
+            mark = mark_of(path)
+            text = None
             with contextlib.suppress(OSError):
                 text = read_regular(path, in_force().recipe_size)
                 is_same = earlier.get(path) == mark or os.stat(path).st_mtime_ns < begun
@@ -203,7 +226,8 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
     if 0 <= key < model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, key)
     for name in ("qpos", "qvel", "act", "ctrl"):
-        value, array = asked.get(name), getattr(data, name)
+        value = asked.get(name)
+        array = getattr(data, name)
         if value is not None and len(value) == len(array):
             array[:] = value
     data.time = asked.get("time", 0.0)
@@ -219,8 +243,11 @@ class Physics:
     """Simulates on request; `send` is called with each configuration."""
 
     def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
-        self.workshop, self.send = workshop, send
-        self._going, self._stop, self._lock = Event(), Event(), Lock()
+        self.workshop = workshop
+        self.send = send
+        self._going = Event()
+        self._stop = Event()
+        self._lock = Lock()
         self._state: State = {}
         self._version = -1
         self._thread = Thread(target=self._run, daemon=True)
@@ -230,7 +257,8 @@ class Physics:
         """Start from a state of the page, or pause; `stopped` is the reason that the simulation cannot continue."""
         with self._lock:
             if playing:
-                self._state, self._version = dict(state), self.workshop.shown.version
+                self._state = dict(state)
+                self._version = self.workshop.shown.version
                 self._going.set()
             else:
                 self._going.clear()

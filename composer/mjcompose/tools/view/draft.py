@@ -89,7 +89,8 @@ class Draft(Struct, frozen=False):
 
     def rename(self, path: Steps, name: str) -> None:
         """Note another name for a key."""
-        holder, node = self._holder(path), find(self.tree, path[:-1])
+        holder = self._holder(path)
+        node = find(self.tree, path[:-1])
         assert isinstance(node, Mapping)
         holder[name] = holder.pop(path[-1])
         self.changes.append(Change(node.entries[str(path[-1])][0].span, name))
@@ -110,7 +111,8 @@ class Draft(Struct, frozen=False):
         if not isinstance(holder, Mapping) or found == len(path):
             raise Refused(f"there is no place for `{path[-1]}` in `{self.file}`: write it yourself")
         self.set(path, _meaning(value))
-        lines, row = lines_of(self.text), holder.span
+        lines = lines_of(self.text)
+        row = holder.span
         is_flow = found > 0 and (not holder.entries or lines[row.line - 1][row.column - 1 :][:1] == "{")
         indent = 0 if found == 0 or is_flow else next(iter(holder.entries.values()))[0].span.column - 1
         for step in reversed(path[found + 1 :]):
@@ -128,14 +130,16 @@ class Draft(Struct, frozen=False):
 
     def numbers(self, path: Steps, texts: list[str]) -> None:
         """Write a list of numbers; unchanged numbers keep their text."""
-        node, whole = find(self.tree, path), f"[{', '.join(texts)}]"
+        node = find(self.tree, path)
+        whole = f"[{', '.join(texts)}]"
         if node is None:
             self.write(path, whole)
             return
         items = [each for each in node.items if isinstance(each, Scalar)] if isinstance(node, Sequence) else []
         if not isinstance(node, Sequence) or len(items) < len(node.items):
             raise Refused(f"`{path[-1]}` is not a list of numbers")
-        values, changes = list(map(value_of, texts)), [Change(node.span, whole)]
+        values = list(map(value_of, texts))
+        changes = [Change(node.span, whole)]
         if len(items) == len(texts):
             kept = {at for at, item in enumerate(items) if _is_same(item.value, values[at])}
             values = [item.value if at in kept else values[at] for at, item in enumerate(items)]
@@ -178,7 +182,10 @@ def _is_same(before: Any, after: Any) -> bool:
 
 
 Floats: TypeAlias = "list[float] | tuple[float, ...]"
-_POS, _AXIS, _DEGREES, _RADIANS = 5, 6, 3, 6
+_POS = 5
+_AXIS = 6
+_DEGREES = 3
+_RADIANS = 6
 """The digits of numbers: 0.01 mm and 0.001 degrees."""
 _TURN = 2e-4
 """Rotations that differ by fewer radians count as equal."""
@@ -188,7 +195,9 @@ class Offset:
     """`pos` and an orientation in the mapping at a path of a recipe."""
 
     def __init__(self, draft: Draft, holder: Steps, settings: AngleSettings) -> None:
-        self.draft, self.holder, self.settings = draft, holder, settings
+        self.draft = draft
+        self.holder = holder
+        self.settings = settings
         found = find(draft.tree, holder)
         assert isinstance(found, Mapping)
         self.mapping = found
@@ -208,7 +217,8 @@ class Offset:
 
     def move(self, pose: Pose, *, anew: bool = False) -> list[str]:
         """Write a new pose and return its words; `anew` forgets the written choice among equal angles."""
-        before, written = self.pose, list[str]()
+        before = self.pose
+        written: list[str] = []
         texts = [short(each, _POS) for each in pose.pos]
         if texts != [short(each, _POS) for each in before.pos]:
             self.draft.numbers((*self.holder, "pos"), texts)
@@ -217,7 +227,8 @@ class Offset:
             form = self.form or "euler"
             texts = self._texts(form, pose.quat, self._read(form) if self.form and not anew else [])
             if not texts:
-                form, texts = "quat", self._texts("quat", pose.quat, [])
+                form = "quat"
+                texts = self._texts("quat", pose.quat, [])
             self.draft.numbers((*self.holder, self.form or form), texts)
             if self.form not in (None, form):
                 self.draft.rename((*self.holder, str(self.form)), form)
@@ -271,8 +282,9 @@ class Offset:
         else:
             axes = ((1, 0, 0), (0, 1, 0)) if form == "xyaxes" else ((0, 0, 1),)
             values = [each for axis in axes for each in rotation.rotate(quat, axis)]
-        texts = [self._angle(form, at, each) if _is_angle(form, at) else short(each, _AXIS)
-                 for at, each in enumerate(values)]  # fmt: skip
+        texts = [
+            self._angle(form, at, each) if _is_angle(form, at) else short(each, _AXIS) for at, each in enumerate(values)
+        ]
         said = self._radians(form, [value_of(each) for each in texts]) if texts else []
         return texts if said and _turn(self._quat(form, said), quat) < _TURN else []
 

@@ -106,7 +106,8 @@ def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
 
 
 def _invitation(address: str, opens: bool) -> list[str]:
-    reason, port = _no_browser() if opens else None, address.split("/")[2].rpartition(":")[2]
+    reason = _no_browser() if opens else None
+    port = address.split("/")[2].rpartition(":")[2]
     if reason == "ssh":
         host = [*os.environ.get("SSH_CONNECTION", "").split()[2:], "HOST"][0]
         ssh = f"ssh -L {port}:127.0.0.1:{port} {host}"

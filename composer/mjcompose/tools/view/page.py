@@ -135,7 +135,8 @@ class Origins:
     """The origins of elements for the page; `absolute` has files of this machine by their `names`, for editors."""
 
     def __init__(self, side: Side, names: Names) -> None:
-        self.side, self.names = side, names
+        self.side = side
+        self.names = names
         self.absolute: dict[str, str] = {}
         self._files: dict[str, int] = {}
         self._parts: dict[str, int] = {}
@@ -212,9 +213,14 @@ class Description(Struct):
 
 
 def described(
-    side: Side, session: Session, known: Collection[str] = (), editor: str | None = None, names: Names | None = None,
-    extend: Callable[[dict[str, Any]], object] | None = None, **more: Any,
-) -> Description | None:  # fmt: skip
+    side: Side,
+    session: Session,
+    known: Collection[str] = (),
+    editor: str | None = None,
+    names: Names | None = None,
+    extend: Callable[[dict[str, Any]], object] | None = None,
+    **more: Any,
+) -> Description | None:
     """Return the description of a model that `session` keeps, or None if MuJoCo fails, which is reported.
 
     Blobs in `known` are not created again. With an `editor` address, in which `{file}`, `{line}` and `{column}`
@@ -235,7 +241,8 @@ def described(
     tables = ((kind, columns) for kind, columns in scene.items() if isinstance(columns, dict))
     elements = {kind: columns["name"] for kind, columns in tables if "name" in columns}
     elements |= {kind: [each["name"] for each in scene[kind]] for kind in ("skin", "flex")}
-    bodies, excluded = scene["body"]["name"], scene["exclude"]
+    bodies = scene["body"]["name"]
+    excluded = scene["exclude"]
     pairs = [(bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)]
     scene["origins"] = origins.data(elements, pairs)
     name = side.cell or (Path(side.operand.label).stem if side.plan is None else side.plan.name)
@@ -288,9 +295,11 @@ def difference(found: Diff) -> dict[str, Any]:
 
 def _elements(changes: list[Change], what: str, side: int) -> list[str]:
     found = (
-        f"{each.kind} {each.index[side]}" for each in changes if each.index[side] != _ABSENT
+        f"{each.kind} {each.index[side]}"
+        for each in changes
+        if each.index[side] != _ABSENT
         and what == ("moved" if each.kind == "body" and each.field in _PLACES else each.what)
-    )  # fmt: skip
+    )
     return list(dict.fromkeys(found))
 
 
@@ -307,12 +316,15 @@ _LINE = 4096
 
 def alone(description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None) -> str:
     """Return the page of one or two models, which share blobs; with files of a bundle in `played`, it has MuJoCo."""
-    policy, body, programs = _ALONE, "", ["page.js"]
+    policy = _ALONE
+    body = ""
+    programs = ["page.js"]
     for number, each in enumerate((description, *others)):
         new = [(name, each.blobs[name]) for name in each.used if name in each.blobs]
         body += _packed("model", each.text.encode(), new, more=f" data-number={number}")
     if played is not None:
-        policy, programs = _PLAYED, ["physics.js", "page.js"]
+        policy = _PLAYED
+        programs = ["physics.js", "page.js"]
         program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
         body += _packed("physics", b"null", [*played.items(), ("mujoco.wasm", program)])
     body += "".join(_compressed("program", (BUILT / name).read_bytes()) for name in programs)
@@ -322,7 +334,8 @@ def alone(description: Description, *others: Description, played: AbcMapping[str
 
 def live(title: str) -> str:
     """Return the page of a server, which serves the program and the models separately."""
-    style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
+    style = "<link rel=stylesheet href=page.css>"
+    script = "<script src=page.js></script>"
     return shell(title, "", "", style=style, script=script).replace("<html lang=en>", "<html lang=en data-live>")
 
 

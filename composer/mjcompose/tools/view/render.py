@@ -45,8 +45,11 @@ def check_given(operand: Operand, given: Given) -> bool:
 Color = tuple[int, int, int, int]
 TRANSPARENT: Color = (0, 0, 0, 0)
 COLORS: dict[str, Color] = {
-    "white": (255, 255, 255, 1), "black": (0, 0, 0, 1), "grey": (235, 235, 235, 1), "transparent": TRANSPARENT,
-}  # fmt: skip
+    "white": (255, 255, 255, 1),
+    "black": (0, 0, 0, 1),
+    "grey": (235, 235, 235, 1),
+    "transparent": TRANSPARENT,
+}
 MOST_PIXELS = 8192
 
 
@@ -79,7 +82,8 @@ class Wish(Struct):
 
 
 FILM = (960, 720)
-LOOKS, LABELS = ("body", "geom", "site", "joint"), ("body", "geom", "site", "joint")
+LOOKS = ("body", "geom", "site", "joint")
+LABELS = ("body", "geom", "site", "joint")
 
 
 def look_of(text: str) -> tuple[str, str] | None:
@@ -141,17 +145,28 @@ class _NotDrawn(Exception):
 
 _FAULTS = {
     "no OpenGL": ("no-rendering", "no picture can be made without OpenGL", NEEDS_OPENGL),
-    "no encoder": ("no-video", "no MP4 can be written without PyAV",
-                   'install it with `pip install "mjcompose[video]"`, or write a `.gif`'),
-    "stopped": ("unstable", "the film ends early",
-                "give `--play` fewer seconds; a smaller `timestep` in `<option>` often helps"),
-}  # fmt: skip
+    "no encoder": (
+        "no-video",
+        "no MP4 can be written without PyAV",
+        'install it with `pip install "mjcompose[video]"`, or write a `.gif`',
+    ),
+    "stopped": (
+        "unstable",
+        "the film ends early",
+        "give `--play` fewer seconds; a smaller `timestep` in `<option>` often helps",
+    ),
+}
 
 
 def render(
-    kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = (),
+    kept: str,
+    out: Path,
+    wish: Wish,
+    context: Context,
+    session: Session,
+    read: Iterable[Path] = (),
     option: str = "-o",
-) -> bool:  # fmt: skip
+) -> bool:
     """Write a picture or film of a kept model, but never over a file that was `read`; return False after an error."""
     with suppress(_NotDrawn), context.sink:
         suffix = format_of(out, wish)
@@ -180,9 +195,12 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
             return False
     if "unknown" in said:
         kind = said["unknown"]
-        word, name, written = "keyframe" if kind == "key" else kind, str(asked.get(kind)), f"--{kind} {{}}"
+        word = "keyframe" if kind == "key" else kind
+        name = str(asked.get(kind))
+        written = f"--{kind} {{}}"
         if asked["look"] is not None and kind == asked["look"][0]:
-            name, written = asked["look"][1], f"--look {kind}/{{}}"
+            name = asked["look"][1]
+            written = f"--look {kind}/{{}}"
         context.sink.add(unknown_name(word, name, said["known"], written=written))
         return False
     return True
@@ -225,9 +243,15 @@ class _Job(Struct):
 
 
 def render_sheet(
-    operand: Operand, cells: Sequence[Cell], out: Path, wish: Wish, session: engine.Session, given: Given,
-    tell: Callable[[str], None], jobs: int | None = None,
-) -> int:  # fmt: skip
+    operand: Operand,
+    cells: Sequence[Cell],
+    out: Path,
+    wish: Wish,
+    session: engine.Session,
+    given: Given,
+    tell: Callable[[str], None],
+    jobs: int | None = None,
+) -> int:
     """Write one picture of all `cells`, each with its name below it; return their number.
 
     Cells that cannot be built are left out, and their errors are reported. If none is left, nothing is written. `tell`
@@ -235,7 +259,8 @@ def render_sheet(
     off.
     """
     context = operand.context
-    tiles, read = list[str](), set[Path]()
+    tiles: list[str] = []
+    read: set[Path] = set()
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
     with scratch("pictures") as folder, Pool[tuple[int, Cell], Drawn](workers, _MODULES) as pool:
         handed = replace(operand, context=context_for_worker(context))

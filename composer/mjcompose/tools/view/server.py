@@ -63,7 +63,8 @@ class Guard(Struct):
         if origins and origins[0].lower() != f"http://{host}":
             return None
         own = f"/{self.token}/"
-        head, key = target[: len(own)], target[len(own) :]
+        head = target[: len(own)]
+        key = target[len(own) :]
         return key if hmac.compare_digest(head.encode("utf-8", "surrogatepass"), own.encode()) else None
 
     def may_write(self, origins: Sequence[str], sites: Sequence[str]) -> bool:
@@ -93,7 +94,8 @@ def _bracketed(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-_MOST_WAITING, _MOST_PAGES = 64, 32
+_MOST_WAITING = 64
+_MOST_PAGES = 32
 _BEAT_SECONDS = 15.0
 _NOTHING = b": \n\n"
 
@@ -163,7 +165,8 @@ _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
     " connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
-_MOST_SAID, _MOST_HEAD = 1 << 20, 1 << 17
+_MOST_SAID = 1 << 20
+_MOST_HEAD = 1 << 17
 _WORTH_PACKING = 1024
 _MOST_CONNECTIONS = 64
 _SECONDS_TO_ASK = 10.0  # for a whole request, and for a connection without one
@@ -178,7 +181,9 @@ class Server:
     """Serves one workshop. `address` contains the token; requests without it get no answer."""
 
     def __init__(self, workshop: Workshop, host: str, port: int, writes: bool = False) -> None:
-        self.workshop, self.hub, self.writer = workshop, Hub(), Writer(workshop)
+        self.workshop = workshop
+        self.hub = Hub()
+        self.writer = Writer(workshop)
         self.files = {name: (BUILT / name).read_bytes() for name in _FILES}
         self._http = _Http((host, port), self)
         self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16), writes=writes)
@@ -282,7 +287,8 @@ class _Asked(io.RawIOBase):
         self.begin()
 
     def begin(self) -> None:
-        self._end, self.left = time.monotonic() + _SECONDS_TO_ASK, _MOST_HEAD
+        self._end = time.monotonic() + _SECONDS_TO_ASK
+        self.left = _MOST_HEAD
 
     def readable(self) -> bool:
         return True
@@ -303,7 +309,8 @@ class _Handler(BaseHTTPRequestHandler):
     server: _Http
     protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True  # a head and its content are sent one after the other
-    server_version, sys_version = "mjcompose", ""
+    server_version = "mjcompose"
+    sys_version = ""
 
     def setup(self) -> None:
         super().setup()

@@ -77,7 +77,8 @@ class Targets(Struct):
 def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
     """Return the table of movable elements for the page and for the server."""
     operand = side.operand
-    folder, is_recipe = operand.context.folder, not operand.revision and operand.path.suffix.lower() in RECIPES
+    folder = operand.context.folder
+    is_recipe = not operand.revision and operand.path.suffix.lower() in RECIPES
     is_known = side.plan is not None and side.traced is not None and is_recipe
     if side.plan is None or not is_known or not (folder / side.plan.file).samefile(folder / operand.label):
         return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
@@ -95,7 +96,8 @@ class _Movable:
     def __init__(self, side: Side, scene: Mapping[str, Any], files: Collection[str]) -> None:
         self.files = files
         assert side.traced is not None and side.plan is not None
-        self.traced, self.plans = side.traced, list(side.plan.plans())
+        self.traced = side.traced
+        self.plans = list(side.plan.plans())
         found = {kind: nodes_of(kind, scene[kind]["name"], side.traced) for kind in KINDS}
         pairs = ((kind, each) for kind, nodes in found.items() for each in enumerate(nodes))
         self.numbers = {node: (kind, number) for kind, (number, node) in pairs if node is not None}
@@ -109,7 +111,8 @@ class _Movable:
         for part in dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts):
             if part.content is None or part.span is None or _turn_of(part.span) not in steps or not part.span.file:
                 continue
-            content, moves = part.content, bool(part.joints or part.mocap)
+            content = part.content
+            moves = bool(part.joints or part.mocap)
             top = content.getparent() if moves and content.tag == "frame" else content
             if top is None or top.tag not in ("frame", "body"):
                 continue
@@ -149,15 +152,18 @@ class _Movable:
 
     def _place(self, part: Part, top: Node) -> tuple[Node | None, Pose]:
         """Return the element in which the offset of a part counts, and the pose of the place there."""
-        mount, kind = part.mount, part.place.kind
+        mount = part.mount
+        kind = part.place.kind
         if kind == "world" or mount is None or (part.sense is not None and not part.floats):
             return top.getparent(), Pose()
-        start, pose = mount, Pose()
+        start = mount
+        pose = Pose()
         if kind == "site":
             parent = mount.getparent()
             if parent is None:
                 return None, pose
-            start, pose = parent, read_pose(effective_pose(mount, self.traced.classes), *self.units)
+            start = parent
+            pose = read_pose(effective_pose(mount, self.traced.classes), *self.units)
         if part.floats:
             return top.getparent(), pose_in_world(start, *self.units) @ pose
         return start, pose
@@ -176,7 +182,8 @@ class _Movable:
             moved[of].append(number)
         start, pose = place
         while start is not None and start.tag == "frame":
-            pose, start = read_pose(start, *self.units) @ pose, start.getparent()
+            pose = read_pose(start, *self.units) @ pose
+            start = start.getparent()
         mount = None if start is None else self.numbers.get(start)
         frame = None if mount is None or not pose.is_finite else [*pose.pos, *pose.quat]
         number = mount[1] if mount else 0

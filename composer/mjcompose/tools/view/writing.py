@@ -36,12 +36,15 @@ from mjcompose.tree.pattern import is_pattern
 
 _MOST = 1e4
 """No number of a page may be larger."""
-_MOST_DONE, _MOST_VERSIONS = 200, 4
+_MOST_DONE = 200
+_MOST_VERSIONS = 4
 _MOST_SIZE = 1 << 18
 _HINGE = 3
 _ELSEWHERE: dict[str, Steps] = {
-    "mirror": ("mirror",), "scatter": ("replicate", 0, "scatter"), "fromto": ("fromto",),
-}  # fmt: skip
+    "mirror": ("mirror",),
+    "scatter": ("replicate", 0, "scatter"),
+    "fromto": ("fromto",),
+}
 """Keys that set a place other than by an offset."""
 _CHANGED = "the model has changed: select it again"
 _STALE = "`{}` has changed since this model was built, so nothing is written"
@@ -71,10 +74,17 @@ class Writer:
     def answer(self, said: Any) -> Answer:
         """Return the answer for the page; `refused` is the reason if nothing has changed."""
         acts: dict[str, Callable[[Any], Answer]] = {
-            "look": self._look, "place": self._place, "edit": self._edit, "keyframe": self._keyframe,
-            "free": self._free, "attach": self._attach, "models": self._models, "parameter": self._parameter,
-            "undo": self._back, "redo": self._back,
-        }  # fmt: skip
+            "look": self._look,
+            "place": self._place,
+            "edit": self._edit,
+            "keyframe": self._keyframe,
+            "free": self._free,
+            "attach": self._attach,
+            "models": self._models,
+            "parameter": self._parameter,
+            "undo": self._back,
+            "redo": self._back,
+        }
         act = acts[said["kind"]]
         with self._lock:
             now = self.workshop.shown
@@ -133,8 +143,10 @@ class Writer:
 
         Since the page's model was built, only the page may have changed the file, unless `any` text will do.
         """
-        path, built = self._own(file), self._now.targets.texts.get(file)
-        raw, history = read_regular(path, in_force().recipe_size), self._history.get(file, [])
+        path = self._own(file)
+        built = self._now.targets.texts.get(file)
+        raw = read_regular(path, in_force().recipe_size)
+        history = self._history.get(file, [])
         if not any and (built is None or (raw != built and not (raw in history[-1:] and built in history))):
             raise Refused(_STALE.format(file), stale=True)
         for name, text in (said.get("texts") or {}).items():
@@ -162,7 +174,8 @@ class Writer:
 
     def _row_offset(self, target: Target, said: Any) -> Offset:
         """Return the offset of one turn of a `for`, which is in a row of a table."""
-        columns, maker = target.columns, f"the `for` at {target.span.file}:{target.span.line}"
+        columns = target.columns
+        maker = f"the `for` at {target.span.file}:{target.span.line}"
         if not columns:
             message = f"{maker} makes this, and no table has its place: change the entry"
             used = self._parameters_of(target, said)
@@ -190,7 +203,8 @@ class Writer:
     def _offset_in(self, draft: Draft, holder: Steps, target: Target, said: Any) -> Offset:
         known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
         saved = draft.tree if known else load(read_regular(draft.path), draft.file, Sink()) or draft.tree
-        before, now = find(saved, holder), find(draft.tree, holder)
+        before = find(saved, holder)
+        now = find(draft.tree, holder)
         if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
             raise Refused("your unsaved text sets another place: save it first", stale=True)
         context = target.plan.angle_context
@@ -227,8 +241,10 @@ class Writer:
         targets = self._now.targets
         if file == targets.recipe or targets.plan is None:
             return ""
-        uses, name = sum(each.file == file for each in targets.plan.plans()), os.fsencode(os.path.basename(file))
-        top, own = Path(folder_of_recipe(targets.paths[targets.recipe])), {os.path.realpath(self._own(file))}
+        uses = sum(each.file == file for each in targets.plan.plans())
+        name = os.fsencode(os.path.basename(file))
+        top = Path(folder_of_recipe(targets.paths[targets.recipe]))
+        own = {os.path.realpath(self._own(file))}
         own.add(os.path.realpath(targets.paths[targets.recipe]))
         others = 0
         for path in (top / each for each in model_files(top) if each.endswith(RECIPES)):
@@ -243,7 +259,9 @@ class Writer:
     def _look(self, said: Any) -> Answer:
         """Report the current place of a target, or the reason that it cannot be moved."""
         offset = self._offset(self._target(said), said)
-        file, pose, line = offset.draft.file, offset.pose, offset.mapping.span.line
+        file = offset.draft.file
+        pose = offset.pose
+        line = offset.mapping.span.line
         return {"pos": pose.pos, "quat": pose.quat, "also": self._also(file), "where": f"{file}:{line}"}
 
     def _place(self, said: Any) -> Answer:
@@ -263,7 +281,8 @@ class Writer:
         """Write a pose into the columns of a row. Columns that the entry does not read stay as they are."""
         if said.get("site") is not None:
             raise Refused("a `for` makes this part, and the others would move, too: change the entry")
-        before, written = to_python(offset.mapping), offset.move(_pose(said))
+        before = to_python(offset.mapping)
+        written = offset.move(_pose(said))
         after = offset.draft.wanted
         for step in offset.holder:
             after = after[step]
@@ -281,7 +300,8 @@ class Writer:
         return target
 
     def _to_site(self, offset: Offset, target: Target, name: str) -> str:
-        draft, holder = offset.draft, offset.holder
+        draft = offset.draft
+        holder = offset.holder
         if "attach" not in target.at[-2:-1]:
             raise Refused("only a part can be attached to a site")
         outer = next((each for each in target.outer if name.startswith(each)), None)
@@ -302,7 +322,9 @@ class Writer:
         kind = str(said["of"])
         if kind not in ("body", "site", "camera"):
             raise ValueError
-        name, pose, draft = self._name(kind, said["index"]), _pose(said), self._recipe(said)
+        name = self._name(kind, said["index"])
+        pose = _pose(said)
+        draft = self._recipe(said)
         if is_pattern(name):
             raise Refused(f"`{name}` would be a pattern in `select`")
         items = find(draft.tree, ("edit",))
@@ -322,7 +344,8 @@ class Writer:
 
     def _keyframe(self, said: Any) -> Answer:
         """Write the joints and mocap bodies that the page has moved as a keyframe."""
-        draft, name = self._recipe(said), str(said["name"])
+        draft = self._recipe(said)
+        name = str(said["name"])
         if find(draft.tree, ("keyframe", name)) is not None:
             raise Refused(f"there is a keyframe `{name}`: choose another name")
         entry: dict[str, Written] = {}
@@ -342,15 +365,19 @@ class Writer:
         return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
 
     def _free(self, said: Any) -> Answer:
-        draft, key = self._recipe(said), str(said["key"])
+        draft = self._recipe(said)
+        key = str(said["key"])
         if not isinstance(find(draft.tree, ("keyframe", key)), Mapping):
             raise Refused(f"`{draft.file}` does not write the keyframe `{key}`: save the pose under another name")
-        name, values = self._name("joint", said["joint"]), _numbers(said["qpos"], 7)
+        name = self._name("joint", said["joint"])
+        values = _numbers(said["qpos"], 7)
         draft.numbers(("keyframe", key, "qpos", name), [short(each, 6) for each in values])
         return self._finish(draft, f"{name} in keyframe {key}", said)
 
     def _attach(self, said: Any) -> Answer:
-        draft, prefix, model = self._recipe(said), str(said["prefix"]), str(said["model"])
+        draft = self._recipe(said)
+        prefix = str(said["prefix"])
+        model = str(said["model"])
         plan = self._now.targets.plan
         fault = prefix_fault(prefix, Settings(separator=plan.separator if plan else "/"))
         if fault is not None:
@@ -375,7 +402,8 @@ class Writer:
         return {"models": list(dict.fromkeys([*texts, *files]))}
 
     def _parameter(self, said: Any) -> Answer:
-        draft, name = self._recipe(said), str(said["name"])
+        draft = self._recipe(said)
+        name = str(said["name"])
         path, node = _parameter(draft.tree, name)
         (value,) = _numbers([said["value"]], 1)
         if node is None:
@@ -457,7 +485,8 @@ def _pose(said: Any) -> Pose:
 
 def _difference(before: str, after: str) -> Answer:
     """Return the replacement: lines and columns from 0, in units of UTF-16, as editors count."""
-    (head, tail), ends = yaml_tree.common_ends(before, after), []
+    (head, tail) = yaml_tree.common_ends(before, after)
+    ends = []
     for at in (head, len(before) - tail):
         *above, last = yaml_tree.lines_of(before[:at])
         ends += [len(above), len(last.encode("utf-16-le")) // 2]

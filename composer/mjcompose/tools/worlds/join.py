@@ -31,7 +31,8 @@ from mjcompose.tools.worlds.names import failure
 from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, model_sha256, read
 
 CODE = "not-a-world"
-_HFIELD, _MESH = 1, 7
+_HFIELD = 1
+_MESH = 7
 _NOT_UNITED = ("flex", "skin", "plugin")
 
 
@@ -70,11 +71,13 @@ class Tree(Struct, frozen=False):
                 self.children[bodies[self.model.body_parentid[number]]].append(name)
 
     def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
-        model, name = self.model, self.table.names[kind][each]
+        model = self.model
+        name = self.table.names[kind][each]
         if kind == "joint":
             return name, int(model.jnt_type[each])
         if kind == "geom":
-            mesh, shape = int(model.geom_dataid[each]), int(model.geom_type[each])
+            mesh = int(model.geom_dataid[each])
+            shape = int(model.geom_type[each])
             material = int(model.geom_matid[each])
             looks = self.table.names["material"][material] if material >= 0 else ""
             return name, shape, looks, self._surface(shape, mesh) if mesh >= 0 else ""
@@ -86,10 +89,13 @@ class Tree(Struct, frozen=False):
         """Return the hash of a height field, or of a mesh that is not only fitted by another shape."""
         model = self.model
         if shape == _HFIELD:
-            first, data = model.hfield_adr[asset], model.hfield_data
+            first = model.hfield_adr[asset]
+            data = model.hfield_data
             count = model.hfield_nrow[asset] * model.hfield_ncol[asset]
         elif shape == _MESH:
-            first, count, data = model.mesh_vertadr[asset], model.mesh_vertnum[asset], model.mesh_vert
+            first = model.mesh_vertadr[asset]
+            count = model.mesh_vertnum[asset]
+            data = model.mesh_vert
         else:
             return ""
         return sha256(data[int(first) : int(first) + int(count)].tobytes()).hexdigest()
@@ -145,7 +151,8 @@ def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
         raise failure("unknown-name", f"no model in `{path}` matches", "choose others with `where`")
     joining = Joining(len(every))
     for each in every:
-        cell, sample = {"name": each.values.get("cell", each.name)}, int(str(each.values.get("sample", 0)))
+        cell = {"name": each.values.get("cell", each.name)}
+        sample = int(str(each.values.get("sample", 0)))
         joining.add(Joined(each.load(), each.name, cell, sample=sample))
     return joining.worlds()
 
@@ -177,8 +184,9 @@ class Group(Struct, frozen=False):
         taken = len(self.worlds)
         self.differences.extend(taken + count)
         self.differences.take(taken, each.loaded.model, count)
-        for name, own in each.table.arrays.items() if each.table is not None else ():
-            self.differences.take_numbers(taken, name, own.index, values=own.values)
+        if each.table is not None:
+            for name, own in each.table.arrays.items():
+                self.differences.take_numbers(taken, name, own.index, values=own.values)
         self.worlds += range(first, first + count)
 
     def varying(self) -> Iterator[tuple[str, Varying]]:
@@ -231,19 +239,28 @@ class Joining(Struct, frozen=False):
         """Return a table of the differences from a model."""
         first = self.groups[0].first
         seed = first.loaded.manifest.seed if first.table is None else first.table.seed
-        return Table(varying, len(self._cell), seed, cells=tuple(self._cells), cell=np.array(self._cell, np.int64),
-                     sample=np.array(self._sample, np.int64), model=model_sha256(loaded.manifest),
-                     mujoco=loaded.manifest.mujoco)  # fmt: skip
+        return Table(
+            varying,
+            len(self._cell),
+            seed,
+            cells=tuple(self._cells),
+            cell=np.array(self._cell, np.int64),
+            sample=np.array(self._sample, np.int64),
+            model=model_sha256(loaded.manifest),
+            mujoco=loaded.manifest.mujoco,
+        )
 
 
 def unlike(first: Model, other: Model) -> list[str] | None:
     """Return the reason that a model is a different one, or None if only numbers differ."""
     why = []
     for kind in KINDS:
-        here, there = names(first, kind), names(other, kind)
+        here = names(first, kind)
+        there = names(other, kind)
         if here == there:
             continue
-        known, found = set(here), set(there)
+        known = set(here)
+        found = set(there)
         why += [f"it has the {kind} `{name}`" for name in there if name not in known][:_SHOWN]
         why += [f"it lacks the {kind} `{name}`" for name in here if name not in found][:_SHOWN]
         if known == found:
@@ -278,7 +295,8 @@ class Shelf(Struct):
     def take(self, result: BuildResult, cell: Cell) -> Joined:
         """Load a model, with its worlds if it has some. Raises LoadError."""
         folder = self.place(result.name, result.mujoco)
-        loaded, table = load(folder), None
+        loaded = load(folder)
+        table = None
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}

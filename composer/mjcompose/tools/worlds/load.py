@@ -233,7 +233,8 @@ def _forget() -> None:
 
 
 def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
-    is_binary, model = file.suffix.lower() == ".mjb", mujoco.MjModel
+    is_binary = file.suffix.lower() == ".mjb"
+    model = mujoco.MjModel
     try:
         return model.from_binary_path(str(file)) if is_binary else model.from_xml_path(str(file))
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
@@ -257,7 +258,8 @@ def _with_places(listed: Any, manifest: Manifest) -> Any:
     assert manifest.index is not None
     kept = {}
     for kind in type(listed).model_fields:
-        ours, theirs = getattr(listed, kind), getattr(manifest.index, kind)
+        ours = getattr(listed, kind)
+        theirs = getattr(manifest.index, kind)
         if [each.name for each in ours] == [each.name for each in theirs]:
             pairs = zip(ours, theirs, strict=True)
             kept[kind] = tuple(each.model_copy(update={"origin": other.origin}) for each, other in pairs)

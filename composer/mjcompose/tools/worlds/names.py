@@ -44,7 +44,8 @@ Names: TypeAlias = str | Several
 def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a name or a glob that matches nothing."""
     known = [each for each in known if each]
-    message, notes = f"the model has no {kind} `{name}`", (exists_note(kind, known, name),)
+    message = f"the model has no {kind} `{name}`"
+    notes = (exists_note(kind, known, name),)
     return UnknownNameError([Diagnostic("unknown-name", message, notes=notes, help=did_you_mean(name, known))])
 
 
@@ -56,7 +57,8 @@ class _Named:
     """
 
     def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
-        self._kind, self._separator = kind, separator
+        self._kind = kind
+        self._separator = separator
         self.names = tuple(names)
         """All names in the order of the model; unnamed elements are ""."""
         self._by_name: dict[str, int] = {}
@@ -184,7 +186,8 @@ class Vector(_Named):
         found = [each for each in self.entries if each.body == body]
         if not found:
             raise unknown(f"body with a {self._kind}", body, [each.body for each in self.entries if each.body])
-        start, end = found[0].start, found[-1].start + found[-1].size
+        start = found[0].start
+        end = found[-1].start + found[-1].size
         return start if end - start == 1 else slice(start, end)
 
     def limits(self, names: Names = "**") -> NDArray[np.float64]:
@@ -228,50 +231,81 @@ class Index:
 
     def __init__(self, listed: Listed, names: Callable[[str], Sequence[str]], separator: str = "/") -> None:
         """Create the index; `names` returns the names of a kind in the order of the model."""
-        self._listed, self._names, self._separator = listed, names, separator
+        self._listed = listed
+        self._names = names
+        self._separator = separator
 
     @cached_property
     def qpos(self) -> Vector:
         """Positions of joints: rad, m, and quaternions (w x y z)."""
         # The range of a ball joint is an angle, not one of its numbers.
-        return self._vector("qpos", "joint", (
-            (each, each.qpos, BY_WORD[each.type].position_units,
-             (_limits(each.range) if each.qpos_size == 1 else UNLIMITED,) * each.qpos_size)
-            for each in self._listed.joints
-        ))  # fmt: skip
+        return self._vector(
+            "qpos",
+            "joint",
+            (
+                (
+                    each,
+                    each.qpos,
+                    BY_WORD[each.type].position_units,
+                    (_limits(each.range) if each.qpos_size == 1 else UNLIMITED,) * each.qpos_size,
+                )
+                for each in self._listed.joints
+            ),
+        )
 
     @cached_property
     def qvel(self) -> Vector:
         """Velocities of joints: rad/s, m/s. MuJoCo does not limit them."""
-        return self._vector("qvel", "joint", (
-            (each, each.dof, BY_WORD[each.type].velocity_units, (UNLIMITED,) * each.dof_size)
-            for each in self._listed.joints
-        ))  # fmt: skip
+        return self._vector(
+            "qvel",
+            "joint",
+            (
+                (each, each.dof, BY_WORD[each.type].velocity_units, (UNLIMITED,) * each.dof_size)
+                for each in self._listed.joints
+            ),
+        )
 
     @cached_property
     def ctrl(self) -> Vector:
         """Controls of actuators, with their limits."""
-        return self._vector("ctrl", "actuator", (
-            (each, each.ctrl, (each.unit,) * each.ctrl_size, tuple(map(_limits, each.ranges)))
-            for each in self._listed.actuators
-        ))  # fmt: skip
+        return self._vector(
+            "ctrl",
+            "actuator",
+            (
+                (each, each.ctrl, (each.unit,) * each.ctrl_size, tuple(map(_limits, each.ranges)))
+                for each in self._listed.actuators
+            ),
+        )
 
     @cached_property
     def act(self) -> Vector:
         """Activations of the actuators that have some."""
-        return self._vector("act", "activation", (
-            (each, each.act, (None,) * each.act_size, (_limits(each.act_range),) * each.act_size)
-            for each in self._listed.actuators if each.act is not None
-        ))  # fmt: skip
+        return self._vector(
+            "act",
+            "activation",
+            (
+                (each, each.act, (None,) * each.act_size, (_limits(each.act_range),) * each.act_size)
+                for each in self._listed.actuators
+                if each.act is not None
+            ),
+        )
 
     @cached_property
     def sensordata(self) -> Vector:
         """Sensor values; limits are their cutoff."""
-        return self._vector("sensordata", "sensor", (
-            (each, each.address, (each.unit,) * each.size,
-             (UNLIMITED if each.cutoff is None else (-each.cutoff, each.cutoff),) * each.size)
-            for each in self._listed.sensors
-        ))  # fmt: skip
+        return self._vector(
+            "sensordata",
+            "sensor",
+            (
+                (
+                    each,
+                    each.address,
+                    (each.unit,) * each.size,
+                    (UNLIMITED if each.cutoff is None else (-each.cutoff, each.cutoff),) * each.size,
+                )
+                for each in self._listed.sensors
+            ),
+        )
 
     camera = _ids("camera")
     """Ids of cameras."""
@@ -296,8 +330,10 @@ class Index:
         self, name: str, kind: str, found: Iterable[tuple[Any, int, tuple[str | None, ...], tuple[Range, ...]]]
     ) -> Vector:
         """Return a vector of the elements, each with its first address, its units and its limits."""
-        entries = [Entry(each.name, start, units, limits=limits, body=getattr(each, "body", None), origin=each.origin)
-                   for each, start, units, limits in found]  # fmt: skip
+        entries = [
+            Entry(each.name, start, units, limits=limits, body=getattr(each, "body", None), origin=each.origin)
+            for each, start, units, limits in found
+        ]
         return Vector(name, kind, entries, separator=self._separator)
 
     def __repr__(self) -> str:

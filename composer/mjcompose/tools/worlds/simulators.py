@@ -47,7 +47,8 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         raise failure("not-per-world", message, help)
     batch = Batch(worlds.nominal, worlds.count, nthread, persistent=persistent)
     for name in names:
-        varying, numbers = worlds.arrays[name], batch.expand(name).view()
+        varying = worlds.arrays[name]
+        numbers = batch.expand(name).view()
         numbers.shape = (worlds.count, -1)  # the same memory
         numbers[:, varying.index] = varying.values
     return batch
@@ -279,7 +280,8 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
-        rows, columns = chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)
+        rows = chosen[:, None].to(numbers.device)
+        columns = torch.as_tensor(theirs, device=numbers.device)
         numbers[rows, columns] = values.to(numbers.device)
 
 
@@ -293,7 +295,8 @@ def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tupl
         return np.arange(index.size), index
     every = whose(scene, name, range(flat(scene, name).size))
     there = {(each.element, each.attribute): at for at, each in enumerate(every)}
-    ours, theirs = [], []
+    ours = []
+    theirs = []
     for at, each in enumerate(whose(worlds.nominal, name, index)):
         if each.kind == "body" and each.element == _WORLD:
             continue  # mjlab recomputes it
@@ -346,8 +349,9 @@ class Simulator(Struct):
         """Yield an error for each known reason, or one error with the words of the simulator."""
         found: dict[tuple[str, str], list[Refusal]] = {}
         for limit in TARGETS[self.target].limits:
-            for each in limit.refuses(mujoco_module, model) if limit.refuses is not None else ():
-                found.setdefault((each.why, each.help), []).append(each)
+            if limit.refuses is not None:
+                for each in limit.refuses(mujoco_module, model):
+                    found.setdefault((each.why, each.help), []).append(each)
         if not found:
             message = f"{self.name} does not take the model of the worlds"
             help = f"remove unsupported elements from the recipe, or {_OR_MUJOCO}"
@@ -355,7 +359,8 @@ class Simulator(Struct):
         table = NameTable(model)
         for (why, help), (first, *others) in found.items():
             help = f"in the recipe {help}, and build it again; or {_OR_MUJOCO}"
-            notes, alike = (*_written(worlds, first), note), tuple(Note(_shown(table, each)) for each in others)
+            notes = (*_written(worlds, first), note)
+            alike = tuple(Note(_shown(table, each)) for each in others)
             yield Diagnostic(_CANNOT, f"{_shown(table, first)}: {why}", notes=notes, help=help, others=alike)
 
 
@@ -431,9 +436,11 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 def _same(a: Any, b: Any) -> bool:
     if hasattr(a, "numpy"):
-        a, b = a.numpy(), b.numpy()
+        a = a.numpy()
+        b = b.numpy()
     if hasattr(a, "shape"):
-        a, b = np.asarray(a), np.asarray(b)
+        a = np.asarray(a)
+        b = np.asarray(b)
         kind = a.dtype.kind
         return a.shape == b.shape and (kind not in "biufc" or np.array_equal(a, b, equal_nan=kind in "fc"))
     return not isinstance(a, bool | int | float | str) or a == b

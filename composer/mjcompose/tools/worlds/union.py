@@ -51,7 +51,8 @@ class Plan(Struct):
 def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
     """Plan a union: parts of all models except the first get prefixes from their labels. Raises LoadError."""
     shared = common(trees)
-    placed, active = list[Placed](), list[list[Placed]]()
+    placed: list[Placed] = []
+    active: list[list[Placed]] = []
     for number, tree in enumerate(trees):
         own = []
         for each in joined_parts(tree, shared):
@@ -83,9 +84,13 @@ def compose_union(
             part = {"model": model, "subtree": each.part.body, "drop": [{"key": "**", "optional": True}], **place}
             attach[each.prefix.rstrip("/")] = part
     recipe = {
-        "recipe": 1, "name": name, "separator": separator, "base": f"./{folders[0].name}/model.xml",
-        "attach": attach, "conflict": "base",
-    }  # fmt: skip
+        "recipe": 1,
+        "name": name,
+        "separator": separator,
+        "base": f"./{folders[0].name}/model.xml",
+        "attach": attach,
+        "conflict": "base",
+    }
     path = folders[0].parent / "union.yaml"
     path.write_text(json.dumps(recipe))
     own = replace(context, sink=Sink(), timings=[], folder=path.parent)
@@ -105,8 +110,10 @@ _LICENSES = "LICENSES/"
 def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     """Return a union with the inputs, licenses and recipe from the manifests of its models."""
     manifests = [from_json(each.files[MANIFEST]) for each in models]
-    texts, inputs = dict[str, bytes](), dict[tuple[str, str], Input]()
-    licenses, read = dict[str, dict[str, None]](), dict[tuple[str, str], Read]()
+    texts: dict[str, bytes] = {}
+    inputs: dict[tuple[str, str], Input] = {}
+    licenses: dict[str, dict[str, None]] = {}
+    read: dict[tuple[str, str], Read] = {}
     for model, manifest in zip(models, manifests, strict=True):
         moved = {path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)}
         texts |= {moved[path]: model.files[path] for path in moved}
@@ -120,16 +127,22 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     whole = Bundle({**files, **texts}, bundle.model)
     first = manifests[0]
     changes = {
-        "recipe": first.recipe, "seed": first.seed, "adopted": first.adopted, "inputs": tuple(inputs.values()),
+        "recipe": first.recipe,
+        "seed": first.seed,
+        "adopted": first.adopted,
+        "inputs": tuple(inputs.values()),
         "parts": (),  # a part of several models is compared with its source in each of them
-        "read": tuple(each for _, each in sorted(read.items())), "files": files_of(whole), "union": len(models),
+        "read": tuple(each for _, each in sorted(read.items())),
+        "files": files_of(whole),
+        "union": len(models),
         "licenses": {license: tuple(parts) for license, parts in sorted(licenses.items())},
-    }  # fmt: skip
+    }
     return with_manifest(whole, from_json(bundle.files[MANIFEST]).model_copy(update=changes))
 
 
 def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
-    number, free = 1, path
+    number = 1
+    free = path
     while texts.get(free, content) != content:
         number += 1
         free = f"{_LICENSES}{number}/{path.removeprefix(_LICENSES)}"
@@ -149,7 +162,8 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
     folder = folders[0].parent / "union"
     write_folder(bundle, folder)
     loaded = load(folder)
-    union, count = loaded.model, sum(len(each.worlds) for each in groups)
+    union = loaded.model
+    count = sum(len(each.worlds) for each in groups)
     found = Differences(union, count)
     for group, tree, active in zip(groups, trees, plan.active, strict=True):
         prefix_of = {body: each.prefix for each in active for body in tree.below(each.part.body)}
@@ -171,13 +185,15 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
 
 
 def _label(group: Group, groups: Sequence[Group]) -> str:
-    ours, first = group.first.cell, groups[0].first.cell
+    ours = group.first.cell
+    first = groups[0].first.cell
     other = [str(value) for axis, value in ours.items() if axis != "name" and first.get(axis) != value]
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
 
 
 def _models(group: Group) -> Iterator[Model]:
-    nominal, varying = group.first.loaded.model, dict(group.varying())
+    nominal = group.first.loaded.model
+    varying = dict(group.varying())
     for place in range(len(group.worlds)):
         yield with_numbers(nominal, {name: (own.index, own.values[place]) for name, own in varying.items()})
 
@@ -231,9 +247,10 @@ def references(model: Model, kind: str, number: int) -> References:
     if kind == "actuator" and (transmission := int(model.actuator_trntype[number])) not in _TRANSMISSIONS:
         message = f"an actuator with a transmission of type {transmission} cannot be in a union"
         raise failure(CODE, message, _ALONE)
-    for link in links(model, kind, number) if kind in ACTING else ():
-        if link.index >= 0 and link.kind != "plugin" and link.field not in _OTHER_LINKS:
-            yield link.kind, link.index
+    if kind in ACTING:
+        for link in links(model, kind, number):
+            if link.index >= 0 and link.kind != "plugin" and link.field not in _OTHER_LINKS:
+                yield link.kind, link.index
 
 
 def words(model: Model, kind: str, number: int, label: Label) -> str:
@@ -267,9 +284,12 @@ class Mapped:
     """Maps the numbers of a model to a union; `prefix_of` has the prefix of each body of its parts."""
 
     def __init__(self, union: Model, model: Model, name: str, prefix_of: Mapping[str, str]) -> None:
-        self.union, self.model = union, model
-        self.name, self.prefix_of = name, prefix_of
-        self.theirs, self.ours = NameTable(model), NameTable(union)
+        self.union = union
+        self.model = model
+        self.name = name
+        self.prefix_of = prefix_of
+        self.theirs = NameTable(model)
+        self.ours = NameTable(union)
         self._pairs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         self.places: dict[str, list[list[int]]] = {}
         for kind in KINDS:  # elements on bodies first, and tendons before elements that refer to them
@@ -303,15 +323,19 @@ class Mapped:
         if kind in _TREE:
             return [self._there(kind, number)]
         if name := self.theirs.names[kind][number]:
-            return [prefix + name for prefix in dict.fromkeys(["", *self.prefix_of.values()])
-                    if kind not in ACTING or self._acts_alike(kind, number, prefix + name)]  # fmt: skip
+            return [
+                prefix + name
+                for prefix in dict.fromkeys(["", *self.prefix_of.values()])
+                if kind not in ACTING or self._acts_alike(kind, number, prefix + name)
+            ]
         if kind in ACTING:
             return [words(self.model, kind, number, label=self._there)]
         return [self.theirs.describe(kind, number)]
 
     def _acts_alike(self, kind: str, number: int, name: str) -> bool:
         """Return whether the union's element with this name has the same references as the model's element."""
-        at, theirs = self.ours.ids[kind].get(name), words(self.model, kind, number, label=self._there)
+        at = self.ours.ids[kind].get(name)
+        theirs = words(self.model, kind, number, label=self._there)
         return at is not None and words(self.union, kind, at, label=self.ours.describe) == theirs
 
     def _there(self, kind: str, number: int) -> str:
@@ -328,7 +352,8 @@ class Mapped:
     def pairs(self, array: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the flat indices of an array's numbers in the union, and in the model."""
         if array not in self._pairs:
-            (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
+            (kind, rows) = owners(self.union, array)
+            (_, others) = owners(self.model, array)
             to, of = self._matched(kind, rows, others)
             shapes = (np.shape(getattr(each, array)) for each in (self.union, self.model))
             width, other = (int(np.prod(shape[1:], dtype=int)) for shape in shapes)
@@ -340,7 +365,8 @@ class Mapped:
         """Write the keys of a model into the union's keys of the same name. Raises LoadError for others."""
         for number, places in enumerate(self.places["key"]):
             for array, (kind, size) in _KEYS.items():
-                mine, other = getattr(self.union, size), getattr(self.model, size)
+                mine = getattr(self.union, size)
+                other = getattr(self.model, size)
                 if not other:
                     continue
                 rows = rows_of_size(self.union, kind, mine)
@@ -391,11 +417,14 @@ def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray,
     )
     pairs = np.flatnonzero(np.isin(union.pair_geom1, geoms) | np.isin(union.pair_geom2, geoms))
     zero = {
-        "body": (at, "mass inertia"), "dof": (dofs, "damping frictionloss dampingpoly"),
-        "jnt": (joints, "stiffness stiffnesspoly"), "geom": (geoms, "gap"), "pair": (pairs, "gap"),
+        "body": (at, "mass inertia"),
+        "dof": (dofs, "damping frictionloss dampingpoly"),
+        "jnt": (joints, "stiffness stiffnesspoly"),
+        "geom": (geoms, "gap"),
+        "pair": (pairs, "gap"),
         "tendon": (tendons, "stiffness damping frictionloss armature dampingpoly stiffnesspoly"),
         "actuator": (acting, "gainprm biasprm"),
-    }  # fmt: skip
+    }
     named = ((f"{kind}_{each}", rows) for kind, (rows, names) in zero.items() for each in names.split())
     there = [(name, rows) for name, rows in named if not name.endswith("poly") or hasattr(union, name)]
     found = [(name, _all(getattr(union, name), rows), 0.0) for name, rows in there]

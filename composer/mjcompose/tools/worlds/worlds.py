@@ -81,10 +81,15 @@ class Table(Struct):
     def about(self) -> dict[str, Any]:
         """Return everything except the arrays, for JSON."""
         return {
-            "worlds": FORMAT, "samples": self.count, "seed": self.seed, "mujoco": self.mujoco,
-            "model_sha256": self.model, "cells": list(map(dict, self.cells)),
-            "parts": list(self.parts), "has": self.has.astype(int).tolist() if self.parts else [],
-        }  # fmt: skip
+            "worlds": FORMAT,
+            "samples": self.count,
+            "seed": self.seed,
+            "mujoco": self.mujoco,
+            "model_sha256": self.model,
+            "cells": list(map(dict, self.cells)),
+            "parts": list(self.parts),
+            "has": self.has.astype(int).tolist() if self.parts else [],
+        }
 
 
 def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: Any) -> Table:
@@ -94,12 +99,22 @@ def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: A
     count = int(about["samples"])
     given = {"cell": np.zeros(count, np.int64), "sample": np.arange(1, count + 1), **given}
     parts = tuple(about.get("parts", ()))
-    return Table(arrays, count, about["seed"], cells=tuple(about.get("cells", ())), **given,
-                 model=about.get("model_sha256"), mujoco=about.get("mujoco"), parts=parts,
-                 has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)))  # fmt: skip
+    return Table(
+        arrays,
+        count,
+        about["seed"],
+        cells=tuple(about.get("cells", ())),
+        **given,
+        model=about.get("model_sha256"),
+        mujoco=about.get("mujoco"),
+        parts=parts,
+        has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)),
+    )
 
 
-_PARQUET_ABOUT, _ARRAY, _INDEX = b"mjcompose", b"array", b"index"
+_PARQUET_ABOUT = b"mjcompose"
+_ARRAY = b"array"
+_INDEX = b"index"
 
 
 def check_installed() -> Any:
@@ -118,7 +133,8 @@ def write_parquet(path: Path, model: Model, table: Table) -> None:
     The schema has the array and index of each column.
     """
     arrow = check_installed()
-    fields, columns = [], []
+    fields = []
+    columns = []
     for name in ("cell", "sample"):
         fields.append(arrow.field(name, arrow.int64()))
         columns.append(getattr(table, name))
@@ -141,7 +157,8 @@ def read_parquet(content: bytes) -> Table:
         raise ValueError("a Parquet table needs the package `pyarrow`: `pip install pyarrow`") from None
     found = pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     about = json.loads((found.schema.metadata or {})[_PARQUET_ABOUT])
-    numbers, given = dict[str, tuple[list[int], list[Any]]](), dict[str, Any]()
+    numbers: dict[str, tuple[list[int], list[Any]]] = {}
+    given: dict[str, Any] = {}
     for each, column in zip(found.schema, found.columns, strict=True):
         place = each.metadata or {}
         if _ARRAY not in place:
@@ -150,8 +167,10 @@ def read_parquet(content: bytes) -> Table:
         index, values = numbers.setdefault(place[_ARRAY].decode(), ([], []))
         index.append(int(place[_INDEX]))
         values.append(column.to_numpy())
-    arrays = {name: Varying(np.array(places, np.int64), np.stack(values, axis=1))
-              for name, (places, values) in numbers.items()}  # fmt: skip
+    arrays = {
+        name: Varying(np.array(places, np.int64), np.stack(values, axis=1))
+        for name, (places, values) in numbers.items()
+    }
     return of_about(about, arrays, cell=given["cell"], sample=given["sample"])
 
 
@@ -254,9 +273,14 @@ class Worlds(Struct):
         if chosen.size and not -self.count <= chosen.min() <= chosen.max() < self.count:
             raise IndexError(f"world {chosen.max()} does not exist: there are {self.count}")
         arrays = {name: Varying(each.index, each.values[chosen]) for name, each in self.arrays.items()}
-        table = replace(self.table, arrays=arrays, count=chosen.size, cell=self.table.cell[chosen],
-                        sample=self.table.sample[chosen],
-                        has=self.table.has[chosen] if self.table.parts else self.table.has)  # fmt: skip
+        table = replace(
+            self.table,
+            arrays=arrays,
+            count=chosen.size,
+            cell=self.table.cell[chosen],
+            sample=self.table.sample[chosen],
+            has=self.table.has[chosen] if self.table.parts else self.table.has,
+        )
         return replace(self, table=table)
 
     def values(self, name: str) -> NDArray[Any]:
@@ -331,7 +355,8 @@ def _check(model: LoadModel, name: str, varying: Varying, count: int, shown: str
         size = flat(model, name).size
     except AttributeError:
         size = -1
-    index, shape = varying.index, varying.values.shape
+    index = varying.index
+    shape = varying.values.shape
     fits = index.dtype.kind == "i" and index.ndim == 1 and shape == (count, index.size)
     if size < 0 or not fits or (index.size and not 0 <= int(index.min()) <= int(index.max()) < size):
         message = f"the worlds of `{shown}` are not of its model: `{name}` has no such numbers in this MuJoCo"

@@ -45,7 +45,9 @@ class Budget(Check):
 
 KIND = Budget
 
-_WARM_UP, _SECONDS, _RUNS = 20, 0.2, 3
+_WARM_UP = 20
+_SECONDS = 0.2
+_RUNS = 3
 _OF_A_MESH = {"vert": 12, "normal": 12, "texcoord": 8, "face": 36}
 """Bytes of each: two or three single-precision numbers, or nine indices for a face."""
 _SHOWN_SPEED = 2
@@ -92,12 +94,14 @@ def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, 
     """Return the largest number of the recipe's own contacts, and where it occurs."""
     poses = [("the reference configuration", scope.mujoco.MjData(scope.model))] if everywhere else []
     poses += [(f"`{name}`", data) for name, data in at_keys(scope, keys)]
-    most, where = 0, "the reference configuration"
+    most = 0
+    where = "the reference configuration"
     for name, data in poses:
         scope.mujoco.mj_fwdPosition(scope.model, data)
         count = sum(all(geom < 0 or scope.owns("geom", int(geom)) for geom in contact.geom) for contact in data.contact)
         if count > most:
-            most, where = count, name
+            most = count
+            where = name
     return most, f", in {where}"
 
 
@@ -105,13 +109,15 @@ def _speed(scope: Scope, least: float) -> list[Fault]:
     """Return a finding if the best of several runs is too slow. Other work disturbs the best run least."""
     import numpy as np
 
-    mujoco, model = scope.mujoco, scope.model
+    mujoco = scope.mujoco
+    model = scope.model
     data = mujoco.MjData(model)
     best = 0.0
     for _ in range(_RUNS):
         mujoco.mj_resetData(model, data)
         mujoco.mj_step(model, data, nstep=_WARM_UP)
-        steps, begin = 0, time.thread_time()
+        steps = 0
+        begin = time.thread_time()
         while (spent := time.thread_time() - begin) < _SECONDS:
             mujoco.mj_step(model, data, nstep=10)
             steps += 10

@@ -230,7 +230,8 @@ def check_globs(scope: Scope, kinds: Sequence[str], globs: Sequence[str], at: Pa
 
 def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: Path) -> CheckEnds:
     """Return the end of a check because a glob matches none of the known names of a kind, `what`."""
-    notes, help = (exists_note(what, known, glob),), did_you_mean(glob, known)
+    notes = (exists_note(what, known, glob),)
+    help = did_you_mean(glob, known)
     return CheckEnds(Fault("unknown-name", message, at, notes=notes, help=help))
 
 
@@ -240,8 +241,20 @@ Number = tuple[float, str | None]
 """A number and the unit that is written after it, `deg` or `rad`."""
 ROUNDING = {4: 1e-6, 8: 1e-9}
 """Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
-_NAMING = ("geom", "site", "camera", "light", "skin", "material", "pair", "exclude", "equality", "tendon", "actuator",
-           "sensor")  # fmt: skip
+_NAMING = (
+    "geom",
+    "site",
+    "camera",
+    "light",
+    "skin",
+    "material",
+    "pair",
+    "exclude",
+    "equality",
+    "tendon",
+    "actuator",
+    "sensor",
+)
 _NOT_COMPILED = ("default", "instance")
 
 
@@ -387,8 +400,10 @@ def equal(actual: Any, expected: Sequence[Quantity], tol: float | None) -> bool:
 
 def plain(numbers: Any) -> Any:
     """Return one number or a list of numbers for JSON; single-precision numbers are rounded to six digits."""
-    plain = [float(f"{each:.6g}") if numbers.dtype.itemsize == 4 and numbers.dtype.kind == "f" else each
-             for each in numbers.tolist()]  # fmt: skip
+    plain = [
+        float(f"{each:.6g}") if numbers.dtype.itemsize == 4 and numbers.dtype.kind == "f" else each
+        for each in numbers.tolist()
+    ]
     return plain[0] if len(plain) == 1 else plain
 
 

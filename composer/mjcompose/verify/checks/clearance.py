@@ -26,8 +26,11 @@ class Clearance(Check):
     word: ClassVar = "clearance"
     example: ClassVar = "{key: home}"
     instead: ClassVar = {
-        "max": "write `min: -1mm` for a depth of at most 1 mm", "distance": "min", "exclude": "except", "keys": "key",
-    }  # fmt: skip
+        "max": "write `min: -1mm` for a depth of at most 1 mm",
+        "distance": "min",
+        "exclude": "except",
+        "keys": "key",
+    }
 
     key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
     """the keyframes to check; by default the reference configuration"""
@@ -103,7 +106,8 @@ def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -
 
 def _touching(scope: Scope, data: Any, least: float) -> Iterator[tuple[Pair, float]]:
     """Yield the pairs nearer than `least`, or touching, even if options of the model disable contacts."""
-    mujoco, option = scope.mujoco, scope.model.opt
+    mujoco = scope.mujoco
+    option = scope.model.opt
     before = int(option.disableflags), int(option.enableflags), float(option.o_margin)
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     option.disableflags = before[0] & ~off
@@ -139,7 +143,8 @@ def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float
     """Yield the pairs of geoms of the two sides that are on different bodies, with their distance up to `least`."""
     import numpy as np
 
-    mujoco, model = scope.mujoco, scope.model
+    mujoco = scope.mujoco
+    model = scope.model
     mujoco.mj_kinematics(model, data)
     reach = max(least, 0.0)
     others = np.array(sides[1], dtype=int)

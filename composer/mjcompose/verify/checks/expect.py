@@ -44,20 +44,63 @@ from mjcompose.verify.checks.check import (
 )
 
 TAGS = (
-    "body", "joint", "geom", "site", "camera", "light", "flex", "skin", "mesh", "hfield", "texture", "material",
-    "pair", "exclude", "equality", "tendon", "actuator", "sensor", "numeric", "text", "tuple", "plugin", "key",
-)  # fmt: skip
+    "body",
+    "joint",
+    "geom",
+    "site",
+    "camera",
+    "light",
+    "flex",
+    "skin",
+    "mesh",
+    "hfield",
+    "texture",
+    "material",
+    "pair",
+    "exclude",
+    "equality",
+    "tendon",
+    "actuator",
+    "sensor",
+    "numeric",
+    "text",
+    "tuple",
+    "plugin",
+    "key",
+)
 """Elements that have names in a compiled model; a family stands for all of its tags."""
 MASS = "mass"
 COUNTS: Mapping[str, str] = {
-    "nq": "entries of `qpos`", "nv": "degrees of freedom", "nu": "controls", "na": "activation states",
-    "nbody": "bodies, the world included", "njnt": "joints", "ngeom": "geoms", "nsite": "sites", "ncam": "cameras",
-    "nlight": "lights", "nflex": "flexes", "nskin": "skins", "nmesh": "meshes", "nhfield": "height fields",
-    "ntex": "textures", "nmat": "materials", "npair": "contact pairs", "nexclude": "contact excludes",
-    "neq": "equality constraints", "ntendon": "tendons", "nactuator": "actuators", "nsensor": "sensors",
-    "nsensordata": "entries of `sensordata`", "nnumeric": "custom numbers", "ntext": "custom texts",
-    "ntuple": "custom tuples", "nplugin": "plugin instances", "nmocap": "mocap bodies", "nkey": "keyframes",
-}  # fmt: skip
+    "nq": "entries of `qpos`",
+    "nv": "degrees of freedom",
+    "nu": "controls",
+    "na": "activation states",
+    "nbody": "bodies, the world included",
+    "njnt": "joints",
+    "ngeom": "geoms",
+    "nsite": "sites",
+    "ncam": "cameras",
+    "nlight": "lights",
+    "nflex": "flexes",
+    "nskin": "skins",
+    "nmesh": "meshes",
+    "nhfield": "height fields",
+    "ntex": "textures",
+    "nmat": "materials",
+    "npair": "contact pairs",
+    "nexclude": "contact excludes",
+    "neq": "equality constraints",
+    "ntendon": "tendons",
+    "nactuator": "actuators",
+    "nsensor": "sensors",
+    "nsensordata": "entries of `sensordata`",
+    "nnumeric": "custom numbers",
+    "ntext": "custom texts",
+    "ntuple": "custom tuples",
+    "nplugin": "plugin instances",
+    "nmocap": "mocap bodies",
+    "nkey": "keyframes",
+}
 """The sizes of mjModel that a check can name, and the elements that they count."""
 OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"
@@ -200,12 +243,14 @@ class Expect(Check):
         attr = (None, None) if self.attr is None else _attribute(tag, self.attr)
         assert not isinstance(attr, Fault)
         return {
-            "select": None if self.select is None else self.select.asked(), "attr": attr[0], "index": attr[1],
+            "select": None if self.select is None else self.select.asked(),
+            "attr": attr[0],
+            "index": attr[1],
             "count": None if self.count is None else (self.count[0], self.count[-1]),
             "equals": None if self.equals is None else [*map(_with_unit, self.equals)],
             "tol": None if self.tol is None else _with_unit(self.tol),
             "range": None if self.range is None else [*map(_with_unit, self.range)],
-        }  # fmt: skip
+        }
 
 
 KIND = Expect
@@ -232,7 +277,8 @@ def _attribute(tag: str | None, written: str, others: Collection[str] = ()) -> t
         message = f"`{written}` is not a number of the model that {OWNER} can read"
         owners = [each for each in WITH_NUMBERS if name in _selectable(each)]
         if owners and not closest(name, known):
-            help, fix = (f"write `select: {{{owners[0]}: NAME}}` next to it, for the elements that have it", None)
+            help = f"write `select: {{{owners[0]}: NAME}}` next to it, for the elements that have it"
+            fix = None
     note = exists_note("number" if tag is None else "attribute", known, name)
     return Fault("unknown-attribute", message, notes=(note,), help=help, fix=fix)
 
@@ -264,7 +310,8 @@ def _word(tag: str, attr: str, value: Any) -> str | Fault:
         if not isinstance(value, str) or not value:
             return Fault("wrong-type", f"`{attr}` of {OWNER} expects a name or a glob, got {kind_of(value)}")
         return pattern_fault(value, OWNER, ()) or value
-    word, known = str(value), keywords(tag)[attr]
+    word = str(value)
+    known = keywords(tag)[attr]
     if word in known:
         return word
     help, fix = advised(word, known)
@@ -281,7 +328,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report another number of elements than expected, and elements with other values."""
     if (select := asked["select"]) is None:
         return _of_the_model(scope, asked)
-    tag, glob = select["tag"], select["glob"]
+    tag = select["tag"]
+    glob = select["glob"]
     named = [0] if (tag, glob) == ("body", "world") else scope.matching(tag, glob)
     is_there = (index for index in named if _is_there(scope, index, select))
     elements = [index for index in is_there if _fits(scope, index, select, angle=asked["angle"])]
@@ -291,8 +339,10 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _miscounted(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list[Fault]:
-    select, count = asked["select"], asked["count"]
-    tag, glob = select["tag"], select["glob"]
+    select = asked["select"]
+    count = asked["count"]
+    tag = select["tag"]
+    glob = select["glob"]
     low, high = count or (1, math.inf)
     if low <= len(elements) <= high:
         return []
@@ -351,7 +401,8 @@ def _fits(scope: Scope, index: int, select: dict[str, Any], angle: str | None) -
 def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list[Fault]:
     tag = asked["select"]["tag"]
     wrong: list[tuple[str, str]] = []
-    expected, key = "", "range" if asked["equals"] is None else "equals"
+    expected = ""
+    key = "range" if asked["equals"] is None else "equals"
     for index in elements:
         try:
             actual = values_of(scope, tag, index, asked=asked)
@@ -387,7 +438,8 @@ def _differing(scope: Scope, asked: dict[str, Any], elements: list[int]) -> list
 
 def _of_the_model(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report a number of the model that is not the expected one. Merged keyframes belong to no single recipe."""
-    attr, key = asked["attr"], "range" if asked["equals"] is None else "equals"
+    attr = asked["attr"]
+    key = "range" if asked["equals"] is None else "equals"
     masses = (float(scope.model.body_mass[index]) for index in scope.own("body"))
     actual = sum(masses, 0.0) if attr == MASS else _size(scope, attr)
     if actual is None:
@@ -398,7 +450,8 @@ def _of_the_model(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     if key == "equals":
         (number,) = numbers if len(numbers) == 1 else (math.nan,)
         slack = ROUNDING[8] * max(1.0, abs(number)) if asked["tol"] is None else asked["tol"][0]
-        low, high = number - slack, number + slack
+        low = number - slack
+        high = number + slack
         expected = f"{number:.9g}{unit}" + ("" if asked["tol"] is None else f" ± {slack:g}{unit}")
     else:
         low, high = numbers

@@ -17,7 +17,9 @@ from mjcompose.mujoco.attributes import Model
 
 STARTS = 32
 _STEPS = 150
-_FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-9, 1e6
+_FIRST_DAMPING = 1e-3
+_LEAST_DAMPING = 1e-9
+_MOST_DAMPING = 1e6
 _LONGEST_STEP = 0.5
 """The greatest change of a joint in one step, in radians or meters; the linearization does not hold beyond it."""
 _LOOSE = 1e-3
@@ -35,8 +37,12 @@ class Solver:
     """
 
     def __init__(self, mujoco: Any, model: Model, data: Any, site: int, target: Any, tolerance: float) -> None:
-        self.mujoco, self.model, self.data = mujoco, model, data
-        self.site, self.target, self.tolerance = site, target, tolerance
+        self.mujoco = mujoco
+        self.model = model
+        self.data = data
+        self.site = site
+        self.target = target
+        self.tolerance = tolerance
         self.chain = self._chain()
         # Other joints move only if a constraint couples them.
         moving = {dof for joint in self.chain for dof in span(model, "qvel", joint)}
@@ -51,13 +57,15 @@ class Solver:
     def solve(self) -> float:
         """Return the smallest distance found, in meters, and leave the data at the positions found."""
         random = np.random.default_rng(0)
-        best, best_qpos = np.inf, self.start
+        best = np.inf
+        best_qpos = self.start
         for number in range(STARTS):
             self.data.qpos[:] = self.start
             if number:
                 self._scatter(random, number)
             if (distance := self._descend()) < best:
-                best, best_qpos = distance, self.data.qpos.copy()
+                best = distance
+                best_qpos = self.data.qpos.copy()
             if best <= self.tolerance:
                 break
         self.data.qpos[:] = best_qpos
@@ -80,7 +88,9 @@ class Solver:
             new_error, new_jacobian = self._look()
             if new_error @ new_error < error @ error:
                 gain = 1 - (new_error @ new_error) / (error @ error)
-                error, jacobian, damping = new_error, new_jacobian, max(damping / 4, _LEAST_DAMPING)
+                error = new_error
+                jacobian = new_jacobian
+                damping = max(damping / 4, _LEAST_DAMPING)
                 if gain < 1e-9:
                     break
             else:
@@ -93,7 +103,9 @@ class Solver:
 
     def _look(self) -> tuple[Any, Any]:
         """Return the residual, the site's three numbers first, and its Jacobian for the moving joints."""
-        mujoco, model, data = self.mujoco, self.model, self.data
+        mujoco = self.mujoco
+        model = self.model
+        data = self.data
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         jacobian = np.zeros((3, model.nv))
@@ -107,7 +119,9 @@ class Solver:
 
     def _equalities(self) -> tuple[Any, Any]:
         """Return the Jacobian rows of equality constraints, and how far they are violated."""
-        mujoco, model, data = self.mujoco, self.model, self.data
+        mujoco = self.mujoco
+        model = self.model
+        data = self.data
         if model.nflex:
             mujoco.mj_flex(model, data)
         mujoco.mj_tendon(model, data)
@@ -152,7 +166,8 @@ class Solver:
         return step
 
     def _clamp(self) -> None:
-        model, qpos = self.model, self.data.qpos
+        model = self.model
+        qpos = self.data.qpos
         for joint in set(model.dof_jntid[self.moving].tolist()):
             if not model.jnt_limited[joint]:
                 continue
@@ -170,14 +185,17 @@ class Solver:
 
     def _scatter(self, random: Any, number: int) -> None:
         """Move to another start: first the middle of all ranges, then random positions within them."""
-        model, qpos = self.model, self.data.qpos
+        model = self.model
+        qpos = self.data.qpos
         for joint in self.chain:
-            at, kind = int(model.jnt_qposadr[joint]), int(model.jnt_type[joint])
+            at = int(model.jnt_qposadr[joint])
+            kind = int(model.jnt_type[joint])
             if kind == BALL:
                 self.mujoco.mju_quatIntegrate(qpos[at : at + 4], random.uniform(-np.pi / 2, np.pi / 2, 3), 1.0)
                 continue
             reach = np.pi if kind == HINGE else 1.0
-            low, high = qpos[at] - reach, qpos[at] + reach
+            low = qpos[at] - reach
+            high = qpos[at] + reach
             if model.jnt_limited[joint]:  # a bound may still be infinite
                 ends = model.jnt_range[joint]
                 low, high = np.where(np.isfinite(ends), ends, (low, high))
@@ -187,7 +205,8 @@ class Solver:
 
     def _chain(self) -> list[int]:
         """Return the joints between the world and the site, except free joints."""
-        model, found = self.model, []
+        model = self.model
+        found = []
         body = int(model.site_bodyid[self.site])
         while body:
             first = int(model.body_jntadr[body])
@@ -220,5 +239,6 @@ class Solver:
     def _is_at_limit(self, joint: int) -> bool:
         if not self.model.jnt_limited[joint] or self.model.jnt_type[joint] not in (SLIDE, HINGE):
             return False
-        here, (low, high) = self.data.qpos[self.model.jnt_qposadr[joint]], self.model.jnt_range[joint]
+        here = self.data.qpos[self.model.jnt_qposadr[joint]]
+        (low, high) = self.model.jnt_range[joint]
         return bool(here <= low + _NEAR or here >= high - _NEAR)

@@ -36,7 +36,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report that no joint positions were found, with the nearest point."""
     from mjcompose.verify.checks.inverse_kinematics import STARTS, Solver
 
-    site, data = scope.find("site", asked["site"], "site"), scope.at_key(asked["key"])
+    site = scope.find("site", asked["site"], "site")
+    data = scope.at_key(asked["key"])
     scope.mujoco.mj_kinematics(scope.model, data)
     target = _in_the_world(scope, data, asked["target"], frame=asked["frame"])
     solver = Solver(scope.mujoco, scope.model, data, site=site, target=target, tolerance=asked["tolerance"])

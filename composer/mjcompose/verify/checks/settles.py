@@ -51,15 +51,19 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
     from mjcompose.mujoco.controls import Divergence, steps_in
 
-    mujoco, model = scope.mujoco, scope.model
+    mujoco = scope.mujoco
+    model = scope.model
     data = scope.at_key(asked["key"])
     diverged = Divergence(mujoco, model, data)
-    limit, seconds = asked["max_speed"], asked["seconds"]
+    limit = asked["max_speed"]
+    seconds = asked["seconds"]
     if not model.opt.timestep > 0:
         return [failed("no time passes: the timestep of the model is 0", "a timestep above 0", "0")]
     steps = steps_in(model, seconds)
     dofs = np.flatnonzero([int(joint) in scope.joints for joint in model.dof_jntid])
-    fastest, at, dof = 0.0, 0.0, -1
+    fastest = 0.0
+    at = 0.0
+    dof = -1
     first = steps - max(1, round(_AT_THE_END * steps))
     for step in range(steps):
         mujoco.mj_step(model, data)
@@ -70,7 +74,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
             speeds = np.abs(data.qvel[dofs])
             worst = int(speeds.argmax())
             if speeds[worst] > fastest:
-                fastest, at, dof = float(speeds[worst]), float(data.time), int(dofs[worst])
+                fastest = float(speeds[worst])
+                at = float(data.time)
+                dof = int(dofs[worst])
     scope.found("speed", fastest, SOLVED)
     if fastest <= limit:
         return [] if asked["near"] is None else _near(scope, data, asked)
@@ -88,7 +94,8 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
     near = asked["near"]
     key = near["key"] or asked["key"]
     there = scope.at_key(key, "near", "key")
-    mujoco, model = scope.mujoco, scope.model
+    mujoco = scope.mujoco
+    model = scope.model
     apart = np.zeros(model.nv)
     mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
     if not (own := [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]):

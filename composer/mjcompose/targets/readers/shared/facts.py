@@ -19,7 +19,10 @@ from typing import Any
 import numpy as np
 
 FREE, BALL, SLIDE, HINGE = range(4)
-_JOINT, _FIXED, _NO_DYNAMICS, _AFFINE = 0, 0, 0, 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
+_JOINT = 0
+_FIXED = 0
+_NO_DYNAMICS = 0
+_AFFINE = 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
 STEP = 0.0005
 """The length of a step of a motion, in seconds."""
 _FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY")
@@ -62,7 +65,8 @@ def facts(version, **more):
 
 def inertia(mass, com, matrix):
     """Return the facts of a body: mass (kg), center of mass (m) and inertia about it (kg·m²), shape (3, 3)."""
-    com, matrix = np.asarray(com, dtype=float), np.asarray(matrix, dtype=float)
+    com = np.asarray(com, dtype=float)
+    matrix = np.asarray(matrix, dtype=float)
     return {"mass": float(mass), "com": com.tolist(), "inertia": matrix.tolist()}
 
 
@@ -78,11 +82,13 @@ def ends(low, high):
 def rotation(quat: Any) -> Any:
     """Return the rotation matrix of a quaternion (w, x, y, z), shape (3, 3)."""
     w, x, y, z = np.asarray(quat, dtype=float)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def fallen(q, steps, size, damping, dynamics, moved):
@@ -133,8 +139,9 @@ def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any, dri
 
     def all_placed(poses):
         rows = [qpos(model, pose) for pose in poses]
-        for at, turned in zip(*map(np.asarray, placed(np.array(rows)))) if rows else ():
-            yield {name: (at[number], turned[number].reshape(3, 3)) for number, name in bodies}
+        if rows:
+            for at, turned in zip(*map(np.asarray, placed(np.array(rows)))):
+                yield {name: (at[number], turned[number].reshape(3, 3)) for number, name in bodies}
 
     def all_moved(asked, steps):
         end = np.asarray(moved(qpos(model, asked["home"]), steps))
@@ -147,7 +154,8 @@ def of_mujoco(version: Any, model: Any, array: Any, placed: Any, moved: Any, dri
                 control[model.actuator(name).id] = drive[which]["control"]
         only = with_drives(model, asked["drives"])
         forces, end = driven(only, qpos(model, asked["home"]), *controls, steps)
-        forces, end = np.asarray(forces), np.asarray(end)
+        forces = np.asarray(forces)
+        end = np.asarray(end)
         return {name: forces[model.jnt_dofadr[model.joint(name).id]] for name, _ in joints}, {
             name: end[at] for name, at in joints
         }
@@ -232,11 +240,14 @@ def body(array, number):
 def joint(model, array, number):
     dof = int(model.jnt_dofadr[number])
     found = {
-        "damping": float(array("dof_damping")[dof]), "friction": float(array("dof_frictionloss")[dof]),
-        "armature": float(array("dof_armature")[dof]), "stiffness": float(array("jnt_stiffness")[number]),
-    }  # fmt: skip
+        "damping": float(array("dof_damping")[dof]),
+        "friction": float(array("dof_frictionloss")[dof]),
+        "armature": float(array("dof_armature")[dof]),
+        "stiffness": float(array("jnt_stiffness")[number]),
+    }
     if model.jnt_type[number] in (HINGE, SLIDE):
-        ranges, forces = array("jnt_range")[number], array("jnt_actfrcrange")[number]
+        ranges = array("jnt_range")[number]
+        forces = array("jnt_actfrcrange")[number]
         found["range"] = np.asarray(ranges).tolist() if model.jnt_limited[number] else None
         found["effort"] = np.asarray(forces).tolist() if model.jnt_actfrclimited[number] else None
     return found

@@ -18,7 +18,9 @@ def commands(file):
             if word is None:
                 continue
             found[joint.get("name")] = {
-                "input": word, "control": [ends["min"], ends["max"]] if {"min", "max"} <= ends.keys() else None,
-                "kp": gains.get("kp", 0.0), "kd": gains.get("kv" if word == "velocity" else "kd", 0.0),
-            }  # fmt: skip
+                "input": word,
+                "control": [ends["min"], ends["max"]] if {"min", "max"} <= ends.keys() else None,
+                "kp": gains.get("kp", 0.0),
+                "kd": gains.get("kv" if word == "velocity" else "kd", 0.0),
+            }
     return found
