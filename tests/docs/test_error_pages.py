@@ -115,6 +115,7 @@ MODELS_OF = {
         "gripper.xml": PROP.format("palm", "", "").replace("<mujoco>", '<mujoco><option timestep="0.001"/>'),
     },
     "subtree-cut": {"arm.xml": CUT},
+    "separator-mismatch": {"hand.yaml": "recipe: 1\nattach:\n  finger: {model: ./gripper.xml}\n"},
     "source-cycle": {"finger.yaml": "recipe: 1\nattach:\n  hand: {model: ./page.yaml}\n"},
 }
 
@@ -128,6 +129,7 @@ NOT_A_BUILD = {
         "needs a package: tests/docs/test_extending_packages.py",
     ),
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
+    "csv-syntax": "needs a file of values: tests/cli/test_tables.py",
     "interface-changed": "needs a lock: tests/tools/test_lock_interface.py",
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"), "tests/verify"
