@@ -107,6 +107,12 @@ def parts(n: int) -> Words:
     return _BUILD
 
 
+@case("build: parts for ROS", 150)
+def parts_for_ros(n: int) -> Words:
+    _parts(n)
+    return ["build", "r.yaml", "--no-cache", "-q", "-o", "out/", "--target", "urdf"]
+
+
 @case("build: parts in a chain", 40)
 def chain(n: int) -> Words:
     Path("part.xml").write_text(PART)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import StrEnum
-from typing import Any
+from typing import Any, Literal
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -158,9 +158,24 @@ class Draft(Struct, frozen=False):
 
     def of(self, kind: str) -> Iterator[tuple[int, Node]]:
         """Yield the elements of a kind that are still in the text, with their numbers in the compiled model."""
-        for number, node in enumerate(self.elements[kind]):
-            if any(above is self.root for above in node.iterancestors()):
-                yield number, node
+        yield from self._left(kind, range(len(self.elements[kind])))
+
+    def of_body(self, kind: Literal["geom", "joint"], body: int) -> Iterator[tuple[int, Node]]:
+        """Yield the elements of a kind in one body that are still in the text, with their numbers in the model."""
+        firsts, counts = _RANGES[kind]
+        first = int(getattr(self.model, firsts)[body])
+        count = int(getattr(self.model, counts)[body])
+        yield from self._left(kind, range(first, first + count))
+
+    def _left(self, kind: str, numbers: Iterable[int]) -> Iterator[tuple[int, Node]]:
+        nodes = self.elements[kind]
+        for number in numbers:
+            if any(above is self.root for above in nodes[number].iterancestors()):
+                yield number, nodes[number]
+
+
+_RANGES = {"geom": ("body_geomadr", "body_geomnum"), "joint": ("body_jntadr", "body_jntnum")}
+"""The arrays with the first geom or joint of each body, and with their number. MuJoCo numbers them body by body."""
 
 
 _SECTIONS = (

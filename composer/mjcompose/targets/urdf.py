@@ -46,9 +46,8 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
     found = etree.Element("link", name=name)
     if body:
         found.append(_inertial(draft.model, body))
-    for number, geom in draft.of("geom"):
-        if int(draft.model.geom_bodyid[number]) == body:
-            _shapes(draft, number, geom, into=found, package=package)
+    for number, geom in draft.of_body("geom", body):
+        _shapes(draft, number, geom, into=found, package=package)
     return found
 
 
@@ -133,7 +132,7 @@ _SLIDE = 2  # mjJNT_FREE, mjJNT_SLIDE
 def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
     """Yield the joints between a body and its parent, and the links between them."""
     model = draft.model
-    joints = [(number, node) for number, node in draft.of("joint") if int(model.jnt_bodyid[number]) == body]
+    joints = list(draft.of_body("joint", body))
     stands = pose(model.body_pos[body], model.body_quat[body])
     if not joints:
         yield fixed(f"{name}_fixed", parent, name, frame=stands)
@@ -257,13 +256,15 @@ def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
 
 
 GROUP = "all"
+_MOVABLE = ("revolute", "continuous", "prismatic")
 
 
 def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]) -> bytes:
     """Return the SRDF file of the robot `name`. `names` has the name of the link of each body."""
     model = draft.model
     root = etree.Element("robot", name=name)
-    movable = [each for each, joint in joints.items() if joint.get("type") in ("revolute", "continuous", "prismatic")]
+    # A mapping, as an ordered set of names.
+    movable = dict.fromkeys(name for name, joint in joints.items() if joint.get("type") in _MOVABLE)
     if movable:
         group = etree.SubElement(root, "group", name=GROUP)
         for each in movable:
@@ -344,9 +345,10 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
                 robot.append(each)
                 if each.tag == "joint":
                     joints[str(each.get("name"))] = each
+    taken = frozenset(names)
     for number, site in draft.of("site"):
         if site.get("name") and not (floating and int(model.site_bodyid[number]) == 0):
-            name = f"{site.get('name')}_site" if site.get("name") in names else str(site.get("name"))
+            name = f"{site.get('name')}_site" if site.get("name") in taken else str(site.get("name"))
             where = pose(model.site_pos[number], model.site_quat[number])
             holder = names[int(model.site_bodyid[number])]
             robot.extend((massless(name), fixed(f"{name}_fixed", holder, name, frame=where)))
