@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 from collections import Counter
@@ -14,6 +13,7 @@ import click
 
 from mjcompose.base import report as github
 from mjcompose.base.access import ALL, Door, door_of_user, door_of_walk
+from mjcompose.base.alignment import unified_diff
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import CODE, MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
@@ -188,7 +188,7 @@ def show_differences(files: Mapping[Path, tuple[bytes, bytes]], context: Context
 def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
     """Return a unified diff of two texts of a file; `done` describes the second one."""
     before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
-    lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
+    lines = unified_diff(before, after, shown, f"{shown} ({done})")
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Iterator, Sequence as AbcSequence
 from dataclasses import replace
 from pathlib import Path as File
 from typing import Any
 
+from mjcompose.base.alignment import Alignment
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.language.expand import cells
@@ -199,7 +199,7 @@ def formatted(text: str, file: str) -> list[Change]:
         return []
     before = _LINE.findall(text)
     after = _LINE.findall(result.decode("utf-8"))
-    steps = difflib.SequenceMatcher(None, before, after, False).get_opcodes()
+    steps = Alignment(before, after).get_opcodes()
     changed = (rows for kind, *rows in steps if kind != "equal")
     return [Change(_span(file, first, last, text), "".join(after[low:high])) for first, last, low, high in changed]
 

@@ -10,9 +10,9 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from difflib import SequenceMatcher
 from pathlib import Path
 
+from mjcompose.base.alignment import Alignment
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
@@ -286,7 +286,7 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
             if (name := renamed.get((kind, each.name), each.name)) in places
         ]
         order = [place for _, place in pairs]
-        blocks = SequenceMatcher(None, order, sorted(order), autojunk=False).get_matching_blocks()
+        blocks = Alignment(order, sorted(order)).get_matching_blocks()
         kept = {place for block in blocks for place in order[block.a : block.a + block.size]}
         for at, place in pairs:
             one = before[at]

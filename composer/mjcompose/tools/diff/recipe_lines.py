@@ -6,12 +6,12 @@ import os
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import suppress
-from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain, takewhile
 from pathlib import Path
 from textwrap import dedent
 
+from mjcompose.base.alignment import Alignment
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.language.repeat import FOR
@@ -315,7 +315,7 @@ def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, i
     head, tail = common_ends(ours, theirs)
     mine = ours[head : len(ours) - tail]
     yours = theirs[head : len(theirs) - tail]
-    for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():
+    for tag, first, last, start, end in Alignment(mine, yours).get_opcodes():
         if tag != "equal":
             yield first + head, last + head, start + head, end + head
 
