@@ -77,3 +77,23 @@ def test_a_table_from_python_has_no_places() -> None:
         and fault.span is None
         and fault.help == "list all columns next to its `default`: `columns: [x, y]`"
     )
+
+
+def test_the_columns_of_a_wide_table_are_looked_up_once_each() -> None:
+    compared = 0
+
+    class Name(str):
+        __slots__ = ()
+        __hash__ = str.__hash__
+
+        def __eq__(self, other: object) -> bool:
+            nonlocal compared
+            compared += 1
+            return str.__eq__(self, other)
+
+    def row() -> DataTable:
+        return DataTable({Name(f"column{number}"): number for number in range(300)})
+
+    table = DataTable({"first": row(), "second": row()})
+    assert fault_of_columns("gains", table, None, None) is None
+    assert compared < 10 * 300

@@ -20,9 +20,10 @@ def fault_of_columns(
     if not isinstance(value, DataTable):
         return None
     model = None if columns is not None else _first_row(default) or _first_row(value)
-    names = columns if model is None else [*model]
-    if names is None:
+    declared = columns if model is None else model
+    if declared is None:
         return None
+    names = dict.fromkeys(declared)  # keeps the order for messages, and a wide table looks up each of its columns
     for name, row in value.items():
         fault = _fault_of_row(parameter, name, row, names, value)
         if fault is None and model is not None and isinstance(row, DataTable):
