@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from numbers import Real
 from os import PathLike, fsdecode
 from pathlib import PurePath
 from typing import Any, TypeAlias
@@ -64,6 +65,8 @@ def place(name: str, path: DataPath) -> str:
     return name + "".join(f"[{step!r}]" for step in path)
 
 
+_TIMES = frozenset("mM")
+"""The kinds of numpy whose values may become numbers without a unit."""
 _MOST_STEPS = 8
 """The number of steps of a place that a message about a limit shows."""
 
@@ -93,10 +96,24 @@ class _Conversion:
         if isinstance(value, bytes | bytearray | memoryview):
             raise self._refusal(value, path)
         if hasattr(value, "tolist") and hasattr(value, "shape"):  # a number or an array of numpy, JAX or PyTorch
-            self._check_count(math.prod(value.shape))
-            return self.value(value.tolist(), path)
+            return self._array(value, path)
         if isinstance(value, Sequence):
             return self._list(value, path)
+        raise self._refusal(value, path)
+
+    def _array(self, array: Any, path: DataPath) -> Data:
+        self._check_count(math.prod(array.shape))
+        dtype = getattr(array, "dtype", None)
+        if getattr(dtype, "kind", "") in _TIMES or getattr(dtype, "names", None):
+            raise self._refusal(array, path)
+        mask = getattr(array, "mask", None)
+        if mask is not None and mask.any():
+            raise TypeError(f"{place(self._name, path)} has masked values; a recipe has no such values")
+        value = array.tolist()
+        if type(value) is not type(array):
+            return self.value(value, path)
+        if isinstance(value, Real):  # Python has no number for numpy's `longdouble`
+            return self._number(float(value), path)
         raise self._refusal(value, path)
 
     def mapping(self, mapping: Mapping[Any, Any], path: DataPath) -> dict[str, Data]:
