@@ -46,6 +46,27 @@ def test_spaces_marks_and_empty_columns_at_the_end_do_not_matter() -> None:
     assert read(b'\xef\xbb\xbfjoint , kp,,\n hip, 2 ,,\n knee,"3" ,,') == ({"hip": {"kp": 2}, "knee": {"kp": 3}}, [])
 
 
+@pytest.mark.parametrize("start", ["", "\n", "\r\n \n"])
+@pytest.mark.parametrize("column", ["mass (kg, measured)", "two\nlines, and more"])
+def test_the_delimiter_is_that_of_the_first_line_with_content(start: str, column: str) -> None:
+    assert read(f'{start}part;"{column}";kp\nhip;2;3\n') == ({"hip": {column: 2, "kp": 3}}, [])
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_the_column_of_names_needs_no_name(delimiter: str) -> None:
+    assert read(f"{delimiter}kp\nhip{delimiter}2\n") == ({"hip": {"kp": 2}}, [])
+
+
+@pytest.mark.parametrize("text", ["0042", "007", "-01", '"0042"'])
+def test_zeros_in_front_of_a_number_are_kept(text: str) -> None:
+    assert read(f"arm,serial\nleft,{text}\n") == ({"left": {"serial": text.strip('"')}}, [])
+
+
+@pytest.mark.parametrize(("text", "number"), [("0", 0), ("-0", 0), ("0.5", 0.5), ("0x10", 16), ("100", 100)])
+def test_other_numbers_stay_numbers(text: str, number: float) -> None:
+    assert read(f"arm,kp\nleft,{text}\n") == ({"left": {"kp": number}}, [])
+
+
 def test_every_value_has_its_place() -> None:
     node = load_table(b'joint,about,kp\nhip,"two\nlines",7\nknee,x,  "8" \n', "gains.csv", Sink())
     assert node is not None

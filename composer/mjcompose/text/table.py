@@ -15,6 +15,9 @@ from mjcompose.text.node import LINE_BREAK, Key, Mapping, Node, Scalar, Sequence
 SUFFIX = ".csv"
 _DELIMITERS = (",", ";", "\t")
 _SYNTAX = "csv-syntax"
+_QUOTED = re.compile(r'"[^"]*"')
+_LEADING_ZERO = re.compile(r"[-+]?0[0-9]+")
+"""A serial number or a name, such as `0042`: as a number, it would lose its zeros."""
 
 
 class _Cell(NamedTuple):
@@ -35,7 +38,8 @@ def load_table(source: bytes, file: str, sink: Sink) -> Mapping | None:
     """Return the rows of a CSV file by name, each a mapping by column; `file` is its path for the user. No I/O.
 
     The first line has the names of the columns, and the first column has the names of the rows. A value has the type
-    that it would have in YAML, with or without quotes; `[…]` is a list. An empty cell leaves a value out.
+    that it would have in YAML, with or without quotes, but whole numbers that begin with 0 are text; `[…]` is a list.
+    An empty cell leaves a value out.
     """
     text = decode(source, file, sink)
     if text is None:
@@ -106,6 +110,8 @@ def _value(cell: _Cell, sink: Sink) -> Node | None:
         found = load(cell.text, cell.span.file, inside)
         if isinstance(found, Sequence) and not inside.has_errors:
             return _placed(found, cell.span)
+    if _LEADING_ZERO.fullmatch(cell.text):
+        return Scalar(cell.text, cell.span, cell.text, plain=False)
     try:
         value = resolve(cell.text)
     except OverflowError:
@@ -123,10 +129,16 @@ def _placed(node: Node, span: Span) -> Node:
     return Mapping({name: (Key(name, span), _placed(each, span)) for name, (_, each) in node.entries.items()}, span)
 
 
+def _delimiter(text: str) -> str:
+    """Return the delimiter of the first line with content, in which quotes may contain other delimiters."""
+    unquoted = _QUOTED.sub("", text.lstrip(" \r\n"))
+    first = LINE_BREAK.split(unquoted, maxsplit=1)[0]
+    return next((each for each in _DELIMITERS if each in first), _DELIMITERS[0])
+
+
 def _lines(text: str, file: str) -> Iterator[list[_Cell]]:
     """Yield the cells of each line. A cell in quotes may have delimiters, line breaks and doubled quotes in it."""
-    first = LINE_BREAK.split(text, maxsplit=1)[0]
-    delimiter = next((each for each in _DELIMITERS if each in first), _DELIMITERS[0])
+    delimiter = _delimiter(text)
     pattern = re.compile(rf' *(?:"([^"]*(?:""[^"]*)*)" *|([^{delimiter}\r\n]*))({delimiter}|\r\n|\n|\r|\Z)')
     at = begin = 0
     line = 1
