@@ -10,6 +10,7 @@ from typing import Any
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
+from mjcompose.language.condition import is_item
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
 from mjcompose.language.value import (
@@ -96,11 +97,18 @@ def raw(node: Node, faults: list[Fault], at: Path = ()) -> Any:
         if fallen is not None and name in fallen[1]:
             continue
         if is_template(name):
-            help = "write the name itself, or repeat the entry: `key_${i}: {for: {i: 3}, …}`"
+            help = _help_for_key(path)
             faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
             continue
         mapping[name] = raw(value, faults, path)
     return mapping
+
+
+def _help_for_key(path: Path) -> str:
+    if is_item(path):
+        return "write the name itself, or repeat the entry: `key_${i}: {for: {i: 3}, …}`"
+    holder = next((step for step in reversed(path[:-1]) if isinstance(step, str)), "the recipe")
+    return f"write each name itself: `for` cannot repeat the entries of `{holder}`"
 
 
 def _nothing(at: Path) -> Fault:

@@ -225,11 +225,20 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
         found = list(islice(faults(error, data), most + 1))
         if len(found) > most:  # each takes a search for a correction; the message says that there are too many
             return None, found
+    emptied = {fault.at[:-1] for fault in early if fault.code == "expression" and fault.key}
+    found = [fault for fault in found if not (fault.at in emptied and _is_emptied(data, fault))]
     found += faults_in_place(node, lambda model: judge(model)[1])
     if not early and not found:
         return recipe, []
     version = [fault for fault in found if fault.code == "recipe-version"]
     return None, version or list(_without_strangers(list(_without_misspelt(list(_one_each(early, found))))))
+
+
+def _is_emptied(data: Any, fault: Fault) -> bool:
+    """Whether a fault is about a mapping that is only empty because its keys have faults."""
+    for step in fault.at:
+        data = data[step]
+    return fault.code == "wrong-type" and data == {}
 
 
 def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
