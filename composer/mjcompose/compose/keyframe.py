@@ -66,7 +66,8 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     unnamed = [node for node in own if not _name(node)]
     parts = frozenset(plan.part_names)
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
-    units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
+    in_doubt = making.sink.has_errors
+    units = ControlUnits(linking, making.sink, types, in_doubt=in_doubt)
     for step in plan.keyframes:
         writer = _KeyWriter(
             step,
@@ -75,6 +76,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
             holders=holders,
             parts=parts,
             units=units,
+            in_doubt=in_doubt,
             unnamed=unnamed,
             actuators=layout.actuators,
         )
@@ -150,6 +152,8 @@ class _KeyWriter(Struct, frozen=False):
     holders: Mapping[str, Mapping[str, _Holder]]
     parts: frozenset[str]
     units: ControlUnits
+    in_doubt: bool
+    """Whether the model may lack elements because of earlier errors."""
     unnamed: Sequence[Node]
     actuators: Mapping[Any, Slot]
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
@@ -231,7 +235,7 @@ class _KeyWriter(Struct, frozen=False):
             except BadPattern as error:
                 self.making.sink.error("selector", str(error), self._at(vector, *above, entry, key=True))
                 continue
-            if not fitting:
+            if not fitting and not self.in_doubt:
                 message = f"`{entry}` in `{vector}` fits no {kind}"
                 note = exists_note(kind, names, entry) if not above else _driven_note(names)
                 span = self._at(vector, *above, entry, key=True)
