@@ -66,8 +66,11 @@ class Memory(Generic[T]):
         return found
 
 
-Mark = tuple[int, int, int] | None
-"""The properties that change with a file: its time, its size and its inode; None if it does not exist."""
+Mark = tuple[int, int, int, int] | None
+"""The properties that change with a file: its two times, its size and its inode; None if it does not exist.
+
+Programs such as `cp -p` and `tar` set the first time of a file to any value, and the system the second one.
+"""
 
 
 def mark_of(path: str | os.PathLike[str]) -> Mark:
@@ -75,7 +78,7 @@ def mark_of(path: str | os.PathLike[str]) -> Mark:
         found = os.stat(path)
     except OSError:
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
 
 
 _FEW = 4

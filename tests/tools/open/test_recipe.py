@@ -130,6 +130,17 @@ def test_is_built_again_only_if_a_file_of_it_changed(cell: Path, monkeypatch: py
     assert len(seen) == 3
 
 
+def test_a_change_that_keeps_size_and_time_is_seen(cell: Path) -> None:
+    arm = cell.with_name("arm.xml")
+    os.utime(arm, (1, 1))
+    mjcompose.spec(cell)
+    before = arm.stat()
+    arm.write_text(ARM.replace('mass="1"', 'mass="4"'))
+    os.utime(arm, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert (arm.stat().st_size, arm.stat().st_ino) == (before.st_size, before.st_ino)
+    assert mjcompose.model(cell).body("arm/link").mass == 4
+
+
 def test_is_built_again_if_a_variable_names_another_robot(
     cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

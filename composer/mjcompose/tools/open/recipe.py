@@ -261,7 +261,7 @@ def _open(opening: _Opening) -> _Opened:
     text, generated = _text(built, context)
     marks |= {path: mark_of(path) for path in generated}
     # A file that changed during the build may have been read before: the model is built again at the next call.
-    marks |= {path: None for path in files if (mark := marks.get(path)) is not None and mark[0] >= started}
+    marks |= {path: None for path in files if (mark := marks.get(path)) is not None and max(mark[:2]) >= started}
     return _Opened(text, marks, tuple(context.sink.diagnostics), shown)
 
 
