@@ -11,7 +11,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Note, Path
+from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.checks import check_intervals
 from mjcompose.compose.editing import Count, Editing, count_values, select_counted
@@ -19,9 +19,11 @@ from mjcompose.compose.elements import ElementBuilder
 from mjcompose.compose.load import PartRequest
 from mjcompose.compose.randomize import draw_values
 from mjcompose.compose.values import Masses, UnusableValue
+from mjcompose.compose.verbs import set as set_verb
 from mjcompose.compose.verbs.remove import listed_kind, remove
 from mjcompose.compose.verbs.rename import Rename
 from mjcompose.compose.verbs.values import Entry
+from mjcompose.language.assign import flat
 from mjcompose.language.edit import Drop
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
@@ -30,7 +32,7 @@ from mjcompose.link.subtree import DroppedElement
 from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
 from mjcompose.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
 from mjcompose.plan.steps import DrawValues, EditElements
-from mjcompose.text.node import locate, texts
+from mjcompose.text.node import is_template, locate, texts
 from mjcompose.tree.pattern import paths_of
 from mjcompose.tree.select import section_of
 from mjcompose.tree.unit import Key, PartKeys, Unit
@@ -238,6 +240,8 @@ class ModelEdits(Struct):
 
     def edit(self, of_keys: bool = False) -> None:
         """Carry out the edits that are about keys, or all others."""
+        if not of_keys:
+            self._report_turns_without_effect()
         editing = self._editing()
         replaced = lay_out_replaced(self.linking) if of_keys else []
         for step in self.plan.edits:
@@ -248,6 +252,32 @@ class ModelEdits(Struct):
                 if not stand_ins:
                     _carry_out(step, editing, self.plan, composer=self.composer)
                 self.linking.watch(self.linking.units, step)
+
+    def _report_turns_without_effect(self) -> None:
+        """Report turns of one `for` that set the same attribute of the same elements to different values."""
+        sink = self.making.sink
+        document = self.plan.document
+        written: dict[tuple[Span, str, str], tuple[Any, Span]] = {}
+        for step in self.plan.edits:
+            verb = step.edit.verbs.get("set")
+            if step.span.turn is None or not isinstance(verb, set_verb.Set):
+                continue
+            selector = repr(replace(step.edit.select, at=()))
+            for attribute, value in verb.written.items():
+                if any(is_template(text) for _, text in flat({attribute: value})):
+                    continue  # it may start from the value of the other turn
+                span = locate(document, (*step.edit.at, "set", attribute))
+                first, place = written.setdefault((step.span, selector, attribute), (value, span))
+                if first != value:
+                    message = f"two turns of one `for` set `{attribute}` of `{step.edit.select}`"
+                    help = "leave one of them out, or select other elements"
+                    sink.error(
+                        "name-clash",
+                        message,
+                        span,
+                        notes=[Note(f"the other one,{place.where}", place.source or place)],
+                        help=help,
+                    )
 
     def draw(self, of_keys: bool = False) -> None:
         """Write the draws that are about keys, or all others, into the model, after all edits."""
