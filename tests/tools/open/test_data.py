@@ -123,6 +123,13 @@ def test_paths_start_at_base_dir(folder: Path) -> None:
         mjcompose.model("cell.yaml", base_dir="cells")
 
 
+@pytest.mark.parametrize(("name", "reason"), [("nowhere", "does not exist"), ("arm.xml", "is not a folder")])
+def test_base_dir_is_a_folder(folder: Path, name: str, reason: str) -> None:
+    for recipe in ({"recipe": 1}, "recipe: 1\n"):
+        with pytest.raises(mjcompose.BuildError, match=f"file-not-found]: `base_dir` `{name}` {reason}"):
+            mjcompose.model(recipe, base_dir=name)
+
+
 def test_the_working_directory_is_a_part_of_the_recipe(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = {"recipe": 1, "base": "./arm.xml"}
     assert mjcompose.model(recipe).body("link").mass == 1

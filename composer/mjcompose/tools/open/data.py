@@ -32,9 +32,12 @@ def opened(recipe: object, base_dir: str | PathLike[str] | None) -> str | Progra
     """Return the absolute path of a recipe, or the recipe itself if it is in no file.
 
     Raises TypeError for anything else and for values that a recipe cannot have, and MjcomposeError for a mapping that
-    exceeds a limit and for YAML on one line.
+    exceeds a limit, for YAML on one line, and for a `base_dir` that is not a folder.
     """
     if isinstance(recipe, Mapping) or (isinstance(recipe, str) and "\n" in recipe):
+        if base_dir is not None and not os.path.isdir(base_dir):
+            kind = "is not a folder" if os.path.exists(base_dir) else "does not exist"
+            raise MjcomposeError([Diagnostic("file-not-found", f"`base_dir` `{os.fspath(base_dir)}` {kind}")])
         return ProgramRecipe(recipe, base_dir)
     if not isinstance(recipe, str | PathLike):
         kinds = "a path, a mapping, or YAML of several lines"
