@@ -141,6 +141,17 @@ def test_a_change_that_keeps_size_and_time_is_seen(cell: Path) -> None:
     assert mjcompose.model(cell).body("arm/link").mass == 4
 
 
+def test_a_mesh_that_changes_within_a_second_is_read_again(cell: Path) -> None:
+    mesh = cell.parent / "assets" / "tetra.obj"
+    os.utime(mesh, (1, 1))
+    before = mjcompose.model(cell).mesh_vert
+    mesh.write_text(TETRA.replace("v 1 0 0", "v 7 0 0"))
+    os.utime(mesh, (1, 1))
+    for recipe in (cell, {"recipe": 1, "extends": "./cell.yaml"}):
+        after = mjcompose.model(recipe, **({} if recipe is cell else {"base_dir": cell.parent})).mesh_vert
+        assert np.ptp(after, axis=0).max() > 3 * np.ptp(before, axis=0).max()
+
+
 def test_is_built_again_if_a_variable_names_another_robot(
     cell: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -258,11 +258,28 @@ def _open(opening: _Opening) -> _Opened:
     inputs = Inputs()
     files = [*inputs.recipes(built.plan), *inputs.others(built, context)]
     marks = {path: mark_of(path) for path in files if not os.path.isdir(path)}
+    _forget_changed(marks)
     text, generated = _text(built, context)
     marks |= {path: mark_of(path) for path in generated}
     # A file that changed during the build may have been read before: the model is built again at the next call.
     marks |= {path: None for path in files if (mark := marks.get(path)) is not None and max(mark[:2]) >= started}
     return _Opened(text, marks, tuple(context.sink.diagnostics), shown)
+
+
+_seen: dict[str, Mark] = {}
+"""The marks of all files when a model was last built with them in this process."""
+
+
+def _forget_changed(marks: Mapping[str, Mark]) -> None:
+    """Clear MuJoCo's cache of assets if a file changed.
+
+    MuJoCo 4.0 takes an asset from it if the path and the time in whole seconds are the same.
+    """
+    import mujoco
+
+    if any(_seen.get(path, mark) != mark for path, mark in marks.items()):
+        mujoco.mj_clearCache(mujoco.mj_getCache())
+    _seen.update(marks)
 
 
 def request_for(
