@@ -114,8 +114,8 @@ def test_the_schema_names_the_dialect_and_every_key() -> None:
     data = json.loads(schema())
     assert data["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     written = set(json.loads(to_json(manifest())))
-    assert set(data["properties"]) == {*written, "extensions", "made", "picture", "target", "union"}
-    assert not {"extensions", "made", "picture", "target"} & set(data["required"])
+    assert set(data["properties"]) == {*written, "deduplicated", "extensions", "made", "picture", "target", "union"}
+    assert not {"deduplicated", "extensions", "made", "picture", "target"} & set(data["required"])
     assert json.loads(to_json(manifest().model_copy(update={"picture": "arm.png"})))["picture"] == "arm.png"
     assert data["additionalProperties"] is False
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 from cases import Case
-from mjcompose.compose import load
 from mjcompose.compose.preview import preview_plan
+from mjcompose.plan import read as read_module
 from mjcompose.plan.describe import as_data, describe
 from mjcompose.plan.plan import Excluded, PlanPreview
 from mjcompose.plan.planner import make_plan
@@ -25,13 +25,13 @@ def foreseen(folder: Path) -> PlanPreview:
 
 def test_each_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[str] = []
-    parse = load.parse_file
+    parse = read_module.parse_file
 
     def counting(path: Path, *args: Any, **given: Any) -> Any:
         read.append(path.name)
         return parse(path, *args, **given)
 
-    monkeypatch.setattr(load, "parse_file", counting)
+    monkeypatch.setattr(read_module, "parse_file", counting)
     found = foreseen(shutil.copytree(TESTS / "golden" / "contacts_of_parts", tmp_path / "case"))
     assert sorted(read) == ["arm.xml", "cube.xml", "tool.xml"]
     assert Excluded("upper", "stand/palm", "") in found.excluded

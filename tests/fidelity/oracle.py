@@ -103,6 +103,10 @@ def differences_in(case: Case, text: bytes, seed: int) -> list[str]:
     return found
 
 
+_SHARED = ("mesh", "texture", "hfield")
+"""The kinds of assets that the copies of a part share."""
+
+
 class Oracle:
     """Compares one part alone with the same part in a composition."""
 
@@ -147,7 +151,8 @@ class Oracle:
         pairs: dict[int, int] = {}
         for index in range(count):
             name = mujoco.mj_id2name(self.alone, object_type, index) or ""
-            other = mujoco.mj_name2id(self.whole, object_type, self.prefix + name) if name else -1
+            prefix = self.attached.first if kind in _SHARED and self.attached.first else self.prefix
+            other = mujoco.mj_name2id(self.whole, object_type, prefix + name) if name else -1
             if name and other < 0:
                 self.found.append(f"the {kind} `{self.prefix}{name}` is missing")
             elif name:

@@ -340,6 +340,8 @@ class Attached:
     pos: tuple[float, float, float]
     euler: tuple[float, float, float]
     key: str = "home"
+    first: str = ""
+    """The prefix of the first copy, which has the meshes, textures and height fields of all copies."""
 
 
 @dataclass
@@ -422,6 +424,7 @@ def random_case(seed: int) -> Case:
                     (pos[0], pos[1], pos[2]),
                     (euler[0], euler[1], euler[2]),
                     key="home" if keys == "merge" else f"{prefix}home",
+                    first=f"{key}0/" if copies else prefix,
                 )
             )
             if number:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -16,6 +17,7 @@ from mjcompose.lsp.analysis import Analysis, Question, units
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Workspace, uses_of
 from mjcompose.lsp.hover import hover
+from mjcompose.lsp.mjcf import Refused
 from mjcompose.lsp.navigation import definition, folds, formatted, hints, lenses, references, symbols
 from mjcompose.lsp.rename import rename, renameable
 from mjcompose.text.node import lines_of
@@ -70,7 +72,8 @@ class Typist:
         self.check(uses_of(analysis).values())
         self.check(each.span for each in formatted(analysis.text, analysis.file))
         if (span := renameable(question)) is not None:
-            self.check([span, *(change.span for change in rename(question, "renamed", ()))])
+            with suppress(Refused):
+                self.check([span, *(change.span for change in rename(question, "renamed", ()))])
 
     def check(self, spans: Iterable[Span | None]) -> None:
         """Every place in the recipe is one of its text."""

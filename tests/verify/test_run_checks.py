@@ -13,8 +13,9 @@ from mjcompose.bundle.manifest import from_json
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Limits, Session
 from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.plan.read import read_source
 from mjcompose.sources.context import Context
-from mjcompose.tree.parse import parse_file
+from mjcompose.sources.reference import Source
 from mjcompose.verify import parts
 
 Run = Callable[[str], tuple[Built | None, list[str]]]
@@ -306,16 +307,16 @@ def test_subtrees_of_one_source_compile_it_once(tmp_path: Path, run: Run, monkey
     read: list[Path] = []
     compiled: list[int] = []
 
-    def count_read(path: Path, *words: object, **options: object) -> object:
-        read.append(path)
-        return parse_file(path, *words, **options)  # type: ignore[arg-type]
+    def count_read(source: Source, *words: object, **options: object) -> object:
+        read.append(source.path)
+        return read_source(source, *words, **options)  # type: ignore[arg-type]
 
     def count_compiled(folder: Path, *words: object, **options: object) -> object:
         model = engine.compile(folder, *words, **options)  # type: ignore[arg-type]
         compiled.append(model.sizes["nbody"])
         return model
 
-    monkeypatch.setattr(parts, "parse_file", count_read)
+    monkeypatch.setattr(parts, "read_source", count_read)
     monkeypatch.setattr(parts, "engine", SimpleNamespace(compile=count_compiled, call=engine.call))
     attached = "".join(f"  {name}: {{model: ./whole.xml, subtree: {name}}}\n" for name in names)
     checked = "".join(f"  {name}: {{unchanged: {{}}}}\n" for name in names)
@@ -375,7 +376,7 @@ def test_assets_that_were_merged_are_the_ones_that_stand_for_them(tmp_path: Path
     context = Context(folder=tmp_path, environment={})
     built = build(Request(tmp_path / "recipe.yaml", deduplicated=True), context)
     assert built is not None, context.sink.diagnostics
-    assert built.merged == {"mesh": {"b/t": "a/t"}}
+    assert built.composed.merged == {"mesh": {"b/t": "a/t"}}
 
 
 def test_urdf_is_compared_with_what_mujoco_makes_of_it_in_that_place(tmp_path: Path, run: Run) -> None:
