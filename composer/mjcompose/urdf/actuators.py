@@ -306,47 +306,77 @@ Fate: TypeAlias = tuple[str, Node, str, str]
 
 
 def _fates(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterator[Fate]:
-    def fate(what: str, element: Node) -> Fate:
-        became = known.get(element) or _READ.get(what, "")
-        return what, element, became, "" if became else _UNREAD.get(what, "MJCF has no words for it")
-
-    names = {None, *(each.get("name") for each in root.iterchildren("link", "joint"))}
-    for child in root.iterchildren("*"):
-        tag = written_name(child)
-        if tag in ("link", "joint"):
-            yield fate(tag, child)
-            if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
-                yield "link without inertial", child, "the mass of its shapes at 1000 kg/m³", ""
-            for inner in child.iterchildren("*"):
-                name = written_name(inner)
-                what = f"{tag}/{name}"
-                if what == "link/visual":
-                    why = "MuJoCo omits visuals; add `urdf: {visuals: keep}` next to `model`"
-                    yield what, inner, *(("geom that touches nothing", "") if keeps_visuals else ("", why))
-                elif inner in known or name not in _OF_LINKS_AND_JOINTS:
-                    yield fate(what, inner)
-                if (
-                    what == "joint/limit"
-                    and child.get("type") == "continuous"
-                    and {"lower", "upper"} & set(inner.keys())
-                ):
-                    yield "joint/limit lower", inner, "", "a continuous joint has no limits"
-                if what == "joint/limit" and 0 < (parse(inner.get("velocity")) or 0) < 1e6:
-                    yield "joint/limit velocity", inner, "", "MuJoCo does not limit the velocity of joints"
-        elif tag == "gazebo" and child.get("reference") not in names:
-            yield "gazebo", child, "", f"no link or joint is called `{child.get('reference')}`"
-        elif tag == "gazebo" and child not in known:
-            yield from (fate(f"gazebo/{written_name(inner)}", inner) for inner in child.iterchildren("*"))
-        elif tag != "material" or child in known:
-            yield fate(tag, child)
+    names = {None, *(element.get("name") for element in root.iterchildren("link", "joint"))}
+    for element in root.iterchildren("*"):
+        tag = written_name(element)
+        if tag == "link":
+            yield from _fates_of_link(element, keeps_visuals, known)
+        elif tag == "joint":
+            yield from _fates_of_joint(element, known)
+        elif tag == "gazebo" and element.get("reference") not in names:
+            yield "gazebo", element, "", f"no link or joint is called `{element.get('reference')}`"
+        elif tag == "gazebo" and element not in known:
+            for setting in element.iterchildren("*"):
+                yield _fate(f"gazebo/{written_name(setting)}", setting, known)
+        elif tag != "material" or element in known:
+            yield _fate(tag, element, known)
             if tag == "ros2_control":
-                yield from _fates_of_control(child)
-            if child in known:
-                for reduction in child.iter("mechanicalReduction"):
-                    if reduction.text and parse(reduction.text) != 1:
-                        yield fate("transmission/mechanicalReduction", reduction)
+                yield from _fates_of_control(element)
+            if element in known:
+                yield from _fates_of_reductions(element, known)
+    yield from _fates_of_textures(root, keeps_visuals, known)
+
+
+def _fate(what: str, element: Node, known: Mapping[Node, str]) -> Fate:
+    became = known.get(element) or _READ.get(what, "")
+    return what, element, became, "" if became else _UNREAD.get(what, "MJCF has no words for it")
+
+
+def _fates_of_link(link: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterator[Fate]:
+    yield _fate("link", link, known)
+    if link.find("inertial") is None and link.find("collision") is not None:
+        yield "link without inertial", link, "the mass of its shapes at 1000 kg/m³", ""
+    for child in link.iterchildren("*"):
+        name = written_name(child)
+        if name == "visual":
+            yield _fate_of_visual(child, keeps_visuals)
+        elif child in known or name not in _OF_LINKS_AND_JOINTS:
+            yield _fate(f"link/{name}", child, known)
+
+
+def _fate_of_visual(visual: Node, keeps_visuals: bool) -> Fate:
+    if keeps_visuals:
+        return "link/visual", visual, "geom that touches nothing", ""
+    return "link/visual", visual, "", "MuJoCo omits visuals; add `urdf: {visuals: keep}` next to `model`"
+
+
+def _fates_of_joint(joint: Node, known: Mapping[Node, str]) -> Iterator[Fate]:
+    yield _fate("joint", joint, known)
+    for child in joint.iterchildren("*"):
+        name = written_name(child)
+        if child in known or name not in _OF_LINKS_AND_JOINTS:
+            yield _fate(f"joint/{name}", child, known)
+        if name == "limit":
+            yield from _fates_of_limit(child, joint)
+
+
+def _fates_of_limit(limit: Node, joint: Node) -> Iterator[Fate]:
+    """Yield the attributes of a `<limit>` that are not in the model."""
+    if joint.get("type") == "continuous" and {"lower", "upper"} & set(limit.keys()):
+        yield "joint/limit lower", limit, "", "a continuous joint has no limits"
+    if 0 < (parse(limit.get("velocity")) or 0) < 1e6:
+        yield "joint/limit velocity", limit, "", "MuJoCo does not limit the velocity of joints"
+
+
+def _fates_of_reductions(transmission: Node, known: Mapping[Node, str]) -> Iterator[Fate]:
+    for reduction in transmission.iter("mechanicalReduction"):
+        if reduction.text and parse(reduction.text) != 1:
+            yield _fate("transmission/mechanicalReduction", reduction, known)
+
+
+def _fates_of_textures(root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> Iterator[Fate]:
+    why = "MuJoCo reads no textures of URDF" if keeps_visuals else "MuJoCo omits the visuals that have it"
     for texture in root.iter("texture"):
-        why = "MuJoCo reads no textures of URDF" if keeps_visuals else "MuJoCo omits the visuals that have it"
         yield "material/texture", texture, known.get(texture, ""), "" if texture in known else why
 
 
