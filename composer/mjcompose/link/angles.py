@@ -15,8 +15,8 @@ error from 0.1 % on.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import cast
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TypeAlias, cast
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -112,54 +112,92 @@ def _joints(unit: Unit) -> None:
     """Convert ranges and references of hinges, and ranges of balls, to radians; on the joint if a class has slides."""
     # MuJoCo 4.0 turns a range only if it limits the joint: `<joint range="-90 90" limited="false"/>` keeps -90 90 in
     # `jnt_range`. One class may serve both kinds: of `<joint range="0 90"/>` a hinge takes 1.5708 and a slide 90.
-    classes = unit.classes
     in_classes = {
         str(name)
         for joint in unit.root.iterfind("default//joint")
         for name in joint.keys()  # noqa: SIM118 (an element is not a mapping)
     }
-    given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
-    own: list[tuple[Node, str]] = []
+    angles, users = _read_by_joints(unit, in_classes)
+    if in_classes:
+        _add_flexes(unit, users)
+    angles += _settle_classes(users)
+    angles += _unused_angles(unit, users)
+    for element, attribute in angles:
+        value = str(element.get(attribute) or "")
+        if value.strip():
+            element.set(attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
+
+
+_Place: TypeAlias = tuple[Node, str]
+"""An element and one of its attributes."""
+_Users: TypeAlias = dict[_Place, list[tuple[Node, bool]]]
+"""For an attribute of a class, the elements that take it, and whether it is an angle there."""
+
+
+def _read_by_joints(unit: Unit, in_classes: Collection[str]) -> tuple[list[_Place], _Users]:
+    """Return the angles that joints have themselves, and the attributes that they take from classes."""
+    classes = unit.classes
+    angles: list[_Place] = []
+    users: _Users = {}
     for joint in unit.root.iterfind("worldbody//joint"):
         holder = joint.getparent()
         if holder is None or holder.tag not in NESTED:
             continue  # a template in a `<composite>`
         childclass = childclass_of(joint)
         for attribute in _ANGULAR:
-            writer: Node | None = joint
-            if written(joint, attribute) is None:
-                writer = _writer(joint, classes, childclass, attribute=attribute) if attribute in in_classes else None
-            turns = writer is not None and _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
-            if writer is joint and turns:
-                own.append((joint, attribute))
-            elif writer is not None and writer is not joint:
-                given.setdefault((writer, attribute), []).append((joint, turns))
-    # The joint defaults of its body apply to the slide joints of a flex's vertices.
-    if in_classes:
-        for flex in unit.root.iter("flexcomp"):
-            body = next(flex.iterancestors("body", "worldbody"), None)
-            if body is None:
+            writer: Node | None = None
+            if written(joint, attribute) is not None:
+                writer = joint
+            elif attribute in in_classes:
+                writer = _writer(joint, classes, childclass, attribute=attribute)
+            if writer is None:
                 continue
-            for attribute in _ANGULAR:
-                writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute=attribute)
-                if writer is not None:
-                    given.setdefault((writer, attribute), []).append((flex, False))
-    for (writer, attribute), users in given.items():
-        if all(turns for _, turns in users):
-            own.append((writer, attribute))
+            is_angle = _is_angle(unit, classes, joint, childclass=childclass, attribute=attribute)
+            if writer is not joint:
+                users.setdefault((writer, attribute), []).append((joint, is_angle))
+            elif is_angle:
+                angles.append((joint, attribute))
+    return angles, users
+
+
+def _add_flexes(unit: Unit, users: _Users) -> None:
+    """Add the flexes to the users: the joint defaults of a body apply to the slide joints of a flex's vertices."""
+    for flex in unit.root.iter("flexcomp"):
+        body = next(flex.iterancestors("body", "worldbody"), None)
+        if body is None:
             continue
-        for joint, turns in users:  # the class cannot have the angle if other joints have none
-            if turns:
+        childclass = body.get("childclass") or childclass_of(body)
+        for attribute in _ANGULAR:
+            writer = _writer(body, unit.classes, childclass, attribute=attribute)
+            if writer is not None:
+                users.setdefault((writer, attribute), []).append((flex, False))
+
+
+def _settle_classes(users: _Users) -> list[_Place]:
+    """Return the angles that joints take from classes: of the class if all its users have one, or else of the joints.
+
+    A class cannot have the angle if other joints have none. Then each joint with an angle gets the value itself.
+    """
+    angles: list[_Place] = []
+    for (writer, attribute), takers in users.items():
+        if all(is_angle for _, is_angle in takers):
+            angles.append((writer, attribute))
+            continue
+        for joint, is_angle in takers:
+            if is_angle:
                 joint.set(attribute, str(writer.get(attribute)))
-                own.append((joint, attribute))
-    # Classes that no joint uses yet: a joint that is added later reads their angles in radians.
+                angles.append((joint, attribute))
+    return angles
+
+
+def _unused_angles(unit: Unit, users: _Users) -> Iterator[_Place]:
+    """Yield the angles of classes that no joint uses yet: a joint that is added later reads them in radians."""
     for joint in unit.root.iterfind("default//joint"):
-        if joint.get("type") != "slide":
-            own += [(joint, name) for name in _ANGULAR if joint.get(name) and (joint, name) not in given]
-    for element, attribute in own:
-        value = str(element.get(attribute) or "")
-        if value.strip():
-            element.set(attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
+        if joint.get("type") == "slide":
+            continue
+        for attribute in _ANGULAR:
+            if joint.get(attribute) and (joint, attribute) not in users:
+                yield joint, attribute
 
 
 def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
