@@ -104,6 +104,11 @@ class ChangesOfParts(Struct, frozen=False):
         part = next((start for start in _starts(head) if start in self.prefixes), None)
         (self.in_all if part is None else self.in_part.setdefault(part, Changes())).add(changes)
 
+    def of_class(self, name: str) -> Changes:
+        """Return the changes of the part that a default class belongs to, to add to them."""
+        prefix = "" if name == MAIN else next((start for start in _starts(name) if start in self.prefixes), "")
+        return self.in_part.setdefault(prefix, Changes())
+
     def of(self, prefix: str) -> Changes:
         """Return the changes of the part with that prefix."""
         found = Changes()
@@ -183,40 +188,63 @@ def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: s
 
 def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
     """Note in the records the changes that the recipe's own settings make."""
-    prefixes = {record.member.prefix for record in records}
-    changes = ChangesOfParts(prefixes)
-    for step in plan.steps:
-        changed: list[str] = []
-        owner = None
-        if isinstance(step, SetDefault):
-            longest = next((start for start in _starts(step.name) if start in prefixes), "")
-            owner = "" if step.name == MAIN else longest
-            rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
-            changed = [array for tag, name in rows for array in arrays_of(name, tag)]
-        elif isinstance(step, SetSingleton) and step.section == "compiler":
-            written = step.element.attributes
-            if not _MASSES.isdisjoint(written):
-                changed += arrays_of("mass")
-            if "lengthrange" in {child.tag for child in step.element.children}:
-                changed += arrays_of("lengthrange")
-            for name in sorted(_RESHAPING & written.keys()):
-                for record in records:
-                    record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
-        elif isinstance(step, DrawValues) and step.sample:
-            changed += arrays_of_draw(step)
-        changes_of_owner = changes.in_all if owner is None else changes.in_part.setdefault(owner, Changes())
-        changes_of_owner.arrays.update(changed)
-    for step in plan.edits:
-        changes.add(step.edit.select, Changes.by(step.edit))
+    changes = _changes_by(plan, {record.member.prefix for record in records})
+    _note_reshaping(plan, records)
     written_keys = tuple(step.key.name for step in plan.keyframes)
     for record in records:
         record.update(replaced_keys=(*record.member.replaced_keys, *written_keys))
         record.add(changes.of(record.member.prefix))
-    excepting = [check for check in plan.checks if isinstance(check, Unchanged) and check.excepted]
-    by_part = _by_part(records, plan.separator) if excepting else {}
-    for check in excepting:
+    _note_excepted(plan, records)
+
+
+def _changes_by(plan: Plan, prefixes: Collection[str]) -> ChangesOfParts:
+    """Return the changes that the default classes, the compiler, the draws and the edits of a plan make."""
+    changes = ChangesOfParts(prefixes)
+    for step in plan.steps:
+        if isinstance(step, SetDefault):
+            changes.of_class(step.name).arrays.update(_arrays_of_default(step))
+        elif isinstance(step, SetSingleton) and step.section == "compiler":
+            changes.in_all.arrays.update(_arrays_of_compiler(step))
+        elif isinstance(step, DrawValues) and step.sample:
+            changes.in_all.arrays.update(arrays_of_draw(step))
+    for step in plan.edits:
+        changes.add(step.edit.select, Changes.by(step.edit))
+    return changes
+
+
+def _arrays_of_default(step: SetDefault) -> Iterator[str]:
+    for row in step.element.children:
+        for name in row.attributes:
+            yield from arrays_of(name, row.tag)
+
+
+def _arrays_of_compiler(step: SetSingleton) -> Iterator[str]:
+    if not _MASSES.isdisjoint(step.element.attributes):
+        yield from arrays_of("mass")
+    if any(child.tag == "lengthrange" for child in step.element.children):
+        yield from arrays_of("lengthrange")
+
+
+def _note_reshaping(plan: Plan, records: Iterable[UnplacedRecord]) -> None:
+    """Note the settings of the compiler that remove elements of every part."""
+    for step in plan.steps:
+        if not isinstance(step, SetSingleton) or step.section != "compiler":
+            continue
+        for name in sorted(_RESHAPING & step.element.attributes.keys()):
+            for record in records:
+                record.update(obscure=f"the recipe sets `compiler.{name}`, which removes elements")
+
+
+def _note_excepted(plan: Plan, records: Iterable[UnplacedRecord]) -> None:
+    """Note the arrays that the checks `unchanged` of the recipe except."""
+    checks = [check for check in plan.checks if isinstance(check, Unchanged) and check.excepted]
+    if not checks:
+        return
+    by_part = _by_part(records, plan.separator)
+    for check in checks:
+        arrays = {array for name in check.excepted for array in arrays_of(name)}
         for record in records if check.part is None else by_part.get(check.part, []):
-            record.add_changed(array for name in check.excepted for array in arrays_of(name))
+            record.add_changed(arrays)
 
 
 def _by_part(records: Iterable[UnplacedRecord], separator: str) -> dict[str, list[UnplacedRecord]]:
