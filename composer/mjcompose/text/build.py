@@ -6,7 +6,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-import yaml
+from yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
@@ -85,62 +93,76 @@ class Builder:
 
     def build(self, events: Iterable[Any]) -> Node | None:
         """Return the tree, or None if a value is missing or a limit is exceeded. Raises the reader's exceptions."""
-        stack = self._stack
-        file = self._file
-        marks = self._marks
-        restore = self._restore
+        most = self._most
         for event in events:
             kind = type(event)
-            if kind is yaml.ScalarEvent:
-                start = event.start_mark
-                end = event.end_mark
-                line = start.line + 1
-                # Nearly every event is a scalar on one line without properties: this path is kept short.
-                simple = end.line + 1 == line and event.anchor is None and event.tag is None
-                column = start.column + 1
-                last = end.column + 1
-                span = Span(file, line, column, end_line=line, end_column=last) if simple else marks.span(event)
-                text = event.value if restore is None else self._restored(event.value, span)
-                if is_template(text):
-                    span = replace(span, template=text)
-                frame = stack[-1] if stack else None
-                if frame is not None and frame.entries is not None and frame.key is None:
-                    self._key(event, text, span, frame=frame)
-                    continue
-                if not text and frame is not None and frame.flow and frame.entries is not None:
-                    self._check_colon(event, frame)
-                self._total += 1
-                if not simple:
-                    self._add(self._scalar(event, text, span), 0)
-                elif event.style:
-                    self._add(Scalar(text, span, text, plain=False), 0)
-                else:
-                    self._add(Scalar(self._resolved(text, span), span, text, plain=True), 0)
-            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
-                if not self._begin(event, kind is yaml.MappingStartEvent):
-                    return None
-            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
-                self._end(event)
-            elif kind is yaml.AliasEvent:
-                if not self._alias(event):
-                    return None
-            elif kind is yaml.DocumentStartEvent and self._root is not None:
-                message = "a second YAML document begins here; a file holds one"
-                help = "move the text after `---` into a file of its own, or remove the `---`"
-                self._sink.error("yaml-documents", message, marks.span(event), help=help)
+            if kind is ScalarEvent:
+                self._scalar(event)
+            elif kind is DocumentStartEvent and self._root is not None:
+                self._refuse_document(event)
                 return self._root
-            if self._total > self._most:
-                message = f"more than {self._most} values in one file"
-                self._sink.error("yaml-too-large", message, marks.span(event), help=advice("yaml-values"))
+            elif not self._structure(event, kind):
+                return None
+            if self._total > most:
+                message = f"more than {most} values in one file"
+                self._sink.error("yaml-too-large", message, self._marks.span(event), help=advice("yaml-values"))
                 return None
         for lone in self._lone:  # if reading stops, this is the reason
             self._sink.add(lone)
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
-            content = "only comments" if self._text.lstrip().startswith("#") else "nothing"
-            self._sink.error("yaml-empty", f"`{file}` contains {content}", Span(file, 1, 1), help=self._empty)
+            self._refuse_empty()
             return None
         return root
+
+    def _scalar(self, event: Any) -> None:
+        """Add a scalar, which is a key or a value."""
+        start = event.start_mark
+        end = event.end_mark
+        line = start.line + 1
+        # Nearly every event is a scalar on one line without properties: this path is kept short.
+        is_simple = end.line + 1 == line and event.anchor is None and event.tag is None
+        if is_simple:
+            span = Span(self._file, line, start.column + 1, end_line=line, end_column=end.column + 1)
+        else:
+            span = self._marks.span(event)
+        text = event.value if self._restore is None else self._restored(event.value, span)
+        if is_template(text):
+            span = replace(span, template=text)
+        stack = self._stack
+        frame = stack[-1] if stack else None
+        if frame is not None and frame.entries is not None:
+            if frame.key is None:
+                self._key(event, text, span, frame=frame)
+                return
+            if not text and frame.flow:
+                self._check_colon(event, frame)
+        self._total += 1
+        if not is_simple:
+            self._add(self._scalar_with_properties(event, text, span), 0)
+        elif event.style:
+            self._add(Scalar(text, span, text, plain=False), 0)
+        else:
+            self._add(Scalar(self._resolved(text, span), span, text, plain=True), 0)
+
+    def _structure(self, event: Any, kind: type) -> bool:
+        """Begin or end a collection, or add an alias. Return False if a limit is exceeded."""
+        if kind is MappingStartEvent or kind is SequenceStartEvent:
+            return self._begin(event, kind is MappingStartEvent)
+        if kind is MappingEndEvent or kind is SequenceEndEvent:
+            self._end(event)
+        elif kind is AliasEvent:
+            return self._alias(event)
+        return True
+
+    def _refuse_document(self, event: Any) -> None:
+        message = "a second YAML document begins here; a file holds one"
+        help = "move the text after `---` into a file of its own, or remove the `---`"
+        self._sink.error("yaml-documents", message, self._marks.span(event), help=help)
+
+    def _refuse_empty(self) -> None:
+        content = "only comments" if self._text.lstrip().startswith("#") else "nothing"
+        self._sink.error("yaml-empty", f"`{self._file}` contains {content}", Span(self._file, 1, 1), help=self._empty)
 
     def _add(self, node: Node, height: int) -> None:
         if not self._stack:
@@ -230,7 +252,7 @@ class Builder:
             self._sink.error("out-of-range", f"the number `{shown}` is too large", span)
             return text
 
-    def _scalar(self, event: Any, text: str, span: Span) -> Scalar:
+    def _scalar_with_properties(self, event: Any, text: str, span: Span) -> Scalar:
         value: bool | int | float | str | None = text
         if event.tag is not None:
             value = self._tagged(event, text, span)
@@ -248,7 +270,7 @@ class Builder:
         frame.key_end = None
         if frame.has_lone:
             return
-        if type(event) is yaml.ScalarEvent:
+        if type(event) is ScalarEvent:
             if self._restore is None:
                 end: Any = event.end_mark
                 frame.key_end = end.index
@@ -258,7 +280,7 @@ class Builder:
             if event.anchor is not None:
                 self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, plain=False), 1, 0)
         found = (frame.entries if frame.entries is not None else {}).get(name)
-        if name == "<<" and type(event) is yaml.ScalarEvent and not event.style:
+        if name == "<<" and type(event) is ScalarEvent and not event.style:
             help = "write the keys out, or use `extends` or `variants`, which merge recipes"
             self._sink.error("yaml-merge-key", "the merge key `<<` is not part of the language", span, help=help)
         elif found is not None:
