@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
@@ -54,42 +54,62 @@ Pair = tuple[Side, Side]
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     """Report the pairs that are nearer to each other than the check allows, the nearest first."""
-    for index, pair in enumerate(asked["excepted"]):
-        for side, glob in enumerate(pair):
-            check_globs(scope, _NAMED, [glob], at=("except", index, side))
-    sides = []
-    for index, globs in enumerate(asked["between"] or ()):
-        check_globs(scope, _NAMED[:2], globs, at=("between", index))
-        sides.append(_geoms(scope, globs))
-    places: Iterable[tuple[str, Any]] = [("", scope.at_key(None))]
-    if asked["key"]:
-        places = ((f" in `{name}`", data) for name, data in at_keys(scope, keys_named(scope, asked["key"])))
-    known = {name for kind in _NAMED for name in scope.names(kind)}
-    excepted = [[scope.fitting(glob, known) for glob in pair] for pair in asked["excepted"]]
     least: float = asked["min"]
+    ignored = _ignored(scope, asked["excepted"])
+    sides = _sides(scope, asked["between"] or ())
     near: dict[tuple[str, Pair], float] = {}
     nearest: float | None = None
-    for where, data in places:
-        apart = _apart(scope, data, sides, least) if sides else _touching(scope, data, least)
-        for pair, distance in apart:
+    for where, data in _places(scope, asked["key"]):
+        for pair, distance in _apart(scope, data, sides, least) if sides else _touching(scope, data, least):
             if distance >= least and nearest is not None and distance >= nearest:
                 continue
-            these, those = (_names(scope, side) for side in pair)
-            if any((these & a and those & b) or (these & b and those & a) for a, b in excepted):
+            if _is_ignored(scope, pair, ignored):
                 continue
             nearest = distance if nearest is None else min(nearest, distance)
             if distance < least:
                 near[where, pair] = min(distance, near.get((where, pair), distance))
     if nearest is not None:
         scope.found("distance", nearest, SOLVED)
-    if not near:
-        return []
+    return [_fault(scope, near, least)] if near else []
+
+
+def _ignored(scope: Scope, pairs: Sequence[Sequence[str]]) -> list[list[frozenset[str]]]:
+    """Return the names that the globs of each pair match. Raises CheckEnds for a glob that matches nothing."""
+    for index, pair in enumerate(pairs):
+        for side, glob in enumerate(pair):
+            check_globs(scope, _NAMED, [glob], at=("except", index, side))
+    known = {name for kind in _NAMED for name in scope.names(kind)}
+    return [[scope.fitting(glob, known) for glob in pair] for pair in pairs]
+
+
+def _is_ignored(scope: Scope, pair: Pair, ignored: Iterable[Sequence[frozenset[str]]]) -> bool:
+    one, other = (_names(scope, side) for side in pair)
+    return any((one & first and other & second) or (one & second and other & first) for first, second in ignored)
+
+
+def _sides(scope: Scope, sides: Sequence[Sequence[str]]) -> list[list[int]]:
+    """Return the geoms of each side. Raises CheckEnds for a glob that matches nothing."""
+    geoms = []
+    for index, globs in enumerate(sides):
+        check_globs(scope, _NAMED[:2], globs, at=("between", index))
+        geoms.append(_geoms(scope, globs))
+    return geoms
+
+
+def _places(scope: Scope, keys: Sequence[str]) -> Iterable[tuple[str, Any]]:
+    """Return the configurations to check, each with words for its keyframe."""
+    if not keys:
+        return [("", scope.at_key(None))]
+    return ((f" in `{name}`", data) for name, data in at_keys(scope, keys_named(scope, keys)))
+
+
+def _fault(scope: Scope, near: Mapping[tuple[str, Pair], float], least: float) -> Fault:
+    """Return the fault of the pairs that are nearer than `least`."""
     ranked = sorted(near.items(), key=lambda item: item[1])
-    first, *more = with_rest(
-        [_line(scope, pair, where, each, least) for (where, pair), each in ranked], what="more pairs"
-    )
+    lines = [_line(scope, pair, where, distance, least) for (where, pair), distance in ranked]
+    first, *more = with_rest(lines, what="more pairs")
     expected = f"at least {least:g} m" if least >= 0 else f"at most {-least:g} m inside"
-    return [failed(first, expected, _measure(ranked[0][1], least), "min", more=more)]
+    return failed(first, expected, _measure(ranked[0][1], least), "min", more=more)
 
 
 def _measure(distance: float, least: float) -> str:
