@@ -107,38 +107,61 @@ def check_lock(plan: Plan, context: Context) -> None:
     whole = {id: use for id, use in uses.items() if _is_whole(id, use, context)}
     if fetching.lock is None:
         return
-    shown = context.shown(lock_file)
+    report = _LockReport(plan.file, context.shown(lock_file), fetching.locked, context.sink)
     if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
-        help = f"run `mjcompose lock {plan.file}` and commit the lock"
         for id in sorted(fetching.lock.sources.keys() - uses.keys()):
-            context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it", help=help)
+            report.unused(id)
     for id, use in whole.items():
         now = _locked(use, fetching)
         before = fetching.lock.sources.get(id)
         if now is None:
             continue
-        upgrade = f"run `mjcompose lock {plan.file} --upgrade-source {shlex.quote(next(iter(use.used_by)))}`"
         if before is None:
-            report = context.sink.error if fetching.locked else context.sink.warning
-            help = f"run `mjcompose lock {plan.file}` and commit the lock"
-            report("lock-stale", f"`{id}` is not in the lock `{shown}`", use.span, help=help)
-            continue
-        unused = {file for file in before.files if file not in now.files and os.path.isfile(use.root / file)}
-        relevant = {file: digest for file, digest in before.files.items() if file not in unused}
-        if changes := differences(relevant, now.files):
-            report = context.sink.warning if kind_of(now).is_local and not fetching.locked else context.sink.error
+            report.missing(id, use)
+        else:
+            report.differing(id, use, before, now)
+
+
+class _LockReport(Struct):
+    """Reports how the sources of a recipe differ from its lock. With `locked`, more of the differences are errors."""
+
+    recipe: str
+    lock: str
+    locked: bool
+    sink: Sink
+
+    def unused(self, id: str) -> None:
+        help = f"run `mjcompose lock {self.recipe}` and commit the lock"
+        self.sink.error("lock-stale", f"`{id}` is in the lock `{self.lock}`, and nothing uses it", help=help)
+
+    def missing(self, id: str, use: _SourceUse) -> None:
+        report = self.sink.error if self.locked else self.sink.warning
+        help = f"run `mjcompose lock {self.recipe}` and commit the lock"
+        report("lock-stale", f"`{id}` is not in the lock `{self.lock}`", use.span, help=help)
+
+    def differing(self, id: str, use: _SourceUse, before: Locked, now: Locked) -> None:
+        """Report other bytes, or else a lock that contradicts itself, or else another version."""
+        upgrade = f"run `mjcompose lock {self.recipe} --upgrade-source {shlex.quote(next(iter(use.used_by)))}`"
+        if changes := _changed_files(use, before, now):
+            report = self.sink.warning if kind_of(now).is_local and not self.locked else self.sink.error
+            message = f"`{id}` differs from the lock `{self.lock}`"
             help = f"if you want the change, {upgrade}"
-            report(
-                "source-changed", f"`{id}` differs from the lock `{shown}`", use.span, notes=_notes(changes), help=help
-            )
+            report("source-changed", message, use.span, notes=_notes(changes), help=help)
         elif wrong := [*_wrong(before, now)]:
-            message = f"the lock `{shown}` contradicts itself about `{id}`"
+            message = f"the lock `{self.lock}` contradicts itself about `{id}`"
             help = "take the lock from version control, or remove it and run `mjcompose lock`"
-            context.sink.error("lock-invalid", message, use.span, notes=[Note(each) for each in wrong], help=help)
-        elif fetching.locked and (others := [*_of_another_version(before, now)]):
-            message = f"`{id}` has the bytes in the lock `{shown}`, but another version, which the manifest names"
+            self.sink.error("lock-invalid", message, use.span, notes=list(map(Note, wrong)), help=help)
+        elif self.locked and (others := [*_of_another_version(before, now)]):
+            message = f"`{id}` has the bytes in the lock `{self.lock}`, but another version, which the manifest names"
             help = f"install that version, or {upgrade} and commit the lock"
-            context.sink.warning("lock-stale", message, use.span, notes=[Note(each) for each in others], help=help)
+            self.sink.warning("lock-stale", message, use.span, notes=list(map(Note, others)), help=help)
+
+
+def _changed_files(use: _SourceUse, before: Locked, now: Locked) -> tuple[str, ...]:
+    """Return the differences of files in words, without files that exist and that this recipe no longer uses."""
+    unused = {file for file in before.files if file not in now.files and os.path.isfile(use.root / file)}
+    relevant = {file: digest for file, digest in before.files.items() if file not in unused}
+    return differences(relevant, now.files)
 
 
 def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
