@@ -255,25 +255,9 @@ def _elements_below(top: Node) -> Iterator[Node]:
 def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] | None) -> None:
     if node.tag == "material" and (only is None or "texture" in only):
         commit_textures(model, node, found)
-    attributes = kind_of(node).attributes
-    given = _class_attributes(found, node, attributes)
-    changes: dict[str, str | None] = {}
-    for name, value in given.items():
-        own = str(node.get(name) or "")
-        if not own and _counts_empty(attributes[name]) and node.get(name) is not None:
-            continue
-        # The element may set another attribute that has the same meaning.
-        is_set = any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
-        if not own and (is_set or (name == "cranklength" and not node.get("cranksite"))):
-            continue
-        whole = _completed(attributes[name], own, value) if own else value
-        if whole != own:
-            changes[name] = whole
-    if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
-        # MuJoCo takes one of the two, and looks at the other only where this does not exist.
-        changes.pop("fovy", None)
-        if node.get("fovy"):
-            changes["fovy"] = None
+    changes = _changes(node, found)
+    if node.tag == "camera":
+        _choose_field_of_view(node, changes)
     if only is not None:
         changes = {name: value for name, value in changes.items() if name in only}
     if default_tag(node) in ACTUATORS and not is_plain(found, node):
@@ -281,6 +265,42 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
         commit(model, node, given, found=found, partly=only is not None)
     elif changes:
         assign(model, node, changes)
+
+
+def _changes(node: Node, found: DefaultClass) -> dict[str, str | None]:
+    """Return the attributes of an element that a class sets or completes."""
+    attributes = kind_of(node).attributes
+    changes: dict[str, str | None] = {}
+    for name, value in _class_attributes(found, node, attributes).items():
+        own = str(node.get(name) or "")
+        if own:
+            whole = _completed(attributes[name], own, value)
+        elif _is_settled(node, attributes[name]):
+            continue
+        else:
+            whole = value
+        if whole != own:
+            changes[name] = whole
+    return changes
+
+
+def _is_settled(node: Node, attribute: Attribute) -> bool:
+    """Return whether an element takes no value of a class for an attribute, although it has no text for it."""
+    if _counts_empty(attribute) and node.get(attribute.name) is not None:
+        return True
+    if attribute.name == "cranklength" and not node.get("cranksite"):
+        return True
+    # The element may set another attribute that has the same meaning.
+    return any(attribute.name in group and any(node.get(name) for name in group) for group in _ONE_OF)
+
+
+def _choose_field_of_view(node: Node, changes: dict[str, str | None]) -> None:
+    """Remove the `fovy` of a camera with a `sensorsize`."""
+    # MuJoCo takes one of the two, and looks at the other only where this does not exist.
+    if changes.get("sensorsize") or node.get("sensorsize"):
+        changes.pop("fovy", None)
+        if node.get("fovy"):
+            changes["fovy"] = None
 
 
 def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
