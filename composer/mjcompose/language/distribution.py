@@ -19,7 +19,7 @@ from mjcompose.language.forms.context import Rows
 from mjcompose.language.forms.model import IT, OWNER, WHOLE, Model, OneOf
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
 from mjcompose.language.value import kind_of, shown
-from mjcompose.text.expression import Angle
+from mjcompose.text.expression import Angle, Unit
 
 Operation = Literal["set", "scale", "offset"]
 _INTERVALS = ("uniform", "loguniform", "integers")
@@ -263,32 +263,56 @@ class Change(Model):
 
 def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
     """Return the written distribution, or the fault of the combination of its numbers."""
-    called = f"`{kind}` of {OWNER}"
     if isinstance(written, Choice):
         return FieldDistribution(CHOICE, values=written.values)
-    neutral = {"scale": 0.0 if kind == "lognormal" else 1.0}.get(operation, 0.0)
-    numbers = {name: each if each is not None else (neutral,) for name, each in written.numbers().items()}
-    angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
-    if angles and operation == "scale":
-        return Fault("wrong-type", f"{called} is of factors, which have no unit")
-    for each in (each for items in numbers.values() for each in items if angles):
-        if not isinstance(each, Angle) and each != 0:
-            message = f"{called} has numbers with a unit and {shown(each)} without one"
-            return Fault("bare-angle", message, help=f"write `{shown(each)}{angles[0].unit}`")
-    units = {each.unit for each in angles}
-    unit = None if not units else units.pop() if len(units) == 1 else "rad"
-    kept = int if kind == "integers" else float
-    plain = {
-        name: tuple(kept(each.in_unit(unit or "rad") if isinstance(each, Angle) else each) for each in items)
-        for name, items in numbers.items()
-    }
-    lengths = {len(each) for each in plain.values()} - {1}
+    called = f"`{kind}` of {OWNER}"
+    neutral = 1.0 if operation == "scale" and kind != "lognormal" else 0.0
+    numbers = {name: (neutral,) if items is None else items for name, items in written.numbers().items()}
+    angles = [number for items in numbers.values() for number in items if isinstance(number, Angle)]
+    fault = _fault_of_angles(called, numbers, angles, operation)
+    if fault is not None:
+        return fault
+    unit = _common_unit(angles)
+    parameters = {name: _in_unit(items, kind, unit) for name, items in numbers.items()}
+    lengths = {len(items) for items in parameters.values()} - {1}
     if len(lengths) > 1:
         counts = " and ".join(map(str, sorted(lengths)))
         return Fault("wrong-length", f"{called} has lists of {counts} numbers")
-    found = FieldDistribution(kind, plain, unit=unit)
-    wrong = next(filter(None, map(_fault_of, map(found.of, range(found.components or 1)))), None)
-    return found if wrong is None else Fault("out-of-range", f"{called}: {wrong}")
+    distribution = FieldDistribution(kind, parameters, unit=unit)
+    for component in range(distribution.components or 1):
+        wrong = _fault_of(distribution.of(component))
+        if wrong is not None:
+            return Fault("out-of-range", f"{called}: {wrong}")
+    return distribution
+
+
+def _fault_of_angles(
+    called: str, numbers: Mapping[str, Sequence[Any]], angles: Sequence[Angle], operation: Operation
+) -> Fault | None:
+    """Return the fault of a factor with a unit, or of a number without a unit among angles."""
+    if not angles:
+        return None
+    if operation == "scale":
+        return Fault("wrong-type", f"{called} is of factors, which have no unit")
+    for number in (number for items in numbers.values() for number in items):
+        if not isinstance(number, Angle) and number != 0:
+            message = f"{called} has numbers with a unit and {shown(number)} without one"
+            return Fault("bare-angle", message, help=f"write `{shown(number)}{angles[0].unit}`")
+    return None
+
+
+def _common_unit(angles: Sequence[Angle]) -> Unit | None:
+    """Return the unit of all the angles, radians if they have several, or None if there are no angles."""
+    units = {angle.unit for angle in angles}
+    if len(units) > 1:
+        return "rad"
+    return next(iter(units), None)
+
+
+def _in_unit(items: Sequence[Any], kind: str, unit: Unit | None) -> tuple[float, ...]:
+    """Return plain numbers, which are whole for `integers`."""
+    plain = (item.in_unit(unit or "rad") if isinstance(item, Angle) else item for item in items)
+    return tuple(map(int if kind == "integers" else float, plain))
 
 
 def _fault_of(distribution: Distribution) -> str | None:
