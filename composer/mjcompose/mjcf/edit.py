@@ -105,42 +105,70 @@ def check(
     """
     if node is not None and len(values) == 1:
         ((name, value),) = values.items()
-        attribute = attribute_of(kind, name)
-        if attribute is not None and is_nameless(kind, attribute):
-            text = None if value is None else plain_text(attribute, value)
-            if text is not None or value is None:
-                return Edit({attribute.name: text}, nameless=True)
+        edit = _nameless_edit(kind, name, value)
+        if edit is not None:
+            return edit
     if frame is None and node is not None and (above := model.frame_above(node)) is not None:
         frame = model.attachment_of(above)
     edit = Edit()
+    _write_texts(model, kind, values, edit=edit, node=node)
+    _check_orientation(kind, edit)
+    _check_name(model, kind, edit, node=node, frame=frame)
+    if node is not None and frame is None:
+        _rename_in_skins(model, kind, edit, node=node)
+    return edit
+
+
+def _nameless_edit(kind: ElementType, name: str, value: object) -> Edit | None:
+    """Return the edit of one attribute that involves no names and whose value needs no other check, or None."""
+    attribute = attribute_of(kind, name)
+    if attribute is None or not is_nameless(kind, attribute):
+        return None
+    if value is None:
+        return Edit({attribute.name: None}, nameless=True)
+    text = plain_text(attribute, value)
+    return None if text is None else Edit({attribute.name: text}, nameless=True)
+
+
+def _write_texts(model: Model, kind: ElementType, values: Mapping[str, object], edit: Edit, node: Node | None) -> None:
+    """Write the texts of the values into an edit, in the order of the values. Raises `MjcfError` for an invalid one."""
     attributes: dict[str, Attribute] = {}
     for name in values:
-        if (attribute := attribute_of(kind, name)) is None:
+        attribute = attribute_of(kind, name)
+        if attribute is None:
             raise no_attribute(kind, name)
         attributes[name] = attribute
     written = {} if node is None else {str(name): str(value) for name, value in node.items()}
-    for name, attribute in sorted(attributes.items(), key=lambda each: is_reference(each[1])):
-        value = values[name]
+    # References come last: their namespace may follow from another attribute.
+    for name, attribute in sorted(attributes.items(), key=lambda item: is_reference(item[1])):
         try:
-            text = _text(model, kind, attribute, value=value, written=written, edit=edit)
+            text = _text(model, kind, attribute, value=values[name], written=written, edit=edit)
         except BadValue as fault:
             raise _bad_value(kind, attribute, fault, model=model, name=values.get("name"), node=node) from None
         edit.texts[attribute.name] = text
         written.pop(attribute.name, None)
-        written |= {} if text is None else {attribute.name: text}
+        if text is not None:
+            written[attribute.name] = text
     edit.texts = {attribute.name: edit.texts[attribute.name] for attribute in attributes.values()}
-    turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
-    if len(turned) > 1:
-        both = " and ".join(f"`{name}`" for name in turned)
+
+
+def _check_orientation(kind: ElementType, edit: Edit) -> None:
+    """Raise `MjcfError` if an edit sets several orientations."""
+    orientations = [name for name in ORIENTATIONS if edit.texts.get(name)]
+    if len(orientations) > 1:
+        both = " and ".join(f"`{name}`" for name in orientations)
         raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}")
-    _check_name(model, kind, edit, node=node, frame=frame)
+
+
+def _rename_in_skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> None:
+    """Give an edit that renames a body the skin files that contain the body's name."""
     naming = naming_attribute(kind)
-    if node is not None and frame is None and naming is not None and naming.declares == "body":
-        before = model.declared(node)
-        new = edit.texts.get(naming.name)
-        if before and new and before[1] != new:
-            edit.skins = skins_after_renaming(model, before[1], new)
-    return edit
+    if naming is None or naming.declares != "body":
+        return
+    before = model.declared(node)
+    name = edit.texts.get(naming.name)
+    if before and name and before[1] != name:
+        edit.skins = skins_after_renaming(model, before[1], name)
 
 
 def _text(
