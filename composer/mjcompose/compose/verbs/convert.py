@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NoReturn
 
 from lxml.etree import _Element as Node
 from pydantic import Field
@@ -449,31 +449,49 @@ def _position(
     editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> dict[str, str]:
     """Return the attributes of a `position` or a `pid`, without those that are given."""
-    is_pid = model.gain == "pid"
     made: dict[str, str] = {}
     if "kp" not in given:
-        may_be_none = to == "pid" and (is_pid or model.form == "velocity")
-        if may_be_none or ((model.is_affine or is_pid) and model.kp > 0):
-            made["kp"] = numbers.text([model.kp])
-        else:
+        if not _has_kp(model, to):
             _needs(editing, node, to, gain=_GAINS[to], at=at)
+        made["kp"] = numbers.text([model.kp])
     if "kv" not in given and "dampratio" not in given:
         # Written also if it is 0: a class may give another one.
         ratio = _dampratio(editing, node)
         made |= {"dampratio": ratio} if ratio else {"kv": numbers.text([max(model.kv, 0.0)])}
     if to == "position":
-        if "timeconst" not in given:
-            made["timeconst"] = numbers.text(model.dynprm[:1]) if model.dynamics == "filterexact" else "0"
-        if made.get("timeconst") == "0" and not _in_classes(editing):
-            del made["timeconst"]
-        return made
+        return made | _timeconst(editing, model, given)
+    return made | _only_of_pid(editing, model, given)
+
+
+def _has_kp(model: ActuatorModel, to: str) -> bool:
+    """Return whether a model has a position gain that the new kind can take over, which may be 0 for a `pid`."""
+    is_pid = model.gain == "pid"
+    if to == "pid" and (is_pid or model.form == "velocity"):
+        return True
+    return (model.is_affine or is_pid) and model.kp > 0
+
+
+def _timeconst(editing: Editing, model: ActuatorModel, given: Mapping[str, str]) -> dict[str, str]:
+    """Return the time constant of a `position`, which is written as 0 only if a class may give another one."""
+    if "timeconst" in given:
+        return {}
+    text = numbers.text(model.dynprm[:1]) if model.dynamics == "filterexact" else "0"
+    return {} if text == "0" and not _in_classes(editing) else {"timeconst": text}
+
+
+def _only_of_pid(editing: Editing, model: ActuatorModel, given: Mapping[str, str]) -> dict[str, str]:
+    """Return the attributes of a `pid` that a `position` does not have."""
+    is_pid = model.gain == "pid"
+    made: dict[str, str] = {}
     # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
     if "input" not in given and (is_pid or model.form in ("position", "velocity")):
         made["input"] = " ".join(model.inputs) or ("pos" if model.form == "position" else "vel")
-    imax = model.dynprm[0] if model.dynamics == "pid" else 0.0
-    whole = _in_classes(editing)
-    found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax} if is_pid else {}
-    return made | {name: numbers.text([value]) for name, value in found.items() if value or whole}
+    if is_pid:
+        imax = model.dynprm[0] if model.dynamics == "pid" else 0.0
+        whole = _in_classes(editing)
+        gains = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax}
+        made |= {name: numbers.text([value]) for name, value in gains.items() if value or whole}
+    return made
 
 
 def _in_classes(editing: Editing) -> bool:
@@ -602,7 +620,7 @@ def _gain_and_bias(model: ActuatorModel) -> str:
     return f"its own gain and bias (`{model.gain}`, `{model.bias}`)"
 
 
-def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
+def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> NoReturn:
     what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
     report_unusable(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` next to `to: {to}`"))
