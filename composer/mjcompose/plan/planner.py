@@ -327,66 +327,91 @@ class _Planner:
     def _model(self, attachment: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
         document = around.document
-        outer = around.recipe
         reference = attachment.model
-        written = find(document, (*at, "model"))
         if not isinstance(reference, str):
+            written = find(document, (*at, "model"))
             assert isinstance(written, Mapping)
             self._no_settings(attachment, "a model that is written in place", document=document, at=at)
             return self._in_place(at, written, around, inside=inside)
-        span = locate(document, (*at, "model"))
-        environment = self.context.environment
-        fetching = self.context.fetching
-        folder = folder_of(span, self.context)
-        try:
-            source = None if self.context.attaching else self.sources.get((reference, folder))
-            source = source or resolve(
-                reference,
-                relative_to=folder,
-                environment=environment,
-                fetching=fetching,
-                runs_code=not self.context.attaching,
-            )
-        except SourceError as error:
-            self.sink.add(error.at(span))
+        source = self._source(reference, locate(document, (*at, "model")))
+        if source is None:
             return None
-        self.sources[reference, folder] = source
-        given = find(document, (*at, "with"))
         if attachment.packages and source.format != "urdf":
             self._only_for("packages", "URDF", f"`{reference}`", document=document, at=at)
         if source.format == "recipe":
-            self._no_settings(attachment, f"the recipe `{reference}`", document=document, at=at)
-            values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
-            plan = self.plan(source.path, inside, span, given=values, source=source)
-            if plan is not None:
-                self._check_separator(f"`{reference}`", plan, outer, span=span)
-            return plan
-        if source.format != "urdf":
-            for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
-                if find(document, (*at, key)) is not None:
-                    self._only_for(key, what, f"`{reference}`", document=document, at=at)
-            if source.format == "mesh":
-                if attachment.compiler is not None:
-                    self._only_for("compiler", "MJCF and URDF", f"`{reference}`", document=document, at=at)
-                return source
-            source = replace(source, compiler=compiler_settings(attachment))
-            return source if self._plan_inner(source, inside) else None
+            return self._nested(source, attachment, at, around, inside=inside)
+        if source.format == "urdf":
+            return self._urdf(source, attachment, document, at=at)
+        return self._mjcf_or_mesh(source, attachment, document, at=at, inside=inside)
+
+    def _source(self, reference: str, span: Span) -> Source | None:
+        """Return the source of a reference, or None after a report. Every reference of a folder is resolved once."""
+        folder = folder_of(span, self.context)
+        # A recipe that MJCF attaches may run no code, even if the same reference was resolved for another recipe.
+        source = None if self.context.attaching else self.sources.get((reference, folder))
+        if source is None:
+            try:
+                source = resolve(
+                    reference,
+                    relative_to=folder,
+                    environment=self.context.environment,
+                    fetching=self.context.fetching,
+                    runs_code=not self.context.attaching,
+                )
+            except SourceError as error:
+                self.sink.add(error.at(span))
+                return None
+        self.sources[reference, folder] = source
+        return source
+
+    def _nested(
+        self, source: Source, attachment: Attachment, at: KeyPath, around: _LoadedRecipe, inside: Outer
+    ) -> Plan | None:
+        """Return the plan of a recipe in a file of its own."""
+        document = around.document
+        called = f"`{attachment.model}`"
+        span = locate(document, (*at, "model"))
+        self._no_settings(attachment, f"the recipe {called}", document=document, at=at)
+        given = find(document, (*at, "with"))
+        values = {name: value for name, (_, value) in given.entries.items()} if isinstance(given, Mapping) else {}
+        plan = self.plan(source.path, inside, span, given=values, source=source)
+        if plan is not None:
+            self._check_separator(called, plan, around.recipe, span=span)
+        return plan
+
+    def _mjcf_or_mesh(
+        self, source: Source, attachment: Attachment, document: Mapping, at: KeyPath, inside: Outer
+    ) -> Source | None:
+        """Return the source with the settings that MJCF and meshes can have; None if MJCF attaches a faulty recipe."""
+        called = f"`{attachment.model}`"
+        for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
+            if find(document, (*at, key)) is not None:
+                self._only_for(key, what, called, document=document, at=at)
+        if source.format == "mesh":
+            if attachment.compiler is not None:
+                self._only_for("compiler", "MJCF and URDF", called, document=document, at=at)
+            return source
+        source = replace(source, compiler=compiler_settings(attachment))
+        return source if self._plan_inner(source, inside) else None
+
+    def _urdf(self, source: Source, attachment: Attachment, document: Mapping, at: KeyPath) -> Source:
+        """Return the source with the packages, the arguments and the choices of a URDF."""
         packages = tuple(self._packages(attachment.packages, document, at))
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
-        arguments = []
+        arguments = tuple(self._arguments(attachment, document, at))
+        keys = attachment.urdf
+        choices = UrdfChoices(arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia)
+        return replace(source, packages=packages, door=door, urdf=choices, compiler=compiler_settings(attachment))
+
+    def _arguments(self, attachment: Attachment, document: Mapping, at: KeyPath) -> Iterator[tuple[str, str]]:
+        """Yield the arguments of a xacro template as text. Report lists and mappings."""
         for name, value in attachment.given.items():
             if isinstance(value, list | dict):
                 got = "a list" if isinstance(value, list) else "a mapping"
                 message = f"the argument `{name}` of a xacro template is text or a number, got {got}"
                 self.sink.error("wrong-type", message, locate(document, (*at, "with", name)))
             else:
-                arguments.append((name, str(value).lower() if isinstance(value, bool) else str(value)))
-        keys = attachment.urdf
-        choices = UrdfChoices(
-            tuple(arguments), keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
-        )
-        settings = compiler_settings(attachment)
-        return replace(source, packages=packages, door=door, urdf=choices, compiler=settings)
+                yield name, str(value).lower() if isinstance(value, bool) else str(value)
 
     def _no_settings(self, attachment: Attachment, model: str, document: Mapping, at: KeyPath) -> None:
         """Report settings of `<compiler>` for a recipe, whose files have their own."""
