@@ -338,17 +338,44 @@ def compile_unaligned(
     linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
 ) -> Survey | Unmeasurable | None:
     """Compile the unit alone, without aligning free bodies or fusing `pinned` bodies; None after a reported refusal."""
-    # MuJoCo makes bodies or geoms of these that are elements of no unit.
-    opaque = next(unit.root.iter("attach", "composite"), None)
-    if opaque is not None:
-        return Unmeasurable(f"MuJoCo expands `<{opaque.tag}>`")
-    if first_scaled(unit.root) is not None:
-        return Unmeasurable("MuJoCo scales the contents of a `<frame>`")
+    unmeasurable = _unmeasurable(unit.root)
+    if unmeasurable is not None:
+        return unmeasurable
     if linking.measure is None:
         return Unmeasurable("MuJoCo is not available")
+    copy = unit.copied()
+    marked = _mark(unit, copy, pinned)
+    # Without alignment, the inertia is in the frame in which it will be written.
+    for joint in copy.root.iter("freejoint"):
+        joint.set("align", "false")
+    for element in copy.root.iterchildren("compiler", "size"):
+        for name in ("alignfree", "nuser_body", "nuser_geom"):
+            element.attrib.pop(name, "")
+    compiled = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
+    if not compiled:
+        return None
+    rows = _rows_of(marked, compiled)
+    for element, places in rows.items():
+        if places and len(places) != math.prod(map(copies_of, element.iterancestors("replicate"))):
+            return Unmeasurable(f"it omits only some copies of `<{element.tag}>`", element)
+    return Survey(compiled, {element: tuple(places) for element, places in rows.items()})
+
+
+def _unmeasurable(root: Node) -> Unmeasurable | None:
+    """Return why the elements cannot be found again in the compiled model, or None if they can."""
+    # MuJoCo makes bodies or geoms of these that are elements of no unit.
+    opaque = next(root.iter("attach", "composite"), None)
+    if opaque is not None:
+        return Unmeasurable(f"MuJoCo expands `<{opaque.tag}>`")
+    if first_scaled(root) is not None:
+        return Unmeasurable("MuJoCo scales the contents of a `<frame>`")
+    return None
+
+
+def _mark(unit: Unit, copy: Unit, pinned: Collection[Node]) -> list[Node]:
+    """Number the surveyed elements of a copy by `user`, and keep `pinned` bodies. Return the elements of the unit."""
     # `user` finds an element again in the arrays: MuJoCo copies it with the element. Names may be missing, and
     # numbers change when bodies are fused or geoms discarded.
-    copy = unit.copied()
     marked: list[Node] = []
     for (original, _), (element, _) in zip(walk_bodies(unit.root), walk_bodies(copy.root), strict=True):
         if original.tag in _SURVEYED:
@@ -360,26 +387,22 @@ def compile_unaligned(
                 element.set("name", f"pinned body {len(marked)} of {len(copy.root)}")
             sensors = copy.section("sensor")
             sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(element.get("name"))}))
-    # Without alignment, the inertia is in the frame in which it will be written.
-    for joint in copy.root.iter("freejoint"):
-        joint.set("align", "false")
-    for element in copy.root.iterchildren("compiler", "size"):
-        for name in ("alignfree", "nuser_body", "nuser_geom"):
-            element.attrib.pop(name, "")
-    found = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
-    if not found:
-        return None
+    return marked
+
+
+def _rows_of(marked: Sequence[Node], compiled: Mapping[str, Sequence[float]]) -> dict[Node, list[int]]:
+    """Return for each marked element the rows in the arrays that have its mark."""
     rows: dict[Node, list[int]] = {element: [] for element in marked}
     for marks, counted in (("body_user", "body_mass"), ("geom_user", "geom_type")):
-        count = len(found[counted])
-        width = len(found[marks]) // count if count else 0
-        for row in range(count if width else 0):
-            if mark := int(found[marks][row * width]):
+        count = len(compiled[counted])
+        width = len(compiled[marks]) // count if count else 0
+        if width == 0:
+            continue
+        for row in range(count):
+            mark = int(compiled[marks][row * width])
+            if mark:
                 rows[marked[mark - 1]].append(row)
-    for element, places in rows.items():
-        if places and len(places) != math.prod(map(copies_of, element.iterancestors("replicate"))):
-            return Unmeasurable(f"it omits only some copies of `<{element.tag}>`", element)
-    return Survey(found, {element: tuple(places) for element, places in rows.items()})
+    return rows
 
 
 class Reference:
