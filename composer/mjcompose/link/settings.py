@@ -11,7 +11,7 @@ requests.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from lxml.etree import _Element as Node
@@ -125,6 +125,22 @@ def compiler(linking: Linking) -> None:
     owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
     for element in settings:
         root.remove(element)
+    _settle(written, linking)
+    if not written and not children:
+        return
+    element = root.makeelement("compiler", written)
+    _append_once(element, children)
+    if owner is not None:
+        linking.base.origins.own(element, owner)
+        set_line(element, line)
+    if at is None:
+        linking.base.insert(element)
+    else:
+        root.insert(at, element)
+
+
+def _settle(written: dict[str, str], linking: Linking) -> None:
+    """Turn the base's settings of `<compiler>` into the settings of the whole model."""
     # All files have their whole path below `assets/`. MuJoCo 4.0 would put `meshdir`, or without it `assetdir`, before
     # the path of every mesh, in whatever order the two are written.
     for name in (*FOLDERS, *(_NOT_KEPT if linking.composed else ())):
@@ -135,22 +151,16 @@ def compiler(linking: Linking) -> None:
         written["angle"] = linking.angle
         if model_autolimits(linking) == "true":
             written.pop("autolimits", None)
-    if not written and not children:
-        return
-    element = root.makeelement("compiler", written)
+
+
+def _append_once(element: Node, children: Iterable[Node]) -> None:
+    """Append the children, and merge those with the same tag: MuJoCo takes one `<lengthrange>` in a `<compiler>`."""
     for child in children:
         same = element.find(str(child.tag)) if isinstance(child.tag, str) else None
         if same is None:
             element.append(child)
-        else:  # in one `<compiler>` MuJoCo takes one `<lengthrange>`
+        else:
             same.attrib.update(child.attrib)
-    if owner is not None:
-        linking.base.origins.own(element, owner)
-        set_line(element, line)
-    if at is None:
-        linking.base.insert(element)
-    else:
-        root.insert(at, element)
 
 
 def model_autolimits(linking: Linking) -> str:
