@@ -181,28 +181,40 @@ def merge_sizes(linking: Linking) -> None:
             for name, value in section.items():
                 _enlarge(linking, str(name), str(value))
     sizes = list(linking.base.root.iterchildren("size"))
+    for size in sizes:
+        _widen(linking, size)
+    if any(size.get("memory") for size in sizes):
+        for size in sizes:
+            _remove_all_but_memory(linking, size)
+
+
+def _widen(linking: Linking, size: Node) -> None:
+    """Make the written widths of user data wide enough for every part."""
     # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` next to `<geom user="1 2"/>` ("more values than nuser_geom"); without
     # a written width it takes the widest.
-    for size in sizes:
-        for name, value in size.items():
-            if str(name).startswith("nuser_") and _count(str(value)) >= 0:
-                data = (str(each.get("user") or "") for unit in linking.units for each in _with_user(unit, str(name)))
-                size.set(name, str(max([_count(str(value)), *(len(text.split()) for text in data)])))
-    has_memory = any(size.get("memory") for size in sizes)
-    if has_memory:
-        for size in sizes:
-            for name in INSTEAD_OF_MEMORY:
-                span = linking.span(linking.base, size, name)
-                own = size.get(name)
-                if own is None:
-                    continue
-                del size.attrib[name]
-                for part in linking.parts:
-                    for section in part.unit.root.iterchildren("size"):
-                        if section.get(name) == own:
-                            span = linking.span(part.unit, section, name)
-                message = f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written"
-                linking.sink.warning("option-conflict", message, span)
+    for key, text in size.items():
+        name = str(key)
+        width = _count(str(text)) if name.startswith("nuser_") else -1
+        if width >= 0:
+            holders = (holder for unit in linking.units for holder in _with_user(unit, name))
+            widths = (len(str(holder.get("user") or "").split()) for holder in holders)
+            size.set(name, str(max([width, *widths])))
+
+
+def _remove_all_but_memory(linking: Linking, size: Node) -> None:
+    """Remove the settings that MuJoCo refuses next to `memory`, with a warning."""
+    for name in INSTEAD_OF_MEMORY:
+        own = size.get(name)
+        if own is None:
+            continue
+        span = linking.span(linking.base, size, name)
+        del size.attrib[name]
+        for part in linking.parts:
+            for section in part.unit.root.iterchildren("size"):
+                if section.get(name) == own:
+                    span = linking.span(part.unit, section, name)
+        message = f"`size.{name}` = {own} gives way to `size.memory` of another part: only one may be written"
+        linking.sink.warning("option-conflict", message, span)
 
 
 def _enlarge(linking: Linking, name: str, value: str) -> None:
