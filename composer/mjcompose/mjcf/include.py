@@ -217,32 +217,18 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     """Copy the contents of `other` into `model`. See `RootElement.include_copy`."""
     source = duplicate(other)
     sink = Sink()
-    settled: list[str] = []
-    names = f"`{model.name}` and `{other.name}`"
-    for conflict in _conflicts(model, source):
-        path = "/".join(conflict.path)
-        if not override:
-            message = f"`{path}` has `{conflict.attribute}`, which is not the same in {names}"
-            pair = (model, conflict.mine), (source, conflict.theirs)
-            shown = [(each.name, its and f"`{its.value}`", its and each.span(its.node)) for each, its in pair]
-            notes = [Note(f"`{name}` has {value or 'none'}", span) for name, value, span in shown]
-            sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
-        elif conflict.path[0] in _READ_BY:
-            winner = model if conflict.theirs is None else other
-            counts = f"the setting of `{winner.name}` now applies to the elements of both"
-            settled.append(f"`{conflict.attribute}` of `{path}` is not the same in {names}: {counts}")
+    overridden: list[str] = []
+    if override:
+        overridden = _overridden(model, other, source)
+    else:
+        _report_conflicts(model, other, source, sink=sink)
     _check_names(model, source, other, sink=sink)
     raise_errors(sink)
-    for message in settled:
+    for message in overridden:
         warn(message, MjcfWarning)
     files = _files(source)
     models = list(source.unit.root.iterfind("asset/model[@file]"))
-    for setting in _settings(source.unit.root):
-        if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
-            place = model.section(setting.path[0])
-            for tag in setting.path[1:]:
-                place = model.only_child(place, tag)
-            place.set(setting.attribute, setting.value)
+    _copy_settings(model, source)
     moved = list(_move(model, source))
     contents: dict[str, bytes | Path] = {}
     for node, attribute, asset in files:
@@ -254,6 +240,45 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
         for node in top.iter("*"):
             model.note(node)
     model.unit.forget_classes()
+    _take_attachments(model, source)
+
+
+def _report_conflicts(model: Model, other: Model, source: Model, sink: Sink) -> None:
+    """Report the settings that differ. `source` is the copy of `other`."""
+    for conflict in _conflicts(model, source):
+        path = "/".join(conflict.path)
+        names = f"`{model.name}` and `{other.name}`"
+        message = f"`{path}` has `{conflict.attribute}`, which is not the same in {names}"
+        pair = (model, conflict.mine), (source, conflict.theirs)
+        shown = [(each.name, its and f"`{its.value}`", its and each.span(its.node)) for each, its in pair]
+        notes = [Note(f"`{name}` has {value or 'none'}", span) for name, value, span in shown]
+        sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
+
+
+def _overridden(model: Model, other: Model, source: Model) -> list[str]:
+    """Return in words the settings that change the elements of one of the models. `source` is the copy of `other`."""
+    messages = []
+    for conflict in _conflicts(model, source):
+        if conflict.path[0] in _READ_BY:
+            path = "/".join(conflict.path)
+            winner = model if conflict.theirs is None else other
+            why = f"the setting of `{winner.name}` now applies to the elements of both"
+            differs = f"`{conflict.attribute}` of `{path}` is not the same in `{model.name}` and `{other.name}`"
+            messages.append(f"{differs}: {why}")
+    return messages
+
+
+def _copy_settings(model: Model, source: Model) -> None:
+    for setting in _settings(source.unit.root):
+        if setting.attribute in _FOLDERS and setting.path == ("compiler",):
+            continue
+        place = model.section(setting.path[0])
+        for tag in setting.path[1:]:
+            place = model.only_child(place, tag)
+        place.set(setting.attribute, setting.value)
+
+
+def _take_attachments(model: Model, source: Model) -> None:
     for prefix, attachment in source.attachments.items():
         if attachment.host.getparent() is source.unit.root:
             attachment.host = model.section(str(attachment.host.tag))
