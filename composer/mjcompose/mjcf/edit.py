@@ -264,26 +264,43 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
     if attribute is None or attribute.declares is None:
         return
     namespace = attribute.declares
-    after_file = kind.path in NAMED_AFTER_FILE
-    if node is not None and edit.texts.keys().isdisjoint({attribute.name, "file"} if after_file else {attribute.name}):
+    naming = {attribute.name, "file"} if kind.path in NAMED_AFTER_FILE else {attribute.name}
+    if node is not None and edit.texts.keys().isdisjoint(naming):
         return
-    texts: dict[str, str | None] = {} if node is None else {str(key): str(text) for key, text in node.items()}
-    texts.update(edit.texts)
-    name = texts.get(attribute.name)
-    if not name and after_file and (file := texts.get("file")):
-        name = stem(str(file))
+    name = _name_after(kind, attribute, edit, node=node)
     if frame is not None:
         name = frame.child.prefix + (name or "")
     if not name:
         return
-    if node is not None and namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
+    if node is not None:
+        _follow_name(model, namespace, name, edit=edit, node=node)
+    if namespace not in MAY_REPEAT:
+        _check_unique(model, namespace, name, node=node)
+
+
+def _name_after(kind: ElementType, attribute: Attribute, edit: Edit, node: Node | None) -> str | None:
+    """Return the name that an element has after an edit, which may come from its file."""
+    texts: dict[str, str | None] = {} if node is None else {str(key): str(text) for key, text in node.items()}
+    texts.update(edit.texts)
+    name = texts.get(attribute.name)
+    file = texts.get("file")
+    if not name and file and kind.path in NAMED_AFTER_FILE:
+        return stem(file)
+    return name
+
+
+def _follow_name(model: Model, namespace: str, name: str, edit: Edit, node: Node) -> None:
+    """Let references follow the new name of an element. Raises `MjcfError` if it cannot have this name."""
+    if namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
         raise failure("wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`")
-    before = None if node is None else model.declared(node)
+    before = model.declared(node)
     if before is not None and before[1] != name:
         edit.renaming = Renaming.of([NewName(model, namespace, before[1], new=name)])
         check_lists(edit.renaming)
-    if namespace in MAY_REPEAT:
-        return
+
+
+def _check_unique(model: Model, namespace: str, name: str, node: Node | None) -> None:
+    """Raise `MjcfError` if another element of the composition has the name."""
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
         return
