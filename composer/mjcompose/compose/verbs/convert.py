@@ -286,12 +286,7 @@ def _converted(
     if old != to or "input" in given:
         after = _control_of(to, model, {**made, **given})
     if before != after:
-        is_now = _in_words(after, "another thing")
-        was = _in_words(before, "what it was")
-        gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
-        if model.gear and gear != 1 and after not in ("force", "other"):
-            is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of its joint or tendon)"
-        lost.append(f"the control is {is_now} now, not {was}")
+        lost.append(_other_control(before, after, model, given))
     limits: dict[str, str] | None = {}
     if old != to or any(name in given for name in _POSITION_LIMITS):
         keeps = before.split("+")[0] == after.split("+")[0]
@@ -311,14 +306,30 @@ def _converted(
         _refuse_actrange(editing, node, to, at=at)
     limits |= _switches(editing, node, given)
     _rewrite(editing, node, to, written={**limits, **made, **given}, wrong=wrong)
-    editing.write(node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given})
-    for name in given:
-        if kind.attributes[name].is_interval:
-            editing.making.intervals[node, name] = editing.span((*at, name))
+    _note_places(editing, node, given, made, at)
     if before != after:
         lost += _lost_in_keys(editing, node)
         editing.linking.keys.void_keys.add(node)
     return lost
+
+
+def _other_control(before: str, after: str, model: ActuatorModel, given: Mapping[str, str]) -> str:
+    """Return in words that the control is another quantity now."""
+    is_now = _in_words(after, "another thing")
+    was = _in_words(before, "what it was")
+    gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
+    if model.gear and gear != 1 and after not in ("force", "other"):
+        is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of its joint or tendon)"
+    return f"the control is {is_now} now, not {was}"
+
+
+def _note_places(editing: Editing, node: Node, given: Mapping[str, str], made: Mapping[str, str], at: Path) -> None:
+    """Note the places in the recipe of the attributes that the entry gives, and of those that were made for it."""
+    editing.write(node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given})
+    attributes = GRAMMAR.element(f"actuator/{node.tag}").attributes
+    for name in given:
+        if attributes[name].is_interval:
+            editing.making.intervals[node, name] = editing.span((*at, name))
 
 
 def _switches(editing: Editing, node: Node, given: Mapping[str, str]) -> dict[str, str]:
