@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
@@ -20,6 +20,7 @@ from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Sele
 from mjcompose.language.select import NARROWED, kinds_of
 from mjcompose.language.value import attribute_and_index, must_not_be_negative, shown
 from mjcompose.language.variation import NO_EMIT
+from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.pattern import Selector
 
 _OF_ELEMENTS = ("select", "attr", "per", "expect", "optional")
@@ -121,33 +122,46 @@ def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_an
     """Yield the faults of an attribute, by the grammar, or of the numbers that are drawn for it."""
     name, index = attribute_and_index(field.attr)
     kinds = kinds_of(selector.tag)
-    is_mass = name == MASS and any(kind.path == "body" for kind in kinds)
     fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
-    found: list[Fault] = []
-    checker = Checker(bare_angles, found)
-    distribution = field.distribution
-    for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
-        if isinstance(value, list) and field.operation == "set" and index is None:
-            checker.attributes("set", {field.attr: value}, selector.tag, at=at)
-        elif distribution.is_whole or field.operation != "set" or index is not None or is_mass:
-            checker.attributes(field.operation, {field.attr: value}, selector.tag, at=at)
-        elif fitting and not any(each.is_number for each in fitting):
-            checker.attributes("set", {field.attr: value}, selector.tag, at=at)
-        else:  # a number for each component of however many there are
-            checker.attributes("offset", {field.attr: value}, selector.tag, at=at)
-        if found:
-            break
-    if found:
-        fault = found[0]
+    is_mass = name == MASS and any(kind.path == "body" for kind in kinds)
+    fault = _fault_of_values(field, selector, at, fitting=fitting, is_mass=is_mass, bare_angles=bare_angles)
+    if fault is not None:
         wrong_name = fault.code in ("unknown-attribute", "unknown-key", "unknown-element") or fault.key
         yield replace(fault, at=("attr",) if wrong_name else at, key=False, fix=fault.fix if wrong_name else None)
         return
-    whole = [each for each in fitting if each.type == "int"]
-    if fitting and len(whole) == len(fitting) and distribution.kind not in ("integers", CHOICE):
-        message = f"`{name}` of `{selector.tag}` is a whole number, which `{distribution.kind}` does not draw"
+    kind = field.distribution.kind
+    if fitting and all(attribute.type == "int" for attribute in fitting) and kind not in ("integers", CHOICE):
+        message = f"`{name}` of `{selector.tag}` is a whole number, which `{kind}` does not draw"
         yield Fault("wrong-type", message, at, help="write `integers: [FIRST, LAST]` or `choice: […]`")
     if field.operation != "offset":
         yield from _range_faults(field, name, index, at=at)
+
+
+def _fault_of_values(
+    field: DrawField, selector: Selector, at: Path, *, fitting: Sequence[Attribute], is_mass: bool, bare_angles: bool
+) -> Fault | None:
+    """Return the first fault of a value that can be drawn, or of the attribute itself."""
+    faults: list[Fault] = []
+    checker = Checker(bare_angles, faults)
+    distribution = field.distribution
+    for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
+        operation = _checked_as(field, value, fitting, is_mass=is_mass)
+        checker.attributes(operation, {field.attr: value}, selector.tag, at=at)
+        if faults:
+            return faults[0]
+    return None
+
+
+def _checked_as(field: DrawField, value: Any, fitting: Sequence[Attribute], is_mass: bool) -> Operation:
+    """Return the operation whose rules hold for a value that is drawn."""
+    _, index = attribute_and_index(field.attr)
+    if isinstance(value, list) and field.operation == "set" and index is None:
+        return "set"
+    if field.distribution.is_whole or field.operation != "set" or index is not None or is_mass:
+        return field.operation
+    if fitting and not any(attribute.is_number for attribute in fitting):
+        return "set"
+    return "offset"  # a number for each component of however many there are
 
 
 def _like(field: DrawField) -> Any:
