@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
@@ -104,23 +104,34 @@ def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
-    said = messages.read_sentence(fault.message)
-    if said.plugin is not None:
+    sentence = messages.read_sentence(fault.message)
+    if sentence.plugin is not None:
         instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
-        return instances[said.plugin] if said.plugin < len(instances) else None
-    name = fault.name or ""
-    named = [each for each in model.root.iter("*") if each.get("name") == name] if name else []
-    if name and not named:  # MuJoCo numbers the names of copies
-        copies = [(each, str(each.get("name") or name)) for each in model.root.iterfind(".//replicate//*")]
-        named = [each for each, own in copies if name.startswith(own) and name.removeprefix(own)[-1:].isdigit()]
-    named = named or [
-        each for each in model.root.iter("*") if each.get("file") and basename(str(each.get("file"))) in said.names
+        return instances[sentence.plugin] if sentence.plugin < len(instances) else None
+    elements = _with_name(model.root, fault.name or "") or _with_file(model.root, sentence.names)
+    if not elements and sentence.array is not None:
+        elements = list(model.root.iter(sentence.array.partition("_")[0]))
+    if not elements and sentence.section is not None:
+        elements = model.root.findall(sentence.section)
+    return elements[0] if len(elements) == 1 else None
+
+
+def _with_name(root: Node, name: str) -> list[Node]:
+    """Return the elements with a name that a message has, or else those whose copies can have it."""
+    if not name:
+        return []
+    named = [element for element in root.iter("*") if element.get("name") == name]
+    if named:
+        return named
+    # MuJoCo numbers the names of copies.
+    copied = [(element, str(element.get("name") or name)) for element in root.iterfind(".//replicate//*")]
+    return [element for element, own in copied if name.startswith(own) and name.removeprefix(own)[-1:].isdigit()]
+
+
+def _with_file(root: Node, names: Collection[str]) -> list[Node]:
+    return [
+        element for element in root.iter("*") if element.get("file") and basename(str(element.get("file"))) in names
     ]
-    if not named and said.array is not None:
-        named = list(model.root.iter(said.array.partition("_")[0]))
-    if not named and said.section is not None:
-        named = model.root.findall(said.section)
-    return named[0] if len(named) == 1 else None
 
 
 def _is_another(found: Node | None, fault: messages.Fault) -> bool:
