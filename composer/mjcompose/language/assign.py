@@ -35,13 +35,10 @@ class Checker(Struct, frozen=False):
         self, verb: str, value: Mapping[str, Any], tag: str, at: Path, kinds: tuple[ElementType, ...] | None = None
     ) -> None:
         """Check the values of a verb for elements with a tag, if known; with `offset`, draws add these numbers."""
-        kinds = (kinds_of(tag) if tag else ()) if kinds is None else kinds
-        turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
-        if len(turned) > 1 and verb == "set":
-            message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
-            self.faults.append(
-                Fault(EXCLUSIVE, message, (*at, turned[1]), key=True, help=f"leave `{turned[0]}` or `{turned[1]}` out")
-            )
+        if kinds is None:
+            kinds = kinds_of(tag) if tag else ()
+        if verb == "set":
+            self._one_orientation(value, tag, at=at)
         for name, item in value.items():
             path = (*at, name)
             if item is None:
@@ -53,27 +50,31 @@ class Checker(Struct, frozen=False):
                     message = f"`{name}` of `{verb}` is empty"
                     self.faults.append(Fault("wrong-type", message, path, help="write an attribute and its value"))
                 self.attributes(verb, item, name, at=path, kinds=below)
-                continue
-            attribute, index = attribute_and_index(name)
-            if any(kind.path == "body" for kind in kinds) and name == MASS:
-                self._number(item, f"`{MASS}` of `body`", path)
-                continue
-            if attribute == "name" and kinds and kinds[0].path != "default":
-                self.faults.append(
-                    Fault(
-                        "unknown-key",
-                        f"`{verb}` cannot change a name",
-                        path,
-                        key=True,
-                        help="write `rename: …`, which every reference follows",
-                    )
-                )
-                continue
-            fitting = [(kind.tag, kind.attributes[attribute]) for kind in kinds if attribute in kind.attributes]
-            if kinds and not fitting:
-                self.faults.append(self.unknown(attribute, tag, kinds, at=path))
-                continue
-            self.value(verb, fitting, index, value=item, tag=tag, at=path)
+            else:
+                self._attribute(verb, name, item, kinds, tag=tag, at=path)
+
+    def _one_orientation(self, value: Mapping[str, Any], tag: str, at: Path) -> None:
+        turned = [name for name in value if name in ORIENTATIONS and value[name] is not None]
+        if len(turned) > 1:
+            message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
+            help = f"leave `{turned[0]}` or `{turned[1]}` out"
+            self.faults.append(Fault(EXCLUSIVE, message, (*at, turned[1]), key=True, help=help))
+
+    def _attribute(self, verb: str, name: str, item: Any, kinds: tuple[ElementType, ...], tag: str, at: Path) -> None:
+        """Check the value of one attribute, which `name` may give with an index."""
+        attribute, index = attribute_and_index(name)
+        if any(kind.path == "body" for kind in kinds) and name == MASS:
+            self._number(item, f"`{MASS}` of `body`", at)
+            return
+        if attribute == "name" and kinds and kinds[0].path != "default":
+            help = "write `rename: …`, which every reference follows"
+            self.faults.append(Fault("unknown-key", f"`{verb}` cannot change a name", at, key=True, help=help))
+            return
+        fitting = [(kind.tag, kind.attributes[attribute]) for kind in kinds if attribute in kind.attributes]
+        if kinds and not fitting:
+            self.faults.append(self.unknown(attribute, tag, kinds, at=at))
+        else:
+            self.value(verb, fitting, index, value=item, tag=tag, at=at)
 
     def _nothing(self, verb: str, name: str, kinds: tuple[ElementType, ...], tag: str, at: Path) -> None:
         fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
