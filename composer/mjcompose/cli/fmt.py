@@ -299,60 +299,115 @@ def lint(options: LintOptions, run: Run) -> Answer | int:
     Exit codes: 0 no findings, 1 there are findings, 2 wrong usage.
     """
     from mjcompose.base.processes import cores
-    from mjcompose.lint.rule import UnknownRuleError, chosen, rules
-    from mjcompose.mujoco.engine import Session
-    from mjcompose.tools.lint import lint_all, merged, targets_of
+    from mjcompose.tools.lint import lint_all
 
     if options.rules:
-        every = rules().values()
-        width = max(len(each.code) for each in every)
-        lines = [f"{each.code:{width}}  {each.family:8}  {each.summary}" for each in every]
-        names = ("code", "family", "summary", "usual")
-        return Answer(as_lines(lines), [{name: getattr(each, name) for name in names} for each in every], code=0)
+        return _list_of_rules()
     if not options.files:
         raise click.UsageError("Missing argument 'FILES...'. `mjcompose lint .` looks for models in this folder.")
-    try:
-        selected = chosen(_separated(options.select), _separated(options.ignore), options.profile)
-    except UnknownRuleError as error:
-        hint = f" {error.help}" if error.help else " `mjcompose lint --rules` lists them."
-        raise click.UsageError(f"There is no rule or family `{error.name}`.{hint}") from error
-    targets = targets_of(Path(run.context.shown(path)) for path in options.files)
-    if not targets:
-        raise click.UsageError("There is no model in these folders.")
+    selected = _selected(options)
+    targets = _targets(options.files, run.context)
     if options.fix:
-        with Session() as session:
-            fixed = sum(_fix(each, selected, run.context, session=session) for each in targets)
-        if fixed:
-            say(f"fixed {counted(fixed, 'finding')}")
+        _fix_all(targets, selected, run.context)
     results = lint_all(
         targets, run.new_context, selected, jobs=options.jobs or cores(), done=lambda path: progress(f"linted {path}")
     )
-    shows = not options.statistics and options.profile is None
-    found = list(dict.fromkeys(each for result, _ in results for each in result.found))
-    if shows:
-        for each, cause in merged(found):
-            run.context.sink.add(each, cause if run.form == "text" else None)
-    for _, context in results:
-        for each in context.sink.errors:  # `check` reports the warnings of a recipe
-            run.context.sink.add(each)
-    failed = [result.path for result, context in results if context.sink.has_errors]
-    code = run.code_of_failure(*failed) if failed else FINDINGS if found else 0
+    findings = list(dict.fromkeys(finding for result, _ in results for finding in result.found))
+    if not options.statistics and options.profile is None:
+        _report_findings(findings, run)
+    _report_errors(results, run.context)
+    code = _exit_code(results, run)
     if options.profile is not None:
         return _table([result for result, _ in results], selected, code)
     if options.statistics:
-        counts = Counter(each.code for each in found)
-        lines = [f"{count:6}  {name}" for name, count in counts.most_common()]
-        return Answer(as_lines(lines) or "no findings", dict(counts.most_common()), code=code)
+        return _statistics(findings, code)
+    if run.form != "text":
+        return code
     ignored = sum(result.ignored for result, _ in results)
+    summary = _summary(findings, ignored, models=len(targets), offers_fixes=not options.fix)
+    return Answer(summary, code=code, is_outcome=True)
+
+
+def _list_of_rules() -> Answer:
+    from mjcompose.lint.rule import rules
+
+    every = rules().values()
+    width = max(len(rule.code) for rule in every)
+    lines = [f"{rule.code:{width}}  {rule.family:8}  {rule.summary}" for rule in every]
+    names = ("code", "family", "summary", "usual")
+    data = [{name: getattr(rule, name) for name in names} for rule in every]
+    return Answer(as_lines(lines), data, code=0)
+
+
+def _selected(options: LintOptions) -> Sequence[Rule]:
+    """Return the rules that the options select."""
+    from mjcompose.lint.rule import UnknownRuleError, chosen
+
+    try:
+        return chosen(_separated(options.select), _separated(options.ignore), options.profile)
+    except UnknownRuleError as error:
+        hint = f" {error.help}" if error.help else " `mjcompose lint --rules` lists them."
+        raise click.UsageError(f"There is no rule or family `{error.name}`.{hint}") from error
+
+
+def _targets(files: Sequence[Path], context: Context) -> list[Target]:
+    """Return the models in files and folders."""
+    from mjcompose.tools.lint import targets_of
+
+    targets = targets_of(Path(context.shown(path)) for path in files)
+    if not targets:
+        raise click.UsageError("There is no model in these folders.")
+    return targets
+
+
+def _report_findings(findings: Sequence[Diagnostic], run: Run) -> None:
+    """Report findings; in text, those with a common cause become one block."""
+    from mjcompose.tools.lint import merged
+
+    for finding, cause in merged(findings):
+        run.context.sink.add(finding, cause if run.form == "text" else None)
+
+
+def _report_errors(results: Sequence[tuple[Linted, Context]], context: Context) -> None:
+    """Report the errors of models and recipes; `check` reports the warnings of a recipe."""
+    for _, own in results:
+        for error in own.sink.errors:
+            context.sink.add(error)
+
+
+def _exit_code(results: Sequence[tuple[Linted, Context]], run: Run) -> int:
+    failed = [result.path for result, context in results if context.sink.has_errors]
+    if failed:
+        return run.code_of_failure(*failed)
+    return FINDINGS if any(result.found for result, _ in results) else 0
+
+
+def _statistics(findings: Sequence[Diagnostic], code: int) -> Answer:
+    """Return the number of findings of each rule, the most frequent first."""
+    counts = dict(Counter(finding.code for finding in findings).most_common())
+    lines = [f"{count:6}  {name}" for name, count in counts.items()]
+    return Answer(as_lines(lines) or "no findings", counts, code=code)
+
+
+def _summary(findings: Sequence[Diagnostic], ignored: int, models: int, *, offers_fixes: bool) -> str:
+    fixable = sum(finding.fix is not None for finding in findings)
     more = f", {ignored} ignored" if ignored else ""
-    fixable = sum(each.fix is not None for each in found)
-    hint = f"; --fix fixes {fixable} of them" if fixable and not options.fix else ""
-    said = f"{counted(len(found), 'finding')}{more} in {counted(len(targets), 'model')}{hint}"
-    return Answer(said, code=code, is_outcome=True) if run.form == "text" else code
+    hint = f"; --fix fixes {fixable} of them" if fixable and offers_fixes else ""
+    return f"{counted(len(findings), 'finding')}{more} in {counted(models, 'model')}{hint}"
 
 
 def _separated(values: Sequence[str]) -> list[str]:
     return [name for value in values for name in value.replace(",", " ").split()]
+
+
+def _fix_all(targets: Sequence[Target], selected: Sequence[Rule], context: Context) -> None:
+    """Apply the exact fixes of findings in all files, and say how many were made."""
+    from mjcompose.mujoco.engine import Session
+
+    with Session() as session:
+        fixed = sum(_fix(target, selected, context, session=session) for target in targets)
+    if fixed:
+        say(f"fixed {counted(fixed, 'finding')}")
 
 
 def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Session) -> int:
