@@ -48,42 +48,57 @@ def fmt(options: FmtOptions, run: Run) -> int:
     `-` formats standard input to standard output. Comments and blank lines are kept, and so is the text of values in
     models. Before a file is written, its values are read again and compared.
     """
-    from mjcompose.text.layout import format_recipe
-    from mjcompose.tree.xml_layout import format_mjcf
-
     context = run.context
     check = options.check
-    files = {file: door for given in options.files for file, door in _inside(given, context)}
+    files = {file: door for name in options.files for file, door in _inside(name, context)}
     differing = 0
     unchanged = 0
     for file, door in files.items():
-        is_model = file.lower().endswith(MJCF_FILES)
-        source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
-        shown = "<stdin>" if file == STDIN else context.shown(Path(file))
-        if source is None:
+        texts = _formatted(file, context)
+        if texts is None:
             continue
-        is_model = is_model or source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<")
-        result = (format_mjcf if is_model else format_recipe)(source, shown, context.sink)
-        if result is None:
-            continue
+        source, result = texts
         differing += result != source
         unchanged += result == source
         if file == STDIN and not check:
-            if sys.stdout is None:
-                raise OSError("standard output is closed")
-            sys.stdout.buffer.write(result)
+            _write_to_stdout(result)
         elif result != source and check:
+            shown = _shown(file, context)
             _report(shown, difference(source, result, shown, done="formatted"), run.form)
         elif result != source and rewrite(Path(file), result, context, before=source, within=door):
-            _report(shown, None, run.form)
+            _report(_shown(file, context), None, run.form)
     if unchanged and run.form == "text" and STDIN not in files:
         say(f"{counted(unchanged, 'file')} left unchanged")
     run.report()
     if check and differing:
         click.echo(f"{differing} of {len(files)} would change", err=True)
     if context.sink.has_errors:
-        return run.code_of_failure(*(Path(each) for each in files if each != STDIN))
+        return run.code_of_failure(*(Path(file) for file in files if file != STDIN))
     return FINDINGS if check and differing else 0
+
+
+def _formatted(file: str, context: Context) -> tuple[bytes, bytes] | None:
+    """Return the text of a file before and after formatting, or None after reported errors."""
+    from mjcompose.text.layout import format_recipe
+    from mjcompose.tree.xml_layout import format_mjcf
+
+    is_model = file.lower().endswith(MJCF_FILES)
+    source = _read(file, context, in_force().xml_size if is_model or file == STDIN else in_force().recipe_size)
+    if source is None:
+        return None
+    is_model = is_model or source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<")
+    result = (format_mjcf if is_model else format_recipe)(source, _shown(file, context), context.sink)
+    return None if result is None else (source, result)
+
+
+def _shown(file: str, context: Context) -> str:
+    return "<stdin>" if file == STDIN else context.shown(Path(file))
+
+
+def _write_to_stdout(text: bytes) -> None:
+    if sys.stdout is None:
+        raise OSError("standard output is closed")
+    sys.stdout.buffer.write(text)
 
 
 def _inside(given: str, context: Context) -> list[tuple[str, Door]]:
