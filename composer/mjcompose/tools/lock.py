@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import shlex
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from mjcompose.base.access import door_of_named
+from mjcompose.base.access import Door, door_of_named
 from mjcompose.base.codes import OF_FILES
 from mjcompose.base.diagnostic import Note, Severity
 from mjcompose.base.files import read_regular
@@ -50,59 +50,104 @@ def write_lock(
     if not os.path.isfile(context.folder / recipe):
         make_plan(recipe, context)  # which reports the existing names
         return None
-    disputes: Disputed = {}
-    how = use_lock(recipe, context, disputes)
-    if how is None or how.lock_file is None:
+    how = _lock_to_change(recipe, names, context)
+    if how is None:
         return None
+    assert how.lock_file is not None
     before = how.lock
-    if names is not None:
-        how.fresh = _wanted(names, before, context)
-    if how.fresh is not None:
-        _report_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
-    if context.sink.error_count:
-        return None
     given = given or {}
     whole = filled_from_first_cell(recipe, context, given).given
     plan = plan_with_intact_store(lambda: make_plan(recipe, context, whole), context)
     if plan is None:
         return None
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
-    shapes: dict[str, bytes] = {}
-    if any(plan.works_on_meshes for plan in plans):
-        from mjcompose.compose.preview import shapes_for_plans  # few recipes need it
-
-        shapes = shapes_for_plans(plans, context)
+    shapes = _shapes(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
     after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
-    if plan.interface and (found := _interface(recipe, plan, context, given=whole)) is not None:
-        kept = before.interface if before is not None and names != () and not interface else {}
-        if changes := [*interface_changes(kept, found)] if kept else []:
-            help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-interface`"
-            message = "the interface differs from the lock"
-            context.sink.error("interface-changed", message, notes=list(map(Note, changes)), help=help)
-        after = after.model_copy(update={"interface": found})
+    if plan.interface:
+        accepts_changes = names == () or interface
+        locked = before.interface if before is not None and not accepts_changes else {}
+        after = _with_interface(after, locked, recipe, plan, context, given=whole)
     if before is not None and how.fresh is not None:
         _report_changes(before, after, how.fresh, recipe=recipe, context=context)
     if context.sink.has_errors:
         return None
+    changes = _write(before, after, shapes, recipe, how.lock_file, context)
+    return None if changes is None else (context.shown(how.lock_file), changes)
+
+
+def _lock_to_change(recipe: Path, names: tuple[str, ...] | None, context: Context) -> Fetching | None:
+    """Return the rules for fetching, with the sources to upgrade as fresh; None after reported errors."""
+    disputes: Disputed = {}
+    how = use_lock(recipe, context, disputes)
+    if how is None or how.lock_file is None:
+        return None
+    if names is not None:
+        how.fresh = _wanted(names, how.lock, context)
+    if how.fresh is not None:
+        _report_disputes({id: pins for id, pins in disputes.items() if id not in how.fresh}, how, context)
+    return None if context.sink.error_count else how
+
+
+def _shapes(plans: Sequence[Plan], context: Context) -> dict[str, bytes]:
+    """Return the converted meshes of all plans, by key."""
+    if not any(plan.works_on_meshes for plan in plans):
+        return {}
+    from mjcompose.compose.preview import shapes_for_plans  # few recipes need it
+
+    return shapes_for_plans(plans, context)
+
+
+def _with_interface(
+    lock: Lock, locked: Mapping[str, list[LockedName]], recipe: Path, plan: Plan, context: Context, given: Given
+) -> Lock:
+    """Return the lock with the interface of the model, and report its differences from the `locked` one, if any."""
+    interface = _interface(recipe, plan, context, given)
+    if interface is None:
+        return lock
+    changes = list(interface_changes(locked, interface)) if locked else []
+    if changes:
+        help = f"to accept the changes, run `mjcompose lock {recipe} --upgrade-interface`"
+        message = "the interface differs from the lock"
+        context.sink.error("interface-changed", message, notes=list(map(Note, changes)), help=help)
+    return lock.model_copy(update={"interface": interface})
+
+
+def _write(
+    before: Lock | None, after: Lock, shapes: dict[str, bytes], recipe: Path, lock_file: Path, context: Context
+) -> list[str] | None:
+    """Write the lock and converted meshes; return the changes of the lock, or None after reported errors."""
     changes = list(lock_changes(before, after))
     text = to_text(after).encode()
     door = door_of_named(context.folder / recipe)
-    for place in (lock_path(context.folder / recipe), shapes_folder(how.lock_file)):
-        if not door.sees(place):
-            message = f"{door.outside(str(place)).message(context.shown)}: nothing is written"
-            context.sink.error("output-unwritable", message, help="remove the link, and run the command again")
-            return None
-    if not _wrote_shapes(how.lock_file, shapes, before, context=context):
+    if not _may_write(recipe, lock_file, door, context):
         return None
-    if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
-        with context.sink, staged_file(how.lock_file, rewrites=True, within=door) as stage:
+    if not _wrote_shapes(lock_file, shapes, before, context=context):
+        return None
+    if not os.path.isfile(lock_file) or read_regular(lock_file) != text:
+        with context.sink, staged_file(lock_file, rewrites=True, within=door) as stage:
             stage.write_bytes(text)
         if context.sink.errors:
             return None
-        other = "made with other versions" if before != after else "the same, written again"
-        changes = changes or ["no sources to pin" if before is None else other]
-    return context.shown(how.lock_file), changes
+        changes = changes or [_unseen_change(before, after)]
+    return changes
+
+
+def _may_write(recipe: Path, lock_file: Path, door: Door, context: Context) -> bool:
+    """Return whether the lock and the converted meshes may be written, and report the first one that may not."""
+    for place in (lock_path(context.folder / recipe), shapes_folder(lock_file)):
+        if not door.sees(place):
+            message = f"{door.outside(str(place)).message(context.shown)}: nothing is written"
+            context.sink.error("output-unwritable", message, help="remove the link, and run the command again")
+            return False
+    return True
+
+
+def _unseen_change(before: Lock | None, after: Lock) -> str:
+    """Say why the text of the lock changes although its sources do not."""
+    if before is None:
+        return "no sources to pin"
+    return "made with other versions" if before != after else "the same, written again"
 
 
 def _interface(recipe: Path, plan: Plan, context: Context, given: Given) -> dict[str, list[LockedName]] | None:
