@@ -336,16 +336,12 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     x = one.arrays.get(array)
     y = two.arrays.get(array)
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
-        is_new = x is None or not x.size
-        values = y if is_new else x
-        if values is not None and values.size:
-            _compare_with_neutral(array, values, is_new, side=two if is_new else one, outcome=outcome)
+        _compare_one_sided(array, one, two, outcome)
         return
     kind = _PREFIXES.get(array.partition("_")[0], "")
     if x.shape != y.shape:
-        if len(x) != len(y) and kind in one.names and len(one.names[kind]) != len(two.names.get(kind, ())):
-            return  # `_pairs` reports other elements
-        outcome.apart.append(array)
+        if len(x) == len(y) or not _counts_differ(kind, one, two):  # `_pairs` reports other elements
+            outcome.apart.append(array)
         return
     if kind in pairs and len(pairs[kind]) == len(y):
         y = y[pairs[kind]]
@@ -357,23 +353,44 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
         if np.array_equal(x, y, equal_nan=True):
             outcome.equal.append(array)
             return
-        if array == "vis.headlight.active":
-            # `auto` of 4.0 is always on in earlier versions and their renderer.
-            y = np.where(x == _AUTO, _AUTO, y)
-        if UNSAID in about(array).traits:
-            said = about(array).neutral
-            x = np.where(np.isin(x, said), said[0], x)
-            y = np.where(np.isin(y, said), said[0], y)
-        if "." in array and x.ndim == 1:
-            x = x[None]
-            y = y[None]  # of the whole model
+        x, y = _as_same_version(array, x, y)
         wrong = ~_close(x, y, _scale(array, x, one))
     if not wrong.any():
         outcome.rounded.append(array)
         return
     row, element, count = _first(array, wrong, one)
-    before, after = (_shown(each[row] if each.ndim else each) for each in (x, y))
+    before, after = (_shown_at(row, values) for values in (x, y))
     outcome.differences.append(Difference(array, element, before, after=after, count=count))
+
+
+def _compare_one_sided(array: str, one: _Side, two: _Side, outcome: Outcome) -> None:
+    """Compare an array of which at most one version has values."""
+    before = one.arrays.get(array)
+    is_new = before is None or not before.size
+    side = two if is_new else one
+    values = side.arrays.get(array)
+    if values is not None and values.size:
+        _compare_with_neutral(array, values, is_new, side=side, outcome=outcome)
+
+
+def _counts_differ(kind: str, one: _Side, two: _Side) -> bool:
+    """Return whether the models have different numbers of elements of a kind with names."""
+    return kind in one.names and len(one.names[kind]) != len(two.names.get(kind, ()))
+
+
+def _as_same_version(array: str, x: Array, y: Array) -> tuple[Array, Array]:
+    """Return two arrays in which equal meanings in both versions have equal numbers."""
+    if array == "vis.headlight.active":
+        # `auto` of 4.0 is always on in earlier versions and their renderer.
+        y = np.where(x == _AUTO, _AUTO, y)
+    if UNSAID in about(array).traits:
+        unsaid = about(array).neutral
+        x = np.where(np.isin(x, unsaid), unsaid[0], x)
+        y = np.where(np.isin(y, unsaid), unsaid[0], y)
+    if "." in array and x.ndim == 1:  # of the whole model
+        x = x[None]
+        y = y[None]
+    return x, y
 
 
 def _first(array: str, wrong: Array, side: _Side) -> tuple[int, str, int]:
@@ -414,7 +431,7 @@ def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, 
         outcome.equal.append(array)
         return
     row, element, count = _first(array, wrong, side)
-    words = ["absent", _shown(values[row] if values.ndim else values)]
+    words = ["absent", _shown_at(row, values)]
     before, after = words if is_new else reversed(words)
     outcome.differences.append(Difference(array, element, before, after=after, count=count))
 
@@ -451,3 +468,7 @@ def _shown(value: Any) -> str:
     flat = np.ravel(value)
     words = [f"{each:.6g}" if isinstance(each, float) else str(each) for each in flat[:_SHOWN].tolist()]
     return " ".join(words) + (" …" if len(flat) > _SHOWN else "")
+
+
+def _shown_at(row: int, values: Array) -> str:
+    return _shown(values[row] if values.ndim else values)
