@@ -2,7 +2,7 @@
 
 import numpy as np
 import pinocchio as pin
-from facts import count, ends, facts, fallen, inertia, torque
+from facts import count, ends, facts, fallen, inertia, no_forces, torque
 from ros2_control import commands
 
 SHAPES = {
@@ -20,117 +20,136 @@ SHAPES = {
 
 
 def read(file):
-    urdf = file.endswith(".urdf")
-    model = (pin.buildModelFromUrdf if urdf else pin.buildModelFromMJCF)(file)
-    data = model.createData()
-    names = list(model.names)
+    robot = Robot(file)
+    return robot.facts(), robot.placed, robot.moved, robot.driven if robot.is_urdf else None
 
-    def dynamics_of(joint, limited=True):
-        at = joint.idx_v
-        found = {"damping": float(model.damping[at]), "friction": float(model.upperDryFrictionLimit[at])}
-        if not urdf:
-            found["armature"] = float(model.armature[at])
-        if limited:
-            most = float(model.upperEffortLimit[at])
-            found["force"] = most if np.isfinite(most) and not (urdf and most == 1e6) else None
+
+class Robot:
+    """A model of Pinocchio; `single` are the joints with one degree of freedom."""
+
+    def __init__(self, file):
+        self.file = file
+        self.is_urdf = file.endswith(".urdf")
+        self.model = (pin.buildModelFromUrdf if self.is_urdf else pin.buildModelFromMJCF)(file)
+        self.data = self.model.createData()
+        names = list(self.model.names)  # the first joint is the universe
+        self.joints = {names[number]: self.model.joints[number] for number in range(1, self.model.njoints)}
+        self.single = {name: joint for name, joint in self.joints.items() if joint.nv == 1}
+        self.frames = [frame for frame in self.model.frames if frame.type == pin.FrameType.BODY]
+        self.commands = commands(file) if self.is_urdf else {}
+
+    def facts(self):
+        found = facts(pin.__version__, composite=True, without=["friction"])
+        for frame in self.frames:
+            if frame.parentJoint:  # frames that are fixed to a body are part of it
+                spatial = frame.placement.actInv(self.model.inertias[frame.parentJoint])
+                found["bodies"][frame.name] = inertia(spatial.mass, spatial.lever, spatial.inertia)
+        for name, joint in self.joints.items():
+            if joint.nv == 1:
+                bounds = self.bounds(joint)
+                found["joints"][name] = {"range": bounds, **self.dynamics_of(joint), "force": self.most_force(joint)}
+            if joint.shortname() in ("JointModelSpherical", "JointModelSphericalZYX"):
+                found["joints"][name] = self.dynamics_of(joint)
+        if self.is_urdf:
+            del found["shapes"]
+            found["commands"] = self.commands
+        else:
+            self.count_shapes(found)
         return found
 
-    found = facts(pin.__version__, composite=True, without=["friction"])
-    frames = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
-    for frame in frames:
-        if frame.parentJoint:  # frames that are fixed to a body are part of it
-            spatial = frame.placement.actInv(model.inertias[frame.parentJoint])
-            found["bodies"][frame.name] = inertia(spatial.mass, spatial.lever, spatial.inertia)
-    for number in range(1, model.njoints):
-        joint = model.joints[number]
-        if joint.nq == 2 and joint.nv == 1:  # a joint without limits: cosine and sine
-            found["joints"][names[number]] = {"range": None, **dynamics_of(joint)}
-        if joint.nq == 1:
-            low = float(model.lowerPositionLimit[joint.idx_q])
-            high = float(model.upperPositionLimit[joint.idx_q])
-            bounds = ends(low, high) if abs(low) < 1e30 else None
-            found["joints"][names[number]] = {"range": bounds, **dynamics_of(joint)}
-        if joint.shortname() in ("JointModelSpherical", "JointModelSphericalZYX"):
-            found["joints"][names[number]] = dynamics_of(joint, limited=False)
-    if urdf:
-        del found["shapes"]
-        found["commands"] = commands(file)
-    else:
+    def bounds(self, joint):
+        if joint.nq == 2:  # a joint without limits: cosine and sine
+            return None
+        low = float(self.model.lowerPositionLimit[joint.idx_q])
+        high = float(self.model.upperPositionLimit[joint.idx_q])
+        return ends(low, high) if abs(low) < 1e30 else None
+
+    def dynamics_of(self, joint):
+        at = joint.idx_v
+        found = {"damping": float(self.model.damping[at]), "friction": float(self.model.upperDryFrictionLimit[at])}
+        if not self.is_urdf:
+            found["armature"] = float(self.model.armature[at])
+        return found
+
+    def most_force(self, joint):
+        most = float(self.model.upperEffortLimit[joint.idx_v])
+        is_limited = np.isfinite(most) and not (self.is_urdf and most == 1e6)
+        return most if is_limited else None
+
+    def count_shapes(self, found):
         kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
-        shapes = [each for kind in kinds for each in pin.buildGeomFromMJCF(model, file, kind).geometryObjects]
-        for shape in {each.name: each for each in shapes}.values():
+        geometries = [pin.buildGeomFromMJCF(self.model, self.file, kind) for kind in kinds]
+        shapes = {shape.name: shape for geometry in geometries for shape in geometry.geometryObjects}
+        for shape in shapes.values():
             count(found, SHAPES[type(shape.geometry).__name__])
 
-    def standing(pose):
-        q = pin.neutral(model)
+    def standing(self, pose):
+        q = pin.neutral(self.model)
         for name, (value, *_) in pose["joints"].items():
-            if name in names:
-                joint = model.joints[names.index(name)]
+            if name in self.joints:
+                joint = self.joints[name]
                 q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else [np.cos(value), np.sin(value)]
         for body, value in pose["free"].items():
-            joint = next((f.parentJoint for f in frames if f.name == body), 0)
-            if joint and model.joints[joint].nq == 7:
-                at = model.joints[joint].idx_q
-                wanted = pin.XYZQUATToSE3(np.array([*value[:3], *value[4:], value[3]]))
-                q[at : at + 7] = pin.SE3ToXYZQUAT(model.jointPlacements[joint].actInv(wanted))
+            number = next((frame.parentJoint for frame in self.frames if frame.name == body), 0)
+            if number and self.model.joints[number].nq == 7:
+                at = self.model.joints[number].idx_q
+                in_world = pin.XYZQUATToSE3(np.array([*value[:3], *value[4:], value[3]]))
+                q[at : at + 7] = pin.SE3ToXYZQUAT(self.model.jointPlacements[number].actInv(in_world))
         return q
 
-    def placed(poses):
+    def placed(self, poses):
         for pose in poses:
-            pin.forwardKinematics(model, data, standing(pose))
-            pin.updateFramePlacements(model, data)
-            ats = {frame.name: data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)] for frame in frames}
+            pin.forwardKinematics(self.model, self.data, self.standing(pose))
+            pin.updateFramePlacements(self.model, self.data)
+            ats = {frame.name: self.pose_of(frame) for frame in self.frames}
             yield {name: (at.translation, at.rotation) for name, at in ats.items()}
 
-    def moved(asked, steps):
-        damping = np.diag(model.damping)
+    def pose_of(self, frame):
+        return self.data.oMf[self.model.getFrameId(frame.name, pin.FrameType.BODY)]
 
-        def dynamics(q, v):
-            mass = pin.crba(model, data, q)
-            return np.triu(mass) + np.triu(mass, 1).T, -pin.nonLinearEffects(model, data, q, v) - damping @ v
+    def moved(self, asked, steps):
+        start = self.standing(asked["home"])
+        return self.positions(
+            fallen(start, steps, self.model.damping, no_forces, dynamics=self.dynamics, moved=self.advanced)
+        )
 
-        def advanced(q, way):
-            return pin.integrate(model, q, way)
+    def driven(self, asked, steps):
+        start = self.standing(asked["home"])
+        drives = asked["drives"].values()
+        commanded = [drive for drive in drives if drive["joint"] in self.commands and drive["joint"] in self.joints]
 
-        start = standing(asked["home"])
-        end = fallen(start, steps, model.nv, lambda q, v: damping, dynamics=dynamics, moved=advanced)
-        single = ((names[at], model.joints[at]) for at in range(1, model.njoints) if model.joints[at].nv == 1)
-        ats = {name: end[joint.idx_q : joint.idx_q + joint.nq] for name, joint in single}
-        return {name: at[0] if len(at) == 1 else np.arctan2(at[1], at[0]) for name, at in ats.items()}
+        def eased(q, v):
+            return self.forces(commanded, q, v, "eased")
 
-    def driven(asked, steps):
-        of = {name: model.joints[names.index(name)] for name in found["commands"] if name in names}
+        first, _ = self.forces(commanded, start, np.zeros(self.model.nv), "full")
+        end = fallen(start, steps, self.model.damping, eased, dynamics=self.dynamics, moved=self.advanced)
+        return {name: first[joint.idx_v] for name, joint in self.single.items()}, self.positions(end)
 
-        def forces(q, v, which):
-            """Return the forces of all servos and motors, and their damping."""
-            tau = np.zeros(model.nv)
-            damping = np.zeros(model.nv)
-            for drive in asked["drives"].values():
-                if (name := drive["joint"]) in of:
-                    at = of[name].idx_q
-                    dof = of[name].idx_v
-                    angle = q[at] if of[name].nq == 1 else np.arctan2(q[at + 1], q[at])
-                    most = found["joints"][name]["force"]
-                    tau[dof], damping[dof] = torque(drive, which, found["commands"][name], angle, v[dof], most)
-            return tau, damping
+    def forces(self, drives, q, v, which):
+        """Return the forces of all servos and motors, and their damping."""
+        forces = np.zeros(self.model.nv)
+        damping = np.zeros(self.model.nv)
+        for drive in drives:
+            joint = self.joints[drive["joint"]]
+            command = self.commands[drive["joint"]]
+            at = joint.idx_v
+            angle = position(joint, q)
+            forces[at], damping[at] = torque(drive, which, command, angle, v[at], self.most_force(joint))
+        return forces, damping
 
-        def dynamics(q, v):
-            mass = pin.crba(model, data, q)
-            force = forces(q, v, "eased")[0] - pin.nonLinearEffects(model, data, q, v) - model.damping * v
-            return np.triu(mass) + np.triu(mass, 1).T, force
+    def dynamics(self, q, v, driving):
+        mass = pin.crba(self.model, self.data, q)
+        force = driving - pin.nonLinearEffects(self.model, self.data, q, v) - self.model.damping * v
+        return np.triu(mass) + np.triu(mass, 1).T, force
 
-        def resisting(q, v):
-            return np.diag(model.damping + forces(q, v, "eased")[1])
+    def advanced(self, q, way):
+        return pin.integrate(self.model, q, way)
 
-        def advanced(q, way):
-            return pin.integrate(model, q, way)
+    def positions(self, q):
+        return {name: position(joint, q) for name, joint in self.single.items()}
 
-        start = standing(asked["home"])
-        first, _ = forces(start, np.zeros(model.nv), "full")
-        end = fallen(start, steps, model.nv, resisting, dynamics=dynamics, moved=advanced)
-        single = {names[at]: model.joints[at] for at in range(1, model.njoints) if model.joints[at].nv == 1}
-        ats = {name: end[joint.idx_q : joint.idx_q + joint.nq] for name, joint in single.items()}
-        ends_of = {name: at[0] if len(at) == 1 else np.arctan2(at[1], at[0]) for name, at in ats.items()}
-        return {name: first[joint.idx_v] for name, joint in single.items()}, ends_of
 
-    return found, placed, moved, driven if urdf else None
+def position(joint, q):
+    """Return the position of a joint; one without limits has its cosine and sine."""
+    at = joint.idx_q
+    return q[at] if joint.nq == 1 else np.arctan2(q[at + 1], q[at])

@@ -91,18 +91,24 @@ def rotation(quat: Any) -> Any:
     )
 
 
-def fallen(q, steps, size, damping, dynamics, moved):
-    """Return the positions after some steps from rest that treat `damping` implicitly.
+def fallen(q, steps, damping, forces, dynamics, moved):
+    """Return the positions after some steps from rest that treat damping implicitly.
 
-    There are `size` velocities. `damping(q, v)` gives a matrix, `dynamics(q, v)` the mass matrix and the force, and
-    `moved(q, way)` the positions after a displacement.
+    `damping` is the damping of the joints, shape (nv,). `forces(q, v)` gives the forces of servos and motors and their
+    damping, `dynamics(q, v, force)` the mass matrix and the whole force, and `moved(q, way)` the positions after a
+    displacement.
     """
-    v = np.zeros(size)
+    v = np.zeros(len(damping))
     for _ in range(steps):
-        mass, force = dynamics(q, v)
-        v = v + STEP * np.linalg.solve(mass + STEP * damping(q, v), force)
+        driving, resistance = forces(q, v)
+        mass, force = dynamics(q, v, driving)
+        v = v + STEP * np.linalg.solve(mass + STEP * np.diag(damping + resistance), force)
         q = moved(q, STEP * v)
     return q
+
+
+def no_forces(q, v):
+    return np.zeros(len(v)), np.zeros(len(v))
 
 
 def torque(drive: Any, which: str, about: Any, q: float, v: float, most: Any = None) -> Any:
