@@ -330,28 +330,18 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     robot = etree.Element("robot", name=title)
     joints: dict[str, Node] = {}
     links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
-    floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and bool(model.body_jntnum[1] == 1)
-    floating = floating and model.jnt_type[model.body_jntadr[1]] == _FREE
-    if floating:
-        draft.lose("roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN)
-        for geom in [node for number, node in draft.of("geom") if int(model.geom_bodyid[number]) == 0]:
-            draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
-    for number, name in enumerate(names):
-        if number == 0 and floating:
-            continue
+    root = 1 if _is_floating(model) else 0
+    if root:
+        _lose_world(draft)
+    for number in range(root, len(names)):
         robot.append(links[number])
-        if number > (1 if floating else 0):
-            for each in hung(draft, number, name, parent=names[int(model.body_parentid[number])]):
-                robot.append(each)
-                if each.tag == "joint":
-                    joints[str(each.get("name"))] = each
-    taken = frozenset(names)
-    for number, site in draft.of("site"):
-        if site.get("name") and not (floating and int(model.site_bodyid[number]) == 0):
-            name = f"{site.get('name')}_site" if site.get("name") in taken else str(site.get("name"))
-            where = pose(model.site_pos[number], model.site_quat[number])
-            holder = names[int(model.site_bodyid[number])]
-            robot.extend((massless(name), fixed(f"{name}_fixed", holder, name, frame=where)))
+        if number == root:
+            continue
+        for element in hung(draft, number, names[number], parent=names[int(model.body_parentid[number])]):
+            robot.append(element)
+            if element.tag == "joint":
+                joints[str(element.get("name"))] = element
+    robot.extend(_sites(draft, names, root))
     mimics(draft, joints)
     system = control(draft, joints)
     if system is not None:
@@ -365,6 +355,35 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
         "CMakeLists.txt": _CMAKE.format(name=package).encode(),
         **meshes,
     }
+
+
+def _is_floating(model: Any) -> bool:
+    """Return whether the only body in the world moves freely: it is the root of the URDF, and there is no world."""
+    if model.nbody < 2 or (model.body_parentid[2:] == 0).any() or model.body_jntnum[1] != 1:
+        return False
+    return bool(model.jnt_type[model.body_jntadr[1]] == _FREE)
+
+
+def _lose_world(draft: Draft) -> None:
+    """Record the losses of a URDF without a world."""
+    body = draft.elements["body"][1]
+    draft.lose("roots", body, "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN)
+    for geom in [node for number, node in draft.of("geom") if int(draft.model.geom_bodyid[number]) == 0]:
+        draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
+
+
+def _sites(draft: Draft, names: list[str], root: int) -> Iterator[Node]:
+    """Yield a link without mass, and its fixed joint, for each named site of the bodies from `root` on."""
+    model = draft.model
+    taken = frozenset(names)
+    for number, site in draft.of("site"):
+        body = int(model.site_bodyid[number])
+        if not site.get("name") or body < root:
+            continue
+        name = f"{site.get('name')}_site" if site.get("name") in taken else str(site.get("name"))
+        where = pose(model.site_pos[number], model.site_quat[number])
+        yield massless(name)
+        yield fixed(f"{name}_fixed", names[body], name, frame=where)
 
 
 def package_name(title: str) -> str:
