@@ -318,13 +318,7 @@ def differences(
     composite = bool(facts.get("composite"))
     yield from _masses(mujoco, model, facts, tolerance=2e-6 if single else 1e-9)
     for kind in ("joint", "actuator"):
-        for name, mine in truth[f"{kind}s"].items():
-            read = facts[f"{kind}s"].get(name)
-            is_read = bool(facts["actuators"] or "commands" in facts)
-            if read is None and (kind == "joint" or (is_read and ("actuators", name) not in lost)):
-                yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
-            if read is not None:
-                yield from _attributes(kind, name, mine, read=read, lost=lost, tolerance=1e-5 if single else 1e-9)
+        yield from _elements(kind, truth, facts, lost, tolerance=1e-5 if single else 1e-9)
     if "shapes" in facts:
         yield from _shapes(model, truth["shapes"], facts["shapes"], losses=losses)
     yield from _poses(truth["poses"], facts["poses"], composite, tolerance=1e-4 if single else 1e-9)
@@ -334,6 +328,22 @@ def differences(
         yield from _forces(truth["forces"], facts["forces"], tolerance=1e-5 if single else 1e-9)
     if "driven" in facts and "driven" in truth:
         yield from _motions(truth["driven"], facts["driven"], asked["home"]["joints"], "driven")
+
+
+def _elements(
+    kind: str, truth: Facts, facts: Facts, lost: set[tuple[str, str]], tolerance: float
+) -> Iterator[Difference]:
+    """Yield the joints or actuators that are missing, and the differences of those that are not.
+
+    A consumer that reads no actuators at all misses none.
+    """
+    reads_actuators = bool(facts["actuators"] or "commands" in facts)
+    for name, mine in truth[f"{kind}s"].items():
+        read = facts[f"{kind}s"].get(name)
+        if read is not None:
+            yield from _attributes(kind, name, mine, read=read, lost=lost, tolerance=tolerance)
+        elif kind == "joint" or (reads_actuators and ("actuators", name) not in lost):
+            yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
 
 
 def by_actuator(truth: Facts, facts: Facts) -> Facts:

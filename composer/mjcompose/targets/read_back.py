@@ -168,22 +168,17 @@ def _about(
     python = None if reader is None else interpreter(reader, work.environment)
     if reader is not None and python is None:
         return [_missing(name, reader, work.environment)], None
-    written = exported(work.bundle, name, folder, session=work.session)
-    if not isinstance(written, str) and written["differences"]:
-        written = f"MuJoCo reads the plain text of the model back as a different model: {written['differences'][0]}"
-    if isinstance(written, str):
-        return [Fault(_FAILED, f"the model cannot be written for `{name}`: {written}")], None
-    every = [Loss(**each) for each in written["losses"]]
+    written = _written(work, name, folder)
+    if isinstance(written, Fault):
+        return [written], None
+    every = [Loss(**loss) for loss in written["losses"]]
     lacked = [loss for loss in every if not loss.otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
-    losses: list[Fault] = []
-    if lacked:
-        first, *others = _sentences(name, lacked)
-        losses.append(Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ()))
+    faults = _reported(name, lacked)
     if reader is None or python is None:
-        return losses, len(lacked)
-    refused = next((each for each in lacked if each.refused), None)
+        return faults, len(lacked)
+    refused = next((loss for loss in lacked if loss.refused), None)
     facts: dict[str, Any] | str
     if refused is not None:
         facts = f"{refused.shown}: {refused.why}"
@@ -197,11 +192,37 @@ def _about(
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
     version = str(facts["version"])
     if wrong:
-        notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
-        notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
-        message = f"`{name}` {version} reads another model: {wrong[0]}"
-        losses.insert(0, Fault(_FAILED, message, notes=tuple(map(Note, notes))))
-    return losses, version
+        faults.insert(0, _reading_differently(name, version, wrong))
+    return faults, version
+
+
+def _written(work: Work, name: str, folder: Path) -> dict[str, Any] | Fault:
+    """Return the export of the model for a target."""
+    written = exported(work.bundle, name, folder, session=work.session)
+    if isinstance(written, str):
+        reason = written
+    elif written["differences"]:
+        reason = f"MuJoCo reads the plain text of the model back as a different model: {written['differences'][0]}"
+    else:
+        return written
+    return Fault(_FAILED, f"the model cannot be written for `{name}`: {reason}")
+
+
+def _reported(name: str, lacked: Sequence[Loss]) -> list[Fault]:
+    """Return a fault with all that a target lacks; none if it lacks nothing."""
+    if not lacked:
+        return []
+    first, *others = _sentences(name, lacked)
+    return [Fault(LOSS, first, notes=(Note("\n".join(others)),) if others else ())]
+
+
+def _reading_differently(name: str, version: str, wrong: Sequence[str]) -> Fault:
+    notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
+    notes += wrong[1:_SHOWN]
+    if len(wrong) > _SHOWN:
+        notes.append(f"and {len(wrong) - _SHOWN} more")
+    message = f"`{name}` {version} reads another model: {wrong[0]}"
+    return Fault(_FAILED, message, notes=tuple(map(Note, notes)))
 
 
 def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], dict[str, float]] | Fault:
