@@ -156,30 +156,37 @@ class Causes:
         """Yield the places where either side writes the differing attributes, and the causes of their values."""
         if before is None and after is None:
             return
-        # The parts for which the linker created two frames or bodies.
-        first = None if before is None else self.a.carried(before)
-        second = None if after is None else self.b.carried(after)
-        if first is not None or second is not None:
-            keys = tuple(dict.fromkeys([*(each for each in wanted or () if each in _PLACING), *_PLACING]))
-            yield from _said(self.a.recipes.attachment(first), self.b.recipes.attachment(second), keys)
+        yield from self._carried(before, after, wanted)
         if before is None or after is None:
             yield Cause("element", self.a.span(before), self.b.span(after))
             return
         if before.tag != after.tag:
             yield Cause(f"`<{after.tag}>`", self.a.span(before), self.b.span(after))
             return
-        for attribute in wanted if wanted is not None else tuple(kind_of(after).attributes):
-            if wanted is None and attribute in _NO_REASON:
-                continue
-            text, writer = self.a.value(before, attribute)
-            other, theirs = self.b.value(after, attribute)
-            if text == other if text is None or other is None else same_value(text, other):
-                continue
-            ours = self.a.written(writer, attribute) or self.a.written(before, None)
-            others = self.b.written(theirs, attribute) or self.b.written(after, None)
-            for mine, yours in _latest_first(ours, others):
-                yield Cause(f"`{attribute}`", mine or ours[-1], yours or others[-1])
-            yield Cause("class", self.a.class_in_force(before), self.b.class_in_force(after))
+        if wanted is None:
+            wanted = tuple(attribute for attribute in kind_of(after).attributes if attribute not in _NO_REASON)
+        for attribute in wanted:
+            yield from self._written_differently(attribute, before, after)
+
+    def _carried(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
+        """Yield the lines that place the parts for which the linker created two frames or bodies."""
+        first = None if before is None else self.a.carried(before)
+        second = None if after is None else self.b.carried(after)
+        if first is not None or second is not None:
+            keys = tuple(dict.fromkeys([*(key for key in wanted or () if key in _PLACING), *_PLACING]))
+            yield from _said(self.a.recipes.attachment(first), self.b.recipes.attachment(second), keys)
+
+    def _written_differently(self, attribute: str, before: Node, after: Node) -> Iterator[Cause]:
+        """Yield the lines that write an attribute, and the classes in force, if the values differ."""
+        text, writer = self.a.value(before, attribute)
+        other, theirs = self.b.value(after, attribute)
+        if _is_same(text, other):
+            return
+        ours = self.a.written(writer, attribute) or self.a.written(before, None)
+        others = self.b.written(theirs, attribute) or self.b.written(after, None)
+        for mine, yours in _latest_first(ours, others):
+            yield Cause(f"`{attribute}`", mine or ours[-1], yours or others[-1])
+        yield Cause("class", self.a.class_in_force(before), self.b.class_in_force(after))
 
     def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
         mine = self._part(0, before)
@@ -301,6 +308,12 @@ class Causes:
 
 
 _Spans: TypeAlias = tuple[Span | None, Span | None]
+
+
+def _is_same(text: str | None, other: str | None) -> bool:
+    if text is None or other is None:
+        return text == other
+    return same_value(text, other)
 
 
 def _latest_first(mine: list[Span], theirs: list[Span]) -> Iterator[_Spans]:
