@@ -436,35 +436,54 @@ def found_model(model: str, context: Context) -> Path | None:
 
 
 def _judge(result: Result, context: Context) -> None:
-    migrated = result.migrated
+    """Report the result of the proof: rejected models, changes of meaning that it did not settle, and differences."""
+    _report_rejected(result, context)
+    _report_meanings(result, context)
+    if result.proof.outcome is not None:
+        _sort_differences(result, result.proof.outcome)
+        _report_unexplained(result, context)
+
+
+def _report_rejected(result: Result, context: Context) -> None:
     proof = result.proof
     for compiled, whose in ((proof.before, "as it is"), (proof.after, "after the migration")):
         if compiled is not None and compiled.error is not None:
             fault = parse(compiled.error)
             line = "" if fault.line is None else f" (line {fault.line})"
             name = f" (`{fault.name}`)" if fault.name else ""
-            said = f"{' '.join(fault.message.split())}{name}{line}"
-            message = f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {said}"
-            other = f"it is not written for {migrated.before}: name another version with `--from`"
+            reason = f"{' '.join(fault.message.split())}{name}{line}"
+            message = f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {reason}"
+            other = f"it is not written for {result.migrated.before}: name another version with `--from`"
             context.sink.error("mujoco-rejects", message, help=other if compiled is proof.before else None)
-    outcome = proof.outcome
+
+
+def _report_meanings(result: Result, context: Context) -> None:
+    """Warn of the numbers that mean something else now, except those that the proof found equal."""
+    outcome = result.proof.outcome
     settled = frozenset() if outcome is None else outcome.settled
-    for meaning in migrated.meanings:
-        if not meaning.arrays or not settled.issuperset(meaning.arrays):  # else the proof found them equal
+    for meaning in result.migrated.meanings:
+        if not meaning.arrays or not settled.issuperset(meaning.arrays):
             cause = Cause(f"{meaning.change} {meaning.help}", meaning.message)
             context.sink.warning("migrate-changed", meaning.message, meaning.span, help=meaning.help, cause=cause)
-    if outcome is None:
-        return
-    adopted = [each.arrays for each in ORDERED if each.name in migrated.adopted]
-    known_arrays = set(chain(*adopted, *(each.arrays for each in migrated.meanings)))
-    if any(each.array in known_arrays for each in outcome.differences):
+
+
+def _sort_differences(result: Result, outcome: Outcome) -> None:
+    """Sort the differences into those that an adopted change or a changed meaning explains, and the others."""
+    migrated = result.migrated
+    adopted = [change.arrays for change in ORDERED if change.name in migrated.adopted]
+    known_arrays = set(chain(*adopted, *(meaning.arrays for meaning in migrated.meanings)))
+    if any(difference.array in known_arrays for difference in outcome.differences):
         known_arrays |= _FOLLOW
-    for each in outcome.differences:
-        (result.explained if each.array in known_arrays else result.unexplained).append(each.words())
+    for difference in outcome.differences:
+        (result.explained if difference.array in known_arrays else result.unexplained).append(difference.words())
+
+
+def _report_unexplained(result: Result, context: Context) -> None:
     if count := len(result.unexplained):
         notes = [Note(words) for words in result.unexplained[:_SHOWN]]
         if count > _SHOWN:
             notes.append(Note(f"and {count - _SHOWN} more"))
         differ = f"{counted(count, 'array')} differ{'s' if count == 1 else ''}"
-        message = f"MuJoCo {migrated.after} compiles another model than {migrated.before}: {differ}"
+        versions = result.migrated
+        message = f"MuJoCo {versions.after} compiles another model than {versions.before}: {differ}"
         context.sink.warning("migrate-differs", message, notes=notes)
