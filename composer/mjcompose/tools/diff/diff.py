@@ -229,23 +229,32 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
     if read[0] is None or read[1] is None or not answer.ok:
         return None
     contrast = found.contrast
-    listed = a.plan.interface if a.plan is not None else ()
-    listed = listed or (b.plan.interface if b.plan is not None else ())
-    sorting = _Sorting({each.kind: each for each in listed}, answer.value)
+    listed = _interface_of(a) or _interface_of(b)
+    sorting = _Sorting({order.kind: order for order in listed}, answer.value)
     renamed = {(each.kind, str(each.before)): each.name for each in contrast.changes if each.what == "renamed"}
     own = [*_units_and_places(read[0].index, read[1].index, renamed)]
-    direct = [each for each in contrast.changes if not each.follows] or [*contrast.changes]
+    direct = [change for change in contrast.changes if not change.follows] or [*contrast.changes]
     causes = Causes(a, b, contrast)
     levels: list[Level] = []
     for name in LEVELS:
-        changes = [each for each in (*direct, *own) if sorting.level(each) == name]
-        groups = [*_reordered([each for each in changes if each.field == "place"], causes, a, b=b)]
-        groups += grouped([each for each in changes if each.field != "place"], causes, a, b=b)
-        moves = tuple(each for each in contrast.moves if sorting.of_name(each.kind, each.name) == name)
+        changes = [change for change in (*direct, *own) if sorting.level(change) == name]
+        groups = _groups(changes, causes, a, b)
+        moves = tuple(move for move in contrast.moves if sorting.of_name(move.kind, move.name) == name)
         arrays = contrast.arrays if name == "minor" and not own else ()
         if groups or moves or arrays:
-            levels.append(Level(name, tuple(groups), moves, arrays=arrays))
+            levels.append(Level(name, groups, moves, arrays=arrays))
     return Breaking(found, tuple(levels))
+
+
+def _interface_of(side: Side) -> Sequence[Order]:
+    return side.plan.interface if side.plan is not None else ()
+
+
+def _groups(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> tuple[Group, ...]:
+    """Return the changes by cause; changes of a place in an order come first."""
+    of_places = [change for change in changes if change.field == "place"]
+    others = [change for change in changes if change.field != "place"]
+    return (*_reordered(of_places, causes, a, b=b), *grouped(others, causes, a, b=b))
 
 
 class _Sorting:
