@@ -213,34 +213,48 @@ def _classes(it: ElementExplained) -> Iterator[str]:
 
 def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
     yield paint("bold", f"{it.attribute} of {it.label}")
-    nothing = "computed by MuJoCo" if any(each.wins for each in it.levels) else "not set"
-    shown = it.value if it.value is not None else nothing
-    yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
+    yield from textwrap.wrap(_value_of(it), _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
     if it.about:
         yield f"  # {it.about}"
     yield from ("", paint("bold", "where it comes from"))
-    yield from _table([_level(each) for each in it.levels])
-    winner = next((each.span for each in it.levels if each.wins and each.span is not None), None)
+    yield from _table([_level(level) for level in it.levels])
+    winner = next((level.span for level in it.levels if level.wins and level.span is not None), None)
     if winner is not None:
         yield f"  {winner.file}:{winner.line}{winner.origin}"
         yield from _source(winner, None, read_source, paint=paint)
-    if it.rows:
-        yield from ("", paint("bold", "number by number"))
-        passed = ("".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way) for row in it.rows)
-        pairs = zip(it.rows, passed, strict=True)
-        yield from _table([(row.label, row.value, f"{_placed(row.reason)}{more}") for row, more in pairs])
-    first = next((each for each in it.levels if each.kind == "class"), None)
+    yield from _numbers(it, paint)
+    first = next((level for level in it.levels if level.kind == "class"), None)
     if it.in_force is not None and first is not None:
         yield from ("", f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}")
-    for each in it.levels:
-        if each.changes:
-            place = f"in the class {each.name}" if each.kind == "class" else "on the element"
-            if it.levels[0].name[0] != "<":  # the attribute of another element that determines this one
-                place = f"in {each.name}"
-            yield from ("", paint("bold", f"changes {place}"))
-            yield from _changes(each.changes, name=False)
+    yield from _changes_of_levels(it.levels, paint)
     for note in it.notes:
         yield from ("", f"{paint('note', 'note')}: {note}")
+
+
+def _value_of(it: AttributeExplained) -> str:
+    if it.value is not None:
+        return it.value
+    return "computed by MuJoCo" if any(level.wins for level in it.levels) else "not set"
+
+
+def _numbers(it: AttributeExplained, paint: Paint) -> Iterator[str]:
+    """Yield a table with the reason of each number, if they have different ones."""
+    if it.rows:
+        yield from ("", paint("bold", "number by number"))
+        passed = ("".join(f", {reason.words}{_at(reason.span, ' ')}" for reason in row.on_the_way) for row in it.rows)
+        pairs = zip(it.rows, passed, strict=True)
+        yield from _table([(row.label, row.value, f"{_placed(row.reason)}{more}") for row, more in pairs])
+
+
+def _changes_of_levels(levels: Sequence[LevelExplained], paint: Paint) -> Iterator[str]:
+    for level in levels:
+        if not level.changes:
+            continue
+        place = f"in the class {level.name}" if level.kind == "class" else "on the element"
+        if levels[0].name[0] != "<":  # the attribute of another element that determines this one
+            place = f"in {level.name}"
+        yield from ("", paint("bold", f"changes {place}"))
+        yield from _changes(level.changes, name=False)
 
 
 def _level(each: LevelExplained) -> tuple[str, str, str, str]:
