@@ -269,24 +269,26 @@ class Offset:
 
     def _texts(self, form: str, quat: Quat, old: list[float]) -> list[str]:
         """Return the numbers of a rotation in a form; none if the form cannot express it."""
-        values: Floats
+        texts = [
+            self._angle(form, at, value) if _is_angle(form, at) else short(value, _AXIS)
+            for at, value in enumerate(self._values(form, quat, old))
+        ]
+        written = self._radians(form, [value_of(text) for text in texts]) if texts else []
+        return texts if written and _turn(self._quat(form, written), quat) < _TURN else []
+
+    def _values(self, form: str, quat: Quat, old: list[float]) -> Floats:
+        """Return a rotation in a form, as close to the old numbers as possible; none if the form cannot express it."""
         if form == "quat":
             sign = -1 if sum(a * b for a, b in zip(quat, old or quat, strict=True)) < 0 else 1
-            values = [sign * each for each in quat]
-        elif form == "euler":
-            values = rotation.euler_of(quat, self.settings.eulerseq, old or (0.0, 0.0, 0.0)) or ()
-        elif form == "axisangle":
+            return [sign * number for number in quat]
+        if form == "euler":
+            return rotation.euler_of(quat, self.settings.eulerseq, old or (0.0, 0.0, 0.0)) or ()
+        if form == "axisangle":
             axis, angle = rotation.axisangle_of(quat, old[:3] or (0.0, 0.0, 1.0))
-            same = old and math.dist(axis, rotation.unit(old[:3])) < 1e-6
-            values = (*(old[:3] if same else axis), angle)
-        else:
-            axes = ((1, 0, 0), (0, 1, 0)) if form == "xyaxes" else ((0, 0, 1),)
-            values = [each for axis in axes for each in rotation.rotate(quat, axis)]
-        texts = [
-            self._angle(form, at, each) if _is_angle(form, at) else short(each, _AXIS) for at, each in enumerate(values)
-        ]
-        said = self._radians(form, [value_of(each) for each in texts]) if texts else []
-        return texts if said and _turn(self._quat(form, said), quat) < _TURN else []
+            is_same = old and math.dist(axis, rotation.unit(old[:3])) < 1e-6
+            return (*(old[:3] if is_same else axis), angle)
+        axes = ((1, 0, 0), (0, 1, 0)) if form == "xyaxes" else ((0, 0, 1),)
+        return [number for axis in axes for number in rotation.rotate(quat, axis)]
 
     def _angle(self, form: str, at: int, value: float) -> str:
         """Return an angle in the unit of its present text, or in the unit of the recipe."""
