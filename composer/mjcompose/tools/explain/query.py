@@ -110,39 +110,46 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         help = "write for example `geom gripper/pad`, or `option timestep`"
         sink.error("unknown-name", "the query is empty", help=help)
         return None
-    numbered = _NUMBERED.fullmatch(words[0])
-    line = _LINE.fullmatch(words[0])
-    kinds = _kinds(numbered[1] if numbered else words[0])
-    unknown = numbered[1] if numbered and kinds is None else None
-    if numbered and kinds is not None:
-        asked = Asked(text, kinds, number=int(numbered[2]))
-        rest = words[1:]
-    elif line and kinds is None:
-        asked = Asked(text, None, line=(line[1], int(line[2])))
-        rest = words[1:]
-    elif kinds is None:
-        is_attribute = len(words) > 1 and any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
-        if len(words) > 1 and re.fullmatch(r"[a-z_]+", words[0]) and not is_attribute:
-            unknown = words[0]
-        asked = Asked(text, None, name=words[0])
-        rest = words[1:]
-    elif _is_one(kinds):
-        asked, rest = _inside(text, words)
-    elif len(words) > 1:
-        asked = Asked(text, kinds, name=words[1])
-        rest = words[2:]
-    else:
-        asked = Asked(text, kinds)
-        rest = []
+    asked, rest, unknown = _target(text, words)
     if unknown is not None:
         sink.error("unknown-element", f"MJCF has no element `{unknown}`", help=did_you_mean(unknown, tags_of()))
         return None
-    rest = [*rest, *([attribute] if attribute is not None else [])]
+    if attribute is not None:
+        rest = [*rest, attribute]
     if len(rest) > 1:
         help = "write KIND NAME ATTRIBUTE in one pair of quotes: 'geom gripper/pad friction'"
         sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute", help=help)
         return None
     return replace(asked, attribute=rest[0] if rest else None)
+
+
+def _target(text: str, words: list[str]) -> tuple[Asked, list[str], str | None]:
+    """Return the query for elements, the words after it, and the first word if it names a kind that MJCF lacks."""
+    numbered = _NUMBERED.fullmatch(words[0])
+    line = _LINE.fullmatch(words[0])
+    kinds = _kinds(numbered[1] if numbered else words[0])
+    unknown = numbered[1] if numbered and kinds is None else None
+    if numbered and kinds is not None:
+        return Asked(text, kinds, number=int(numbered[2])), words[1:], unknown
+    if line and kinds is None:
+        return Asked(text, None, line=(line[1], int(line[2]))), words[1:], unknown
+    if kinds is None:
+        if _is_meant_as_kind(words):
+            unknown = words[0]
+        return Asked(text, None, name=words[0]), words[1:], unknown
+    if _is_one(kinds):
+        asked, rest = _inside(text, words)
+        return asked, rest, unknown
+    if len(words) > 1:
+        return Asked(text, kinds, name=words[1]), words[2:], unknown
+    return Asked(text, kinds), [], unknown
+
+
+def _is_meant_as_kind(words: list[str]) -> bool:
+    """Return whether the first word can only be a kind: it looks like one, and no attribute follows."""
+    if len(words) < 2 or not re.fullmatch(r"[a-z_]+", words[0]):
+        return False
+    return not any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
