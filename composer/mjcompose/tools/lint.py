@@ -271,30 +271,37 @@ def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
         return None  # other models may include the file
     tag = str(element.tag)
     written = {str(name): str(value) for name, value in element.items()}
-
-    def replaced(first: Stretch, replacement: str, *, start: int, last: Stretch | None = None) -> Fix:
-        last = last or first
-        return Fix(replacement, None, Span(owner, first.line, start, end_line=last.line, end_column=last.end_column))
-
     if edit.removes:
         ends = text.whole(tag, line, written)
-        return None if ends is None else replaced(ends[0], "", start=ends[0].column, last=ends[1])
+        return None if ends is None else _replaced(owner, ends[0], "", start=ends[0].column, last=ends[1])
     at = text.element(tag, line, written)
     if at is None:
         return None
     if not any(name in written for name, _ in edit.attributes):
         added = "".join(f' {name}="{_escaped(value)}"' for name, value in edit.attributes)
-        return replaced(at, added, start=at.end_column)
+        return _replaced(owner, at, added, start=at.end_column)
     if len(edit.attributes) != 1:
         return None
     ((name, value),) = edit.attributes
     at = text.attribute(tag, line, written, name=name)
     key = text.attribute(tag, line, written, name=name, key=True)
-    if at is None or key is None or (value is None and at.line != key.line):
+    if at is None or key is None:
         return None
+    return _fix_of_attribute(owner, key, at, value)
+
+
+def _fix_of_attribute(file: str, key: Stretch, at: Stretch, value: str | None) -> Fix | None:
+    """Return the change of a written attribute to a value, or its removal with None."""
     if value is not None:
-        return replaced(at, _escaped(value), start=at.column)
-    return replaced(at._replace(end_column=at.end_column + 1), "", start=max(key.column - 1, 1))
+        return _replaced(file, at, _escaped(value), start=at.column)
+    if at.line != key.line:
+        return None
+    return _replaced(file, at._replace(end_column=at.end_column + 1), "", start=max(key.column - 1, 1))
+
+
+def _replaced(file: str, first: Stretch, replacement: str, *, start: int, last: Stretch | None = None) -> Fix:
+    last = last or first
+    return Fix(replacement, None, Span(file, first.line, start, end_line=last.line, end_column=last.end_column))
 
 
 def _escaped(value: str | None) -> str:
