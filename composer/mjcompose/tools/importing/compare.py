@@ -211,6 +211,27 @@ class Comparison:
 
     def changed(self) -> None:
         """Write the entries for all differences; one entry for a class if all values that it sets changed alike."""
+        settled: dict[str, dict[str, dict[str, object]]] = {}
+        for (_, owner, tag, name), pairs in self.groups().items():
+            if not _belongs_to_class(name, pairs):
+                continue
+            pair = pairs[0]
+            value = pair.changes.get(name)
+            attribute = pair.item.kind.attributes[name]
+            called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
+            text = "null" if value is None else elements.written_value(attribute, self.name(attribute, value))
+            settled.setdefault(called, {}).setdefault(tag, {})[name] = text
+            change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
+            self.found_changes.append(change)
+            for changed in pairs:
+                del changed.changes[name]
+        for owner, tags in settled.items():
+            self.edit({"select": f"{{default: {word(owner)}}}", "set": elements.nested(dict(tags))}, elements.CLASSES)
+        for pair in self.pairs:
+            self.change(pair)
+
+    def groups(self) -> dict[tuple[int, str, str, str], list[Pair]]:
+        """Return the pairs by instance, class, tag and attribute; only attributes that differ somewhere."""
         groups: dict[tuple[int, str, str, str], list[Pair]] = {}
         different = {name for pair in self.pairs for name in pair.changes}
         for pair in self.pairs:
@@ -218,27 +239,7 @@ class Comparison:
                 owner = self.owner(pair, name)
                 if owner is not None and name in different:
                     groups.setdefault((id(pair.each), owner, default_tag(pair.item.node), name), []).append(pair)
-        settled: dict[str, dict[str, dict[str, object]]] = {}
-        for (_, owner, tag, name), pairs in groups.items():
-            values = {pair.changes.get(name) for pair in pairs}
-            value = values.pop()
-            # An element cannot remove a value of its class: only the class can.
-            is_removed = value is None and all(name in pair.changes for pair in pairs)
-            if values or (not is_removed and (value is None or len(pairs) < _SEVERAL)):
-                continue
-            pair = pairs[0]
-            attribute = pair.item.kind.attributes[name]
-            called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
-            text = "null" if value is None else elements.written_value(attribute, self.name(attribute, value))
-            settled.setdefault(called, {}).setdefault(tag, {})[name] = text
-            change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
-            self.found_changes.append(change)
-            for each in pairs:
-                del each.changes[name]
-        for owner, tags in settled.items():
-            self.edit({"select": f"{{default: {word(owner)}}}", "set": elements.nested(dict(tags))}, elements.CLASSES)
-        for pair in self.pairs:
-            self.change(pair)
+        return groups
 
     def ends(self, pair: Pair, name: str, after: str | None) -> tuple[str | None, str | None, str]:
         """Return an attribute's value in the part, its new value, and its unit."""
@@ -398,6 +399,16 @@ class Comparison:
         if not attribute.is_reference or attribute.refers is None:
             return value
         return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())
+
+
+def _belongs_to_class(name: str, pairs: list[Pair]) -> bool:
+    """Return whether the value of a class changed, because the values of all its elements changed alike."""
+    values = {pair.changes.get(name) for pair in pairs}
+    if len(values) > 1:
+        return False
+    if values == {None}:  # an element cannot remove a value of its class: only the class can
+        return all(name in pair.changes for pair in pairs)
+    return len(pairs) >= _SEVERAL
 
 
 def _numbered(node: Node, parent: str) -> str:
