@@ -169,28 +169,11 @@ def _build(options: Options, run: Run) -> int:
 def _check_usage(options: Options) -> None:
     check_readers(options.recipe, options.workers.cluster)
     workers = options.workers
-    table = options.table
     samples = options.samples
     check_several(options.one, jobs=workers.jobs, shard=workers.shard, cluster=workers.cluster)
-    if table is not None and (
-        left := next(
-            (
-                name
-                for name, given in {
-                    "--shard": workers.shard,
-                    "--cluster": workers.cluster,
-                    "--sample-table": samples,
-                    "--parquet": options.parquet,
-                    "--shared-assets": options.shared_assets,
-                    "--picture": options.picture,
-                }.items()
-                if given
-            ),
-            None,
-        )
-    ):
-        raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
-    if options.gives == "union" and table is None:
+    if options.table is not None:
+        _check_usage_of_worlds(options)
+    if options.gives == "union" and options.table is None:
         raise click.UsageError("--as union also needs --worlds FILE, the table of the numbers that differ.")
     if options.gives == "worlds" and options.cells.only_samples:
         raise click.UsageError("--sample selects a model, and with --as worlds, all samples are in one model.")
@@ -199,14 +182,29 @@ def _check_usage(options: Options) -> None:
         raise click.UsageError(f"--sample-table names a table, FILE.csv or FILE.parquet, not `{samples}`: {help}.")
     if options.depfile is not None and (options.out == "-" or workers.shard is not None):
         raise click.UsageError("--depfile names the outputs of a whole build: remove -o - and --shard.")
-    if options.sbom is not None and not (
-        options.one
-        and (options.out is None or options.out.endswith(("/", ".zip", ".mjz")))
-        and not is_address(options.out)
-    ):
+    if options.sbom is not None and not (options.one and _is_bundle_here(options.out)):
         raise click.UsageError("--sbom is for one model that is written to DIR/, FILE.zip or FILE.mjz on this machine.")
     if samples is not None and options.one:
         raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
+
+
+def _check_usage_of_worlds(options: Options) -> None:
+    values = {
+        "--shard": options.workers.shard,
+        "--cluster": options.workers.cluster,
+        "--sample-table": options.samples,
+        "--parquet": options.parquet,
+        "--shared-assets": options.shared_assets,
+        "--picture": options.picture,
+    }
+    for name, value in values.items():
+        if value:
+            raise click.UsageError(f"{name} is not for --worlds, which gives one bundle and one table.")
+
+
+def _is_bundle_here(out: str | None) -> bool:
+    """Return whether the output is a folder or an archive on this machine."""
+    return (out is None or out.endswith(("/", ".zip", ".mjz"))) and not is_address(out)
 
 
 def _output_spec(options: Options, run: Run) -> OutputSpec:
