@@ -258,15 +258,7 @@ def render(options: RenderOptions, run: Run) -> Answer:
     given = options.choices.values(run.context)
     several = not options.cells.one
     moves = options.turntable or options.play is not None
-    check_several(not several, jobs=options.jobs)
-    if several and moves:
-        raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
-    if options.turntable and options.camera is not None:
-        raise click.UsageError("--turntable goes around the whole model: remove --camera.")
-    if options.look is not None and options.camera is not None:
-        raise click.UsageError("--look and --camera both choose the view: remove one of them.")
-    if options.explode and options.play is not None:
-        raise click.UsageError("--explode is for a model at rest: remove --play.")
+    _check_usage_of_render(options, several=several, moves=moves)
     run.check()
     wish = Wish(
         options.size or (TILE if several else FILM if moves else Wish().size),
@@ -295,6 +287,18 @@ def render(options: RenderOptions, run: Run) -> Answer:
     if words is None:
         raise Stop(FINDINGS)
     return Answer(words, is_outcome=True)
+
+
+def _check_usage_of_render(options: RenderOptions, *, several: bool, moves: bool) -> None:
+    check_several(not several, jobs=options.jobs)
+    if several and moves:
+        raise click.UsageError("A contact sheet does not move: remove --turntable and --play.")
+    if options.turntable and options.camera is not None:
+        raise click.UsageError("--turntable goes around the whole model: remove --camera.")
+    if options.look is not None and options.camera is not None:
+        raise click.UsageError("--look and --camera both choose the view: remove one of them.")
+    if options.explode and options.play is not None:
+        raise click.UsageError("--explode is for a model at rest: remove --play.")
 
 
 class _Rendering(Struct):
