@@ -62,11 +62,8 @@ def fmt(options: FmtOptions, run: Run) -> int:
         unchanged += result == source
         if file == STDIN and not check:
             _write_to_stdout(result)
-        elif result != source and check:
-            shown = _shown(file, context)
-            _report(shown, difference(source, result, shown, done="formatted"), run.form)
-        elif result != source and rewrite(Path(file), result, context, before=source, within=door):
-            _report(_shown(file, context), None, run.form)
+        elif result != source:
+            _write_or_show(file, source, result, door, run, check=check)
     if unchanged and run.form == "text" and STDIN not in files:
         say(f"{counted(unchanged, 'file')} left unchanged")
     run.report()
@@ -89,6 +86,14 @@ def _formatted(file: str, context: Context) -> tuple[bytes, bytes] | None:
     is_model = is_model or source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<")
     result = (format_mjcf if is_model else format_recipe)(source, _shown(file, context), context.sink)
     return None if result is None else (source, result)
+
+
+def _write_or_show(file: str, source: bytes, result: bytes, door: Door, run: Run, *, check: bool) -> None:
+    shown = _shown(file, run.context)
+    if check:
+        _report(shown, difference(source, result, shown, done="formatted"), run.form)
+    elif rewrite(Path(file), result, run.context, before=source, within=door):
+        _report(shown, None, run.form)
 
 
 def _shown(file: str, context: Context) -> str:
@@ -234,25 +239,43 @@ def fix(options: FixOptions, run: Run) -> int:
     context.sink.extend(found.left)
     for path in found.outside:
         note_outside(path, found.door, context)
-    writes = True if options.yes else options.write
     if run.form != "json":
         show_differences(found.files, context, done="fixed")
-        if writes is None and found.files and is_asked():
-            writes = click.confirm(f"write {_amount(found)}?", err=True)
-    texts = found.files.items() if writes else ()
-    done = [rewrite(path, after, context, before=before, within=found.door) for path, (before, after) in texts]
-    written = bool(writes) and all(done)
+    written = _may_write(options, found, run.form) and _rewrite_all(found, found.door, context)
     if run.form == "json":
         _say_data(found, context, written=written)
-    elif found.files:
-        say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
-    elif not context.sink.has_errors:
-        say("nothing to fix")
+    else:
+        _say_fixed(found, context, written=written)
     if not written:
         run.texts = {context.shown(path): text for path, (_, text) in found.files.items()}
     if context.sink.has_errors:
         return run.code_of_failure(options.recipe)
     return FINDINGS if found.files and not written else 0
+
+
+def _may_write(options: FixOptions, found: Fixed, form: str) -> bool:
+    """Return whether the options allow to write the fixes, or the user does."""
+    if options.yes:
+        return True
+    if options.write is not None:
+        return options.write
+    if form == "json" or not found.files or not is_asked():
+        return False
+    return click.confirm(f"write {_amount(found)}?", err=True)
+
+
+def _rewrite_all(fixed: Fixed, door: Door, context: Context) -> bool:
+    """Write all files that it can; return whether it wrote each of them."""
+    texts = fixed.files.items()
+    written = [rewrite(path, after, context, before=before, within=door) for path, (before, after) in texts]
+    return all(written)
+
+
+def _say_fixed(found: Fixed, context: Context, *, written: bool) -> None:
+    if found.files:
+        say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
+    elif not context.sink.has_errors:
+        say("nothing to fix")
 
 
 def is_asked() -> bool:
@@ -437,9 +460,7 @@ def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Se
     done = Fixing(look, context, MJCF_FILES, door=door).fixed()
     for path in done.outside:
         note_outside(path, door, context)
-    texts = done.files.items()
-    written = [rewrite(file, after, context, before=before, within=door) for file, (before, after) in texts]
-    return len(done.fixed) if all(written) else 0
+    return len(done.fixed) if _rewrite_all(done, door, context) else 0
 
 
 def _table(results: Sequence[Linted], selected: Sequence[Rule], code: int) -> Answer:

@@ -24,6 +24,7 @@ from mjcompose.sources.context import Context, as_text
 
 if TYPE_CHECKING:
     from mjcompose.tools.importing.recover import Recovered
+    from mjcompose.tools.importing.search import Search
 
 
 class Options(Group):
@@ -170,7 +171,6 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     wrong usage.
     """
     from mjcompose.tools.importing.recover import recover
-    from mjcompose.tools.importing.search import search
 
     merged = options.merged
     parts = options.parts
@@ -178,11 +178,7 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     target = Path(options.out) if options.out is not None else Path(f"{merged.stem}.yaml")
     if os.path.lexists(target):
         raise click.UsageError(f"{target} exists already: choose another name with -o")
-    if parts and options.folders:
-        raise click.UsageError("--among is for a search, and you named PARTS: remove --among")
-    if named := next((each for each in parts if _is_reference(each)), None):
-        help = "Remove PARTS: mjcompose searches Menagerie and installed packages"
-        raise click.UsageError(f"PARTS are files, and `{named}` is a reference. {help}")
+    _check_parts(options)
     _refuse_foreign((merged, *parts), run)
     progress(f"reading {merged}")
     if merged.suffix.lower() in URDF_FILES:
@@ -191,14 +187,11 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
         return _urdf(merged, target, run)
     references: dict[Path, str] = {}
     if not parts:
-        result = run.need(search(merged, options.folders, context, progress=progress), merged)
-        among = f"among {counted(result.looked_at, 'model')}"
+        result = _search(options, run)
         if not result.parts:
-            return _whole(merged, target, among=among, run=run)
-        names = [each.reference or context.shown(each.path) for each in result.parts]
-        say(f"found {counted(len(names), 'part')} {among}: {', '.join(names)}", err=run.form == "json")
-        references = {each.path: each.reference for each in result.parts if each.reference is not None}
-        parts = tuple(each.path for each in result.parts)
+            return _whole(merged, target, among=_among(result), run=run)
+        references = {part.path: part.reference for part in result.parts if part.reference is not None}
+        parts = tuple(part.path for part in result.parts)
     found = recover(merged, list(parts), target, context=context, progress=progress, references=references)
     if found is not None:
         rewrite(target, found.text.encode(), context)
@@ -206,6 +199,30 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     if found is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(merged, *parts))
     return _answer(found, target, shown=context.shown(merged), run=run)
+
+
+def _check_parts(options: ImportOptions) -> None:
+    if options.parts and options.folders:
+        raise click.UsageError("--among is for a search, and you named PARTS: remove --among")
+    for part in options.parts:
+        if _is_reference(part):
+            help = "Remove PARTS: mjcompose searches Menagerie and installed packages"
+            raise click.UsageError(f"PARTS are files, and `{part}` is a reference. {help}")
+
+
+def _search(options: ImportOptions, run: Run) -> Search:
+    """Search the parts, and print those that were found."""
+    from mjcompose.tools.importing.search import search
+
+    result = run.need(search(options.merged, options.folders, run.context, progress=progress), options.merged)
+    if result.parts:
+        names = [part.reference or run.context.shown(part.path) for part in result.parts]
+        say(f"found {counted(len(names), 'part')} {_among(result)}: {', '.join(names)}", err=run.form == "json")
+    return result
+
+
+def _among(result: Search) -> str:
+    return f"among {counted(result.looked_at, 'model')}"
 
 
 def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | int:
