@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 from html import unescape
 from itertools import islice
@@ -101,33 +101,38 @@ class Source(Struct, frozen=False):
 def _changes(
     node: Node, head: Tag, close: int, renamed: Mapping[str, str], text: str
 ) -> Iterator[tuple[int, int, str]]:
+    """Yield the changes of the tags and attributes of an element: places in the text, and their new text."""
     tag = str(node.tag)
     now = {str(name): str(value) for name, value in node.items()}
     if tag != head.tag:
         for at in (head.start + 1, close + 2) if close else (head.start + 1,):
             yield at, at + len(head.tag), tag
-    known = {each.name: each for each in head.attributes}
-    kept = set()
-    for name, value in now.items():
+    known = {attribute.name: attribute for attribute in head.attributes}
+    kept = _kept(now, known, renamed)
+    places = set(kept.values())
+    for name, before in kept.items():
+        attribute = known[before]
+        if before != name:
+            yield attribute.at, attribute.at + len(before), name
+        if now[name] != unescape(attribute.value or ""):
+            yield attribute.start - 1, attribute.end + 1, quoteattr(now[name])
+    for name, attribute in known.items():
+        if name not in places and name not in now:
+            yield head.start + len(text[head.start : attribute.at].rstrip()), attribute.end + 1, ""
+    new = [name for name in now if name not in known and renamed.get(name, name) not in places]
+    if new:
+        last = max((attribute.end + 1 for attribute in head.attributes), default=head.start + 1 + len(tag))
+        yield last, last, "".join(f" {name}={quoteattr(now[name])}" for name in new)
+
+
+def _kept(now: Mapping[str, str], known: Collection[str], renamed: Mapping[str, str]) -> dict[str, str]:
+    """Return the names that stay in their place in the text, with their names before."""
+    kept = {}
+    for name in now:
         before = renamed.get(name, name)
         if before in known and (before == name or name not in known):
-            kept.add(before)
-            each = known[before]
-            if before != name:
-                yield each.at, each.at + len(before), name
-            if value != unescape(each.value or ""):
-                yield each.start - 1, each.end + 1, quoteattr(value)
-    for name, each in known.items():
-        if name not in kept and name not in now:
-            yield head.start + len(text[head.start : each.at].rstrip()), each.end + 1, ""
-    new = "".join(
-        f" {name}={quoteattr(value)}"
-        for name, value in now.items()
-        if name not in known and renamed.get(name, name) not in kept
-    )
-    if new:
-        last = max((each.end + 1 for each in head.attributes), default=head.start + 1 + len(tag))
-        yield last, last, new
+            kept[name] = before
+    return kept
 
 
 def _additions(
