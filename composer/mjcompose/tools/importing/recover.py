@@ -270,18 +270,14 @@ class _Recovery:
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
         outcome = self.outcome(proposal, bundle)
-        lost = [each for each in (outcome.changes if outcome else ()) if (each.kind, each.what) == ("key", "removed")]
-        missing = [each.name for each in lost if _has_name(each)]
+        missing = [key.name for key in _lost_keys(outcome) if _has_name(key)]
         if missing:  # with a key of that name, its values can be compared
             blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
             outcome = self.outcome(proposal, bundle)
-        changes = outcome.changes if outcome is not None else ()
-        keys = keyframes(changes, proposal, missing)
+        keys = keyframes(outcome.changes if outcome is not None else (), proposal, missing)
         note = "a key without a name, which a recipe cannot write"
-        numbers = [
-            each.index[0] for each in changes if each.kind == "key" and each.what == "removed" and not _has_name(each)
-        ]
+        numbers = [key.index[0] for key in _lost_keys(outcome) if not _has_name(key)]
         proposal.entries += [elements.Entry("keyframe", f"key_{number}: {{}}", note) for number in numbers] + keys
         text, _ = recipe_text(proposal)
         if keys:
@@ -309,6 +305,11 @@ class _Recovery:
 def _reference(path: Path, folder: Path) -> str:
     relative = os.path.relpath(os.path.abspath(path), os.path.abspath(folder)).replace(os.sep, "/")
     return relative if relative.startswith(".") else f"./{relative}"
+
+
+def _lost_keys(outcome: Outcome | None) -> list[Change]:
+    changes = outcome.changes if outcome is not None else ()
+    return [change for change in changes if change.kind == "key" and change.what == "removed"]
 
 
 def _has_name(key: Change) -> bool:
