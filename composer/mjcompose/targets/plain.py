@@ -99,12 +99,7 @@ def without_classes(root: Node) -> None:
     for element, texts in found:
         for name, text in texts.items():
             if text is not None:
-                if name in _POLYNOMIALS:
-                    linear, *higher = text.split() or [""]
-                    while higher and float(higher[-1]) == 0:
-                        higher.pop()
-                    text = " ".join([linear, *higher])
-                element.set(name, text)
+                element.set(name, _without_zeros(text) if name in _POLYNOMIALS else text)
     for element in root.iter("*"):
         if element.tag != "default":
             for name in ("class", "childclass"):
@@ -115,6 +110,14 @@ def without_classes(root: Node) -> None:
 
 _POLYNOMIALS = ("damping", "stiffness")
 """Attributes of one number in older versions of MJCF, and in the programs that read them."""
+
+
+def _without_zeros(text: str) -> str:
+    """Return the coefficients of a polynomial without the zeros at their end; the linear one stays."""
+    linear, *higher = text.split() or [""]
+    while higher and float(higher[-1]) == 0:
+        higher.pop()
+    return " ".join([linear, *higher])
 
 
 def _layers(material: Node, classes: Classes) -> None:
