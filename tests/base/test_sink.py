@@ -139,7 +139,7 @@ def test_a_warning_is_dropped_with_all_of_its_cause() -> None:
     for subject in ("a", "b"):
         sink.warning("bad-name", subject, cause=Cause("same", subject))
     sink.error("bad-name", "an error")
-    (error, warning) = sink.sorted()
+    error, warning = sink.sorted()
     sink.drop(warning)
     assert sink.diagnostics == [error]
     sink.warning("bad-name", "c", cause=Cause("same", "c"))

@@ -492,7 +492,7 @@ def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
     linked.check()
     layout = linked.linking.keys.base_layout
     assert layout is not None
-    (own, _) = layout.actuators.values()
+    own, _ = layout.actuators.values()
     model = mujoco.MjModel.from_xml_string(text)
     assert own.widths == (model.actuator_ctrlnum[0], model.actuator_actnum[0])
 

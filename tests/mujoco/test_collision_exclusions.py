@@ -132,7 +132,7 @@ def test_the_same_seed_gives_the_same() -> None:
 def test_a_body_without_a_name_is_called_by_where_it_is() -> None:
     model = mujoco.MjModel.from_xml_string(ARM.replace('<body name="upper">', "<body>"))
     pairs = needless(mujoco, model, {"samples": 10, "seed": 0})["pairs"]
-    (first, *_) = [each for each in pairs if not all(each["bodies"])]
+    first, *_ = [each for each in pairs if not all(each["bodies"])]
     assert first["called"] == ["`pedestal`", "a body in `pedestal`"]
 
 
@@ -166,7 +166,7 @@ def test_no_pose_brings_two_bodies_closer_than_the_bound() -> None:
     for _ in range(200):
         for joint in range(model.njnt):
             at = model.jnt_qposadr[joint]
-            (low, high) = model.jnt_range[joint]
+            low, high = model.jnt_range[joint]
             is_ball = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_BALL
             data.qpos[at : at + 1 + 3 * is_ball] = random.normal(size=4) if is_ball else random.uniform(low, high)
         mujoco.mj_kinematics(model, data)

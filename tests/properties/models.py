@@ -89,7 +89,7 @@ class _Builder:
             letters = make.some("xyz", 3, 3)
             node.set("eulerseq", "".join(x.upper() if make.chance(30) else x for x in letters))
         # What only MuJoCo can compute is measured element by element, which a replicate hides.
-        if not (self.replicates):
+        if not self.replicates:
             for name, values in (
                 ("autolimits", ("true", "false")),
                 ("inertiafromgeom", ("true", "false", "auto")),

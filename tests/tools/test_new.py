@@ -96,7 +96,7 @@ def test_its_workflow_uses_inputs_that_the_action_has(project: Path) -> None:
     used = workflow["jobs"]["models"]["steps"][-1]
     assert used["with"].keys() <= ACTION["inputs"].keys()
     assert (project / used["uses"] / "action.yml").read_bytes() == (ROOT / "action.yml").read_bytes()
-    (requirement, mujoco) = (project / "requirements.txt").read_text(encoding="utf-8").splitlines()
+    requirement, mujoco = (project / "requirements.txt").read_text(encoding="utf-8").splitlines()
     assert requirement.startswith("mjcompose[menagerie]==") and mujoco.startswith("mujoco==")
 
 

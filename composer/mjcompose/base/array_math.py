@@ -153,8 +153,8 @@ def _plus(a: Pair, b: Pair) -> Pair:
 
 def _times(a: Pair, b: Pair) -> Pair:
     high = a[0] * b[0]
-    (a_first, a_last) = _halves(a[0])
-    (b_first, b_last) = _halves(b[0])
+    a_first, a_last = _halves(a[0])
+    b_first, b_last = _halves(b[0])
     low = ((a_first * b_first - high) + a_first * b_last + a_last * b_first) + a_last * b_last
     return _sum(high, low + (a[0] * b[1] + a[1] * b[0]))
 

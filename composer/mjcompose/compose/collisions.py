@@ -115,7 +115,7 @@ class _CollisionWriter(Struct):
         """Return the pairs of bodies that have names, and report the others."""
         pairs = list(pairs)
         if nameless := [pair for pair in pairs if not all(pair["bodies"])]:
-            (one, other) = nameless[0]["called"]
+            one, other = nameless[0]["called"]
             where = nameless[0]["where"]
             more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
             reason = f"{more}, and a body without a name cannot be excluded"

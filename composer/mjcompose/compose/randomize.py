@@ -207,7 +207,7 @@ class _FieldDraws(Struct, frozen=False):
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
         """Return the number at one place of the draw, for each of the samples."""
         entry = self.step.field
-        (component, of) = self._component(place)
+        component, of = self._component(place)
         return entry.distribution.draw_all(
             self.step.seed, samples, entry.stream, element=self._stream(node), component=component, of=of
         )

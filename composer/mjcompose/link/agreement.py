@@ -392,7 +392,7 @@ def passthrough(linking: Linking) -> None:
             (asking if _wants_passthrough(unit) else others).append((unit, texture))
     if asking and others:
         unit = asking[0][0]
-        (other, texture) = others[0]
+        other, texture = others[0]
         compiler = next(each for each in unit.root.iterchildren("compiler") if each.get(_NAME))
         which = f"`{other.label}`, whose textures are loaded"
         message = f"`{_NAME}` of `{unit.label}` cannot be kept in a composition with {which}"

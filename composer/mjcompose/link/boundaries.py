@@ -53,8 +53,8 @@ def has_crossings(unit: Unit) -> bool:
 
 def _report(linking: Linking, unit: Unit, crossing: Crossing) -> None:
     element = crossing.row.element
-    (kind, inside) = crossing.inside
-    (other_kind, outside) = crossing.outside
+    kind, inside = crossing.inside
+    other_kind, outside = crossing.outside
     name = str(element.get("name") or "")
     message = (
         f"MuJoCo drops the `<{element.tag}>` {shown_name(element)}: "

@@ -183,7 +183,7 @@ class KeyOutOfRange(Rule):
                     continue
                 count += 1
                 if not each.is_within(margin):
-                    (low, high) = each.range
+                    low, high = each.range
                     unit = f" {each.unit}" if each.kind == "joint" else ""
                     where = f"`{each.vector}` of {scope.called(each.kind, each.number)} in `{name}`"
                     number = f"{each.value:.6g}{unit}"

@@ -57,7 +57,7 @@ def _starts(subject: Subject) -> Iterator[tuple[str, Any, Node | None, bool]]:
             yield f"in {name}", at_key, node, True
     single = model.jnt_limited.astype(bool) & (model.jnt_type >= int(subject.mujoco.mjtJoint.mjJNT_SLIDE))
     at = data.qpos[model.jnt_qposadr[single]]
-    (low, high) = model.jnt_range[single].T
+    low, high = model.jnt_range[single].T
     if not has_key and ((low <= at) & (at <= high)).all():
         yield "in the reference configuration", data, None, False
 

@@ -89,7 +89,7 @@ def reference_out_of_range(subject: Subject) -> Found:
         if not model.jnt_limited[row] or int(model.jnt_type[row]) < SLIDE:
             continue
         at = float(model.qpos0[model.jnt_qposadr[row]])
-        (low, high) = map(float, model.jnt_range[row])
+        low, high = map(float, model.jnt_range[row])
         if not low - _ROUNDING <= at <= high + _ROUNDING:
             unit = "rad" if int(model.jnt_type[row]) == HINGE else "m"
             ends = f"its range is from {low:.4g} to {high:.4g} {unit}"

@@ -86,8 +86,8 @@ def offer_fixes(offered: Offer) -> Iterator[Action]:
         place = place_of(diagnostic)
         edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
         if edit is not None:
-            (line, column) = position(text, edit.start)
-            (end_line, end_column) = position(text, edit.end)
+            line, column = position(text, edit.start)
+            end_line, end_column = position(text, edit.end)
             change = Change(Span(file, line, column, end_line=end_line, end_column=end_column), edit.text)
             title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
             yield Action(title, (change,), diagnostic, is_preferred=True)

@@ -217,7 +217,7 @@ def offer_references(question: Question) -> Iterator[Item]:
         kind = FORMATS[PathlibPath(reference).suffix.lower()]
         if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
             yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
-    if not (only_recipes):
+    if not only_recipes:
         for form in _SCHEMES:
             if scheme := form.scheme:
                 yield Item(f"{scheme}:", "scheme", form.example, doc=form.meaning, rank=30, again=scheme == "menagerie")

@@ -255,7 +255,7 @@ def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
         begin = node.span.column + (0 if node.plain else 1)
         width = (node.span.end_column or node.span.column) - node.span.column
         has_escapes = width not in (len(node.text), len(node.text) + 2)  # their length in the file is not known
-        if not (has_escapes):
+        if not has_escapes:
             for name, start, end in names_in(node.text):
                 yield name, replace(node.span, column=begin + start, end_column=begin + end)
         return

@@ -47,7 +47,7 @@ def readings_in(text: str, scope: Map[str, Value]) -> Iterator[tuple[str, Map[st
     except ExpressionError:
         return
     for piece in pieces:
-        if not (isinstance(piece, str)):
+        if not isinstance(piece, str):
             for tree in _items(piece.tree):
                 first, last = tree.at
                 values = {label: value for label, value in _read(tree, scope) if label}

@@ -138,7 +138,7 @@ def relocated_text(model: Model, label: str) -> str | None:
     if files is None or next(empty_elements(unit), None) is not None:
         return None
     text = to_text(unit.root)
-    (moving, staying) = files
+    moving, staying = files
     if moving and (staying or text.count(_FILE) != moving):
         return None
     return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/") if moving else text)

@@ -167,7 +167,7 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
     """Let a moved `<model>` name the same file. A file in memory is copied with its folder, to which it may refer."""
     file = join("", str(element.get("file")))
     beside = posixpath.dirname(file)
-    (stem, suffix) = posixpath.splitext(file)
+    stem, suffix = posixpath.splitext(file)
     in_memory = isinstance(source.contents.get(file), bytes)
     theirs: dict[str, bytes | Path] = {file: source.source_of(file)}
     if in_memory:

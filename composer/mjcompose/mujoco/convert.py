@@ -156,7 +156,7 @@ def _saved(mujoco: Any, spec: Any, is_fixed: bool) -> str:
         return _saved_as_compiled(mujoco, spec, is_fixed)
     for body in spec.bodies[1:]:
         body.add_frame(name=body.name)  # moves along with the body, whatever happens to it
-    if not (is_fixed):
+    if not is_fixed:
         for root in spec.worldbody.bodies:
             root.fuse = 0
     if compiler.discardvisual:

@@ -121,7 +121,7 @@ class _Mirror:
         """Return a key of the image, after MuJoCo has compared the bodies and the forces."""
         of = self.of
         own = self.own
-        (before, after) = self.data
+        before, after = self.data
         self.mujoco.mj_resetDataKeyframe(of, before, number)
         self.mujoco.mj_resetData(own, after)
         for joint, other in self.joints.items():
@@ -157,7 +157,7 @@ class _Mirror:
     def _position(self, joint: int, other: int) -> None:
         of = self.of
         own = self.own
-        (before, after) = self.data
+        before, after = self.data
         at = _at(of, "qpos", joint)
         there = _at(own, "qpos", other)
         value = before.qpos[at]
@@ -179,7 +179,7 @@ class _Mirror:
         """Set control and activation of the image of an actuator: positions if it has a stiffness."""
         of = self.of
         own = self.own
-        (before, after) = self.data
+        before, after = self.data
         sign = 1.0
         shift = 0.0
         joint = int(of.actuator_trnid[actuator, 0])

@@ -399,7 +399,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
             return {"unknown": kind, "known": list(filter(None, known))}
     out = Path(asked["out"])
     tile = asked.get("tile")
-    (width, height) = asked["size"]
+    width, height = asked["size"]
     background = None if asked["background"] is None else tuple(asked["background"])
     labels = tuple(asked["labels"])
     look = Look(width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=labels)

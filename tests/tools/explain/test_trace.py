@@ -156,7 +156,7 @@ def test_of_a_file_alone(tmp_path: Path) -> None:
     traced = trace(Path("arm.xml"), Context(environment={}, folder=tmp_path))
     assert traced is not None
     (key,) = traced.model.root.iter("key")
-    (first, second) = traced.attribute(key, "ctrl").rows
+    first, second = traced.attribute(key, "ctrl").rows
     assert first.reason.span is not None and second.reason.span is not None
     assert (first.written, first.reason.span.line, second.reason.span.line) == ("7", 7, 8)
 

@@ -299,7 +299,7 @@ class Causes:
     def _entry(self, change: Change) -> Iterator[Cause]:
         """Yield the key's numbers for a joint, actuator or body, or else the cause that moves the body with its key."""
         vector = change.field.removeprefix("key_")
-        (before, after) = self._nodes(change)
+        before, after = self._nodes(change)
         mine, ours = self.a.key_lines(before, vector, change.entry)
         yours, theirs = self.b.key_lines(after, vector, change.entry)
         yield from (Cause("key", first, second) for first, second in zip_longest(ours, theirs))

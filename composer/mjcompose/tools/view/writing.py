@@ -485,7 +485,7 @@ def _pose(said: Any) -> Pose:
 
 def _difference(before: str, after: str) -> Answer:
     """Return the replacement: lines and columns from 0, in units of UTF-16, as editors count."""
-    (head, tail) = yaml_tree.common_ends(before, after)
+    head, tail = yaml_tree.common_ends(before, after)
     ends = []
     for at in (head, len(before) - tail):
         *above, last = yaml_tree.lines_of(before[:at])

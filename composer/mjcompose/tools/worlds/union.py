@@ -352,8 +352,8 @@ class Mapped:
     def pairs(self, array: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the flat indices of an array's numbers in the union, and in the model."""
         if array not in self._pairs:
-            (kind, rows) = owners(self.union, array)
-            (_, others) = owners(self.model, array)
+            kind, rows = owners(self.union, array)
+            _, others = owners(self.model, array)
             to, of = self._matched(kind, rows, others)
             shapes = (np.shape(getattr(each, array)) for each in (self.union, self.model))
             width, other = (int(np.prod(shape[1:], dtype=int)) for shape in shapes)

@@ -240,5 +240,5 @@ class Solver:
         if not self.model.jnt_limited[joint] or self.model.jnt_type[joint] not in (SLIDE, HINGE):
             return False
         here = self.data.qpos[self.model.jnt_qposadr[joint]]
-        (low, high) = self.model.jnt_range[joint]
+        low, high = self.model.jnt_range[joint]
         return bool(here <= low + _NEAR or here >= high - _NEAR)
