@@ -45,8 +45,7 @@ class Alignment(SequenceMatcher[Item]):
 
 def _matches(before: Sequence[Item], after: Sequence[Item]) -> Iterator[Match]:
     """Yield common runs of two long sequences in order: the ends, the anchors, and the runs between them."""
-    head = _common(before, after)
-    tail = _common(before[head:][::-1], after[head:][::-1])
+    head, tail = common_ends(before, after)
     ends = (len(before) - tail, len(after) - tail)
     yield Match(0, 0, head)
     start = (head, head)
@@ -60,16 +59,6 @@ def _matches(before: Sequence[Item], after: Sequence[Item]) -> Iterator[Match]:
             yield Match(at, place, 1)
         start = (at + 1, place + 1)
     yield Match(*ends, tail)
-
-
-def _common(before: Sequence[Item], after: Sequence[Item]) -> int:
-    """Return the number of equal items at the start."""
-    count = 0
-    for item, other in zip(before, after, strict=False):
-        if item != other:
-            break
-        count += 1
-    return count
 
 
 def _anchors(
@@ -121,6 +110,17 @@ def _adjacent(matches: Iterator[Match]) -> list[Match]:
         else:
             runs.append(match)
     return runs
+
+
+def common_ends(before: Sequence[object], after: Sequence[object]) -> tuple[int, int]:
+    """Return the number of items that two lists or texts share at the start, and of the other items at the end.
+
+    >>> common_ends("abcd", "abxd"), common_ends("aa", "aaa")
+    ((2, 1), (2, 0))
+    """
+    most = min(len(before), len(after))
+    head = next((at for at in range(most) if before[at] != after[at]), most)
+    return head, next((at for at in range(most - head) if before[-1 - at] != after[-1 - at]), most - head)
 
 
 def unified_diff(before: list[str], after: list[str], old: str, new: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 from pathlib import Path as PathlibPath
 from typing import TYPE_CHECKING, Any
 
+from mjcompose.base.alignment import common_ends
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import Mark, mark_of, read_regular
@@ -19,7 +20,7 @@ from mjcompose.lsp.language import Form, forms_at
 from mjcompose.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.sources.reference import Source
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Node, common_ends, find, lines_of, to_python
+from mjcompose.text.node import Change, Mapping, Node, find, lines_of, to_python
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.unit import Unit
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence as Items
 from dataclasses import replace
 from typing import NamedTuple
 
+from mjcompose.base.alignment import common_ends
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.text.load import load
-from mjcompose.text.node import Key, Mapping, Node, Sequence, common_ends
+from mjcompose.text.node import Key, Mapping, Node, Sequence
 
 _UNUSUAL = "&*?%\t"
 """Anchors, aliases, keys that are not text, and directives reach other lines."""

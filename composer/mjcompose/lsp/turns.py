@@ -51,7 +51,7 @@ def readings_in(text: str, scope: Map[str, Value]) -> Iterator[tuple[str, Map[st
             for tree in _items(piece.tree):
                 first, last = tree.at
                 values = {label: value for label, value in _read(tree, scope) if label}
-                if values and not isinstance(piece, str):
+                if values:
                     yield text[piece.start + first : piece.start + last], values
 
 
@@ -80,7 +80,7 @@ def _chosen(whole: Value, index: Expression, scope: Map[str, Value]) -> Iterator
         step = evaluate(index, scope)
     except ExpressionError:
         rows = whole.items() if isinstance(whole, DataTable) else ()
-        yield from ((name, value) for name, value in rows)
+        yield from rows
         return
     if isinstance(whole, DataTable):
         is_there = isinstance(step, str) and step in whole

@@ -339,17 +339,6 @@ def _insert(file: str, line: int, column: int, text: str) -> Change:
     return Change(Span(file, line, column, end_line=line, end_column=column), text)
 
 
-def common_ends(before: Lines[object], after: Lines[object]) -> tuple[int, int]:
-    """Return the number of items that two lists or texts share at the start, and of the other items at the end.
-
-    >>> common_ends("abcd", "abxd"), common_ends("aa", "aaa")
-    ((2, 1), (2, 0))
-    """
-    most = min(len(before), len(after))
-    head = next((at for at in range(most) if before[at] != after[at]), most)
-    return head, next((at for at in range(most - head) if before[-1 - at] != after[-1 - at]), most - head)
-
-
 def changed(text: str, changes: Iterable[Change]) -> str:
     r"""Return the text with changes that do not overlap.
 

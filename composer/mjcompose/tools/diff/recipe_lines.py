@@ -11,7 +11,7 @@ from itertools import chain, takewhile
 from pathlib import Path
 from textwrap import dedent
 
-from mjcompose.base.alignment import Alignment
+from mjcompose.base.alignment import Alignment, common_ends
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.language.repeat import FOR
@@ -20,7 +20,7 @@ from mjcompose.plan.plan import AttachPart, Plan
 from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
-from mjcompose.text.node import Mapping, Node, Scalar, common_ends, find, is_template, spans, walk
+from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, spans, walk
 from mjcompose.tools.diff.changes import Cause
 from mjcompose.tools.diff.sides import Side
 

@@ -12,6 +12,7 @@ from threading import Lock
 from typing import Any
 
 from mjcompose.base.access import Door, door_of_user, folder_of_recipe
+from mjcompose.base.alignment import common_ends
 from mjcompose.base.diagnostic import Path as Steps, Span
 from mjcompose.base.files import RECIPES, read_regular
 from mjcompose.base.limits import in_force
@@ -485,7 +486,7 @@ def _pose(said: Any) -> Pose:
 
 def _difference(before: str, after: str) -> Answer:
     """Return the replacement: lines and columns from 0, in units of UTF-16, as editors count."""
-    head, tail = yaml_tree.common_ends(before, after)
+    head, tail = common_ends(before, after)
     ends = []
     for at in (head, len(before) - tail):
         *above, last = yaml_tree.lines_of(before[:at])
