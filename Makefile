@@ -19,7 +19,7 @@ LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # With what slow tests alone need.
 SLOW := $(VENV)/.slow$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo setup test test-slow test-all test-usd test-worlds test-targets test-oldest foreign fuzz kills audit lint lint-style lint-types format docs wheel bench fidelity schemas constraints vscode clean
+.PHONY: demo setup test test-slow test-all test-usd test-worlds test-targets test-oldest foreign fuzz kills audit lint lint-style lint-types lint-page format docs wheel bench fidelity schemas constraints vscode clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
@@ -90,7 +90,7 @@ foreign: $(STAMP)
 fuzz: $(STAMP)
 	@$(BIN)/python tests/fuzz/run.py $(FUZZ_ARGS)
 
-lint: lint-style lint-types
+lint: lint-style lint-types lint-page
 
 lint-style: $(STAMP)
 	$(BIN)/ruff check
@@ -102,6 +102,10 @@ lint-style: $(STAMP)
 
 lint-types: $(STAMP)
 	$(BIN)/mypy
+
+# The TypeScript and CSS of the page of `view` and of the extension for VS Code, by Biome; skipped, with the reason, where npm cannot be had.
+lint-page:
+	.ci/page ci
 
 # Known weaknesses of what mjcompose needs, by pip-audit, in an environment of its own. It asks PyPI, and fails without an answer.
 audit: $(STAMP)
@@ -116,6 +120,7 @@ kills: $(STAMP)
 format: $(STAMP)
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+	.ci/page check --write
 
 bench: $(STAMP)
 	@$(BIN)/python -m bench
