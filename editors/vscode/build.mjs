@@ -2,12 +2,35 @@
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { build } from "esbuild";
 
-const node = { bundle: true, platform: "node", format: "cjs", target: "node20", external: ["vscode"], mainFields: ["module", "main"], logLevel: "error" };
+const node = {
+  bundle: true,
+  platform: "node",
+  format: "cjs",
+  target: "node20",
+  external: ["vscode"],
+  mainFields: ["module", "main"],
+  logLevel: "error",
+};
 
 await rm("dist", { recursive: true, force: true });
 await mkdir("dist");
-const { metafile } = await build({ ...node, entryPoints: ["src/extension.ts"], outfile: "dist/extension.js", minify: true, legalComments: "none", metafile: true });
-await build({ entryPoints: ["src/bridge.ts"], bundle: true, minify: true, format: "iife", target: "es2022", outfile: "dist/bridge.js", logLevel: "error" });
+const { metafile } = await build({
+  ...node,
+  entryPoints: ["src/extension.ts"],
+  outfile: "dist/extension.js",
+  minify: true,
+  legalComments: "none",
+  metafile: true,
+});
+await build({
+  entryPoints: ["src/bridge.ts"],
+  bundle: true,
+  minify: true,
+  format: "iife",
+  target: "es2022",
+  outfile: "dist/bridge.js",
+  logLevel: "error",
+});
 await writeFile("dist/NOTICE", await notices(Object.keys(metafile.inputs)));
 await copyFile("../../LICENSE", "LICENSE");
 

@@ -2,29 +2,55 @@
 import { BufferAttribute, BufferGeometry, Matrix4, PerspectiveCamera, Vector3, type InstancedMesh } from "three";
 
 /** Triangles of a surface whose corners are merged on a grid. `cells` is the number of cells along its longest side. */
-interface Level { cells: number; start: number; count: number }
+interface Level {
+  cells: number;
+  start: number;
+  count: number;
+}
 
-const LEAST = 800, MOST_CELLS = 512, LEAST_CELLS = 4, SHADOW_CELLS = 22;
+const LEAST = 800,
+  MOST_CELLS = 512,
+  LEAST_CELLS = 4,
+  SHADOW_CELLS = 22;
 /** Sides of round things that differ from a circle by less than a quarter of a cell. */
-const ROUND = [{ sides: 24, cells: 64 }, { sides: 16, cells: 28 }, { sides: 8, cells: 7 }, { sides: 6, cells: 3 }];
+const ROUND = [
+  { sides: 24, cells: 64 },
+  { sides: 16, cells: 28 },
+  { sides: 8, cells: 7 },
+  { sides: 6, cells: 3 },
+];
 
 /** Add coarser triangles after the triangles of a surface. Its corners are in Morton order, with whole numbers below 2^bits. */
 export function simplify(geometry: BufferGeometry, whole: Uint16Array[], bits: number): void {
-  const fine = geometry.index!.array, count = whole[0].length, found: Level[] = [{ cells: Infinity, start: 0, count: fine.length }];
+  const fine = geometry.index!.array,
+    count = whole[0].length,
+    found: Level[] = [{ cells: Infinity, start: 0, count: fine.length }];
   if (fine.length < 3 * LEAST) return;
-  const [x, y, z] = whole, same = new Uint32Array(count), pieces: (typeof fine)[] = [];
-  let total = fine.length, source = fine;
+  const [x, y, z] = whole,
+    same = new Uint32Array(count),
+    pieces: (typeof fine)[] = [];
+  let total = fine.length,
+    source = fine;
   for (let cells = MOST_CELLS; cells >= LEAST_CELLS; cells /= 2) {
     const shift = bits - Math.log2(cells);
     for (let k = 1; k < count; k++) {
-      same[k] = x[k] >> shift === x[k - 1] >> shift && y[k] >> shift === y[k - 1] >> shift && z[k] >> shift === z[k - 1] >> shift ? same[k - 1] : k;
+      same[k] =
+        x[k] >> shift === x[k - 1] >> shift &&
+        y[k] >> shift === y[k - 1] >> shift &&
+        z[k] >> shift === z[k - 1] >> shift
+          ? same[k - 1]
+          : k;
     }
     const coarse = source.slice();
     let size = 0;
     for (let k = 0; k < source.length; k += 3) {
-      const a = same[source[k]], b = same[source[k + 1]], c = same[source[k + 2]];
+      const a = same[source[k]],
+        b = same[source[k + 1]],
+        c = same[source[k + 2]];
       if (a === b || b === c || a === c) continue;
-      coarse[size] = a; coarse[size + 1] = b; coarse[size + 2] = c;
+      coarse[size] = a;
+      coarse[size + 1] = b;
+      coarse[size + 2] = c;
       size += 3;
     }
     if (size > 0.7 * source.length) continue;
@@ -44,7 +70,8 @@ export function simplify(geometry: BufferGeometry, whole: Uint16Array[], bits: n
 
 /** Draw the coarsest triangles that have at least this number of cells. */
 function use(geometry: BufferGeometry, cells: number): void {
-  const levels = geometry.userData.levels as Level[], found = [...levels].reverse().find((each) => each.cells >= cells)!;
+  const levels = geometry.userData.levels as Level[],
+    found = [...levels].reverse().find((each) => each.cells >= cells)!;
   geometry.setDrawRange(found.start, found.count);
 }
 
@@ -53,7 +80,10 @@ export function shade(mesh: InstancedMesh): void {
   const { geometry } = mesh;
   if (!geometry.userData.levels) return;
   let before = geometry.drawRange;
-  mesh.onBeforeShadow = () => { before = { ...geometry.drawRange }; use(geometry, SHADOW_CELLS); };
+  mesh.onBeforeShadow = () => {
+    before = { ...geometry.drawRange };
+    use(geometry, SHADOW_CELLS);
+  };
   mesh.onAfterShadow = () => geometry.setDrawRange(before.start, before.count);
 }
 
@@ -62,14 +92,16 @@ export function suit(mesh: InstancedMesh, camera: PerspectiveCamera, pixels: num
   const { geometry } = mesh;
   if (!geometry.userData.levels) return;
   if (!geometry.boundingSphere) geometry.computeBoundingSphere();
-  const { center, radius } = geometry.boundingSphere!, matrix = new Matrix4(), place = new Vector3();
-  const lens = 2 * Math.tan(camera.fov * Math.PI / 360);
+  const { center, radius } = geometry.boundingSphere!,
+    matrix = new Matrix4(),
+    place = new Vector3();
+  const lens = 2 * Math.tan((camera.fov * Math.PI) / 360);
   let share = 0;
   for (let k = 0; k < mesh.count; k++) {
     mesh.getMatrixAt(k, matrix);
     const size = radius * matrix.getMaxScaleOnAxis();
     const distance = place.copy(center).applyMatrix4(matrix).distanceTo(camera.position) - size;
-    share = Math.max(share, 2 * size / (lens * Math.max(distance, camera.near)));
+    share = Math.max(share, (2 * size) / (lens * Math.max(distance, camera.near)));
   }
   use(geometry, share * pixels * fine);
 }
@@ -77,14 +109,20 @@ export function suit(mesh: InstancedMesh, camera: PerspectiveCamera, pixels: num
 /** A round shape in versions with fewer and fewer sides. `make` returns it with a number of sides, at most `most`. */
 export function rounded(make: (sides: number) => BufferGeometry, most: number): BufferGeometry {
   const all = [{ sides: most, cells: Infinity }, ...ROUND.filter(({ sides }) => sides < most)];
-  const made = all.map(({ sides }) => make(sides)), whole = new BufferGeometry();
+  const made = all.map(({ sides }) => make(sides)),
+    whole = new BufferGeometry();
   for (const name of ["position", "normal", "uv"]) {
-    const lists = made.map((each) => each.getAttribute(name)), joined = new Float32Array(lists.reduce((sum, each) => sum + each.array.length, 0));
+    const lists = made.map((each) => each.getAttribute(name)),
+      joined = new Float32Array(lists.reduce((sum, each) => sum + each.array.length, 0));
     let at = 0;
-    for (const { array } of lists) { joined.set(array, at); at += array.length; }
+    for (const { array } of lists) {
+      joined.set(array, at);
+      at += array.length;
+    }
     whole.setAttribute(name, new BufferAttribute(joined, lists[0].itemSize));
   }
-  const index: number[] = [], levels: Level[] = [];
+  const index: number[] = [],
+    levels: Level[] = [];
   let first = 0;
   made.forEach((each, k) => {
     levels.push({ cells: all[k].cells, start: index.length, count: each.index!.count });

@@ -1,7 +1,22 @@
 // The drawings of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras, and ghosts at other keyframes.
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial,
-  LineSegments, Matrix4, MeshBasicMaterial, MeshPhongMaterial, Quaternion, SphereGeometry, Vector3,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  GridHelper,
+  Group,
+  InstancedMesh,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  MeshBasicMaterial,
+  MeshPhongMaterial,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
 } from "three";
 import { row } from "./data";
 import { FREE, Pose, rotated, SLIDE } from "./kinematics";
@@ -41,51 +56,93 @@ export class Extras {
   }
 
   private lines(count: number): { group: Group; corners: Float32Array; colors: Float32Array; done: () => void } {
-    const geometry = new BufferGeometry(), corners = new Float32Array(3 * count), colors = new Float32Array(3 * count);
+    const geometry = new BufferGeometry(),
+      corners = new Float32Array(3 * count),
+      colors = new Float32Array(3 * count);
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
     geometry.setAttribute("color", new BufferAttribute(colors, 3));
-    const lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
+    const lines = new LineSegments(
+      geometry,
+      new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }),
+    );
     lines.frustumCulled = false;
     lines.renderOrder = 4;
     const group = new Group();
     group.add(lines);
-    return { group, corners, colors, done: () => { geometry.getAttribute("position").needsUpdate = true; } };
+    return {
+      group,
+      corners,
+      colors,
+      done: () => {
+        geometry.getAttribute("position").needsUpdate = true;
+      },
+    };
   }
 
   private frames() {
-    const { pose } = this.world, bodies = this.world.model.scene.body.name.length;
+    const { pose } = this.world,
+      bodies = this.world.model.scene.body.name.length;
     const { group, corners, colors, done } = this.lines(6 * bodies);
-    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
-    for (let b = 0; b < bodies; b++) axes.forEach((_, a) => {
-      for (const k of [0, 1]) new Color(tints[a]).toArray(colors, 3 * (6 * b + 2 * a + k));
-    });
-    const update = () => {
-      for (let b = 0; b < bodies; b++) axes.forEach((axis, a) => {
-        const along = rotated(pose.quat, 4 * b, axis, 0), at = 3 * (6 * b + 2 * a);
-        for (let k = 0; k < 3; k++) {
-          corners[at + k] = pose.pos[3 * b + k];
-          corners[at + 3 + k] = pose.pos[3 * b + k] + this.unit * 1.5 * along[k];
-        }
+    const axes = [
+        [1, 0, 0],
+        [0, 1, 0],
+        [0, 0, 1],
+      ],
+      tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
+    for (let b = 0; b < bodies; b++)
+      axes.forEach((_, a) => {
+        for (const k of [0, 1]) new Color(tints[a]).toArray(colors, 3 * (6 * b + 2 * a + k));
       });
+    const update = () => {
+      for (let b = 0; b < bodies; b++)
+        axes.forEach((axis, a) => {
+          const along = rotated(pose.quat, 4 * b, axis, 0),
+            at = 3 * (6 * b + 2 * a);
+          for (let k = 0; k < 3; k++) {
+            corners[at + k] = pose.pos[3 * b + k];
+            corners[at + 3 + k] = pose.pos[3 * b + k] + this.unit * 1.5 * along[k];
+          }
+        });
       done();
     };
     return { group, update };
   }
 
   private axes() {
-    const { joint } = this.world.model.scene, { pose } = this.world;
-    const some = joint.type.map((type: number, j: number) => (type === FREE ? -1 : j)).filter((j: number) => j >= 0) as number[];
-    const group = new Group(), width = this.unit * 0.045, length = this.unit * 2.2;
-    const rod = new InstancedMesh(new CylinderGeometry(width, width, length, 10).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
-    const tip = new InstancedMesh(new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2), overlay(0xffffff), some.length);
+    const { joint } = this.world.model.scene,
+      { pose } = this.world;
+    const some = joint.type
+      .map((type: number, j: number) => (type === FREE ? -1 : j))
+      .filter((j: number) => j >= 0) as number[];
+    const group = new Group(),
+      width = this.unit * 0.045,
+      length = this.unit * 2.2;
+    const rod = new InstancedMesh(
+      new CylinderGeometry(width, width, length, 10).rotateX(Math.PI / 2),
+      overlay(0xffffff),
+      some.length,
+    );
+    const tip = new InstancedMesh(
+      new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2),
+      overlay(0xffffff),
+      some.length,
+    );
     some.forEach((j, at) => {
       const color = new Color(joint.type[j] === SLIDE ? "#3ecf6b" : "#ff9f2e");
       rod.setColorAt(at, color);
       tip.setColorAt(at, color);
     });
-    for (const each of [rod, tip]) { each.frustumCulled = false; each.renderOrder = 4; group.add(each); }
+    for (const each of [rod, tip]) {
+      each.frustumCulled = false;
+      each.renderOrder = 4;
+      group.add(each);
+    }
     const update = () => {
-      const matrix = new Matrix4(), turn = new Quaternion(), along = new Vector3(), place = new Vector3(), one = new Vector3(1, 1, 1);
+      const matrix = new Matrix4(),
+        turn = new Quaternion(),
+        along = new Vector3(),
+        place = new Vector3(),
+        one = new Vector3(1, 1, 1);
       some.forEach((j, at) => {
         along.fromArray(pose.axis, 3 * j);
         turn.setFromUnitVectors(new Vector3(0, 0, 1), along);
@@ -99,16 +156,28 @@ export class Extras {
   }
 
   private inertia() {
-    const { body } = this.world.model.scene, group = new Group();
-    const some = body.mass.map((mass: number, b: number) => (mass > 0 ? b : -1)).filter((b: number) => b > 0) as number[];
-    const boxes = new InstancedMesh(new BoxGeometry(2, 2, 2), new MeshPhongMaterial({ color: 0xe0507a, transparent: true, opacity: 0.45, depthWrite: false }), some.length);
+    const { body } = this.world.model.scene,
+      group = new Group();
+    const some = body.mass
+      .map((mass: number, b: number) => (mass > 0 ? b : -1))
+      .filter((b: number) => b > 0) as number[];
+    const boxes = new InstancedMesh(
+      new BoxGeometry(2, 2, 2),
+      new MeshPhongMaterial({ color: 0xe0507a, transparent: true, opacity: 0.45, depthWrite: false }),
+      some.length,
+    );
     boxes.frustumCulled = false;
     group.add(boxes);
     const local = some.map((b) => {
-      const [x, y, z] = row(body.inertia, b, 3), mass = body.mass[b];
-      const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt(Math.max(each, 1e-12) * 1.5 / mass));
+      const [x, y, z] = row(body.inertia, b, 3),
+        mass = body.mass[b];
+      const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt((Math.max(each, 1e-12) * 1.5) / mass));
       const [qw, qx, qy, qz] = row(body.iquat, b, 4);
-      return new Matrix4().compose(new Vector3(...(row(body.ipos, b, 3) as [number, number, number])), new Quaternion(qx, qy, qz, qw), new Vector3(...(half as [number, number, number])));
+      return new Matrix4().compose(
+        new Vector3(...(row(body.ipos, b, 3) as [number, number, number])),
+        new Quaternion(qx, qy, qz, qw),
+        new Vector3(...(half as [number, number, number])),
+      );
     });
     const update = () => {
       const matrix = new Matrix4();
@@ -119,14 +188,21 @@ export class Extras {
   }
 
   private contacts() {
-    const group = new Group(), r = this.unit * 0.22;
-    const discs = new InstancedMesh(new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2), overlay(0xff3b6b), MOST_CONTACTS);
+    const group = new Group(),
+      r = this.unit * 0.22;
+    const discs = new InstancedMesh(
+      new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2),
+      overlay(0xff3b6b),
+      MOST_CONTACTS,
+    );
     discs.frustumCulled = false;
     discs.renderOrder = 4;
     group.add(discs);
     const update = () => {
       const found = this.world.softs.seen?.contacts ?? [];
-      const matrix = new Matrix4(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
+      const matrix = new Matrix4(),
+        turn = new Quaternion(),
+        one = new Vector3(1, 1, 1);
       discs.count = found.length;
       found.forEach((each, at) => {
         turn.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(each[5], each[6], each[7]));
@@ -139,35 +215,67 @@ export class Extras {
 
   /** Forces of contacts. The square root of a force is a length: one as large as the weight of the model is as long as half of it. */
   private forces() {
-    const { body, look } = this.world.model.scene, width = this.unit * 0.07, most = 0.5 * look.extent;
+    const { body, look } = this.world.model.scene,
+      width = this.unit * 0.07,
+      most = 0.5 * look.extent;
     const weight = 9.81 * body.mass.reduce((sum: number, each: number) => sum + each, 0);
-    const rod = new InstancedMesh(new CylinderGeometry(width, width, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5), overlay(0xf5a524), MOST_CONTACTS);
-    const tip = new InstancedMesh(new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2), overlay(0xf5a524), MOST_CONTACTS);
+    const rod = new InstancedMesh(
+      new CylinderGeometry(width, width, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5),
+      overlay(0xf5a524),
+      MOST_CONTACTS,
+    );
+    const tip = new InstancedMesh(
+      new ConeGeometry(2.4 * width, 6 * width, 14).rotateX(Math.PI / 2),
+      overlay(0xf5a524),
+      MOST_CONTACTS,
+    );
     const group = new Group();
-    for (const each of [rod, tip]) { each.frustumCulled = false; each.renderOrder = 5; group.add(each); }
+    for (const each of [rod, tip]) {
+      each.frustumCulled = false;
+      each.renderOrder = 5;
+      group.add(each);
+    }
     const update = () => {
-      const matrix = new Matrix4(), turn = new Quaternion(), along = new Vector3(), place = new Vector3(), one = new Vector3(1, 1, 1);
+      const matrix = new Matrix4(),
+        turn = new Quaternion(),
+        along = new Vector3(),
+        place = new Vector3(),
+        one = new Vector3(1, 1, 1);
       let count = 0;
       for (const each of this.world.softs.seen?.contacts ?? []) {
-        const force = along.fromArray(each, 8).length(), length = Math.min(most, most * Math.sqrt(force / weight));
+        const force = along.fromArray(each, 8).length(),
+          length = Math.min(most, most * Math.sqrt(force / weight));
         if (!(length > 0.1 * width)) continue;
         turn.setFromUnitVectors(new Vector3(0, 0, 1), along.normalize());
         place.fromArray(each, 2);
         rod.setMatrixAt(count, matrix.compose(place, turn, new Vector3(1, 1, length)));
         tip.setMatrixAt(count++, matrix.compose(place.addScaledVector(along, length), turn, one));
       }
-      for (const each of [rod, tip]) { each.count = count; each.instanceMatrix.needsUpdate = true; }
+      for (const each of [rod, tip]) {
+        each.count = count;
+        each.instanceMatrix.needsUpdate = true;
+      }
     };
     return { group, update };
   }
 
   /** Squares on the ground, whose side is a power of ten of a meter. */
   private grid() {
-    const { extent, center } = this.world.model.scene.look, group = new Group(), step = gridStep(extent), half = Math.ceil(0.3 * extent / step);
-    for (const [cells, opacity] of [[20 * half, 0.4], [2 * half, 0.9]]) {
+    const { extent, center } = this.world.model.scene.look,
+      group = new Group(),
+      step = gridStep(extent),
+      half = Math.ceil((0.3 * extent) / step);
+    for (const [cells, opacity] of [
+      [20 * half, 0.4],
+      [2 * half, 0.9],
+    ]) {
       const lines = new GridHelper(20 * half * step, cells, 0x94a3b8, 0x94a3b8);
       lines.rotateX(Math.PI / 2);
-      lines.position.set(10 * step * Math.round(center[0] / step / 10), 10 * step * Math.round(center[1] / step / 10), 0.002 * extent);
+      lines.position.set(
+        10 * step * Math.round(center[0] / step / 10),
+        10 * step * Math.round(center[1] / step / 10),
+        0.002 * extent,
+      );
       Object.assign(lines.material, { transparent: true, opacity, depthWrite: false });
       group.add(lines);
     }
@@ -175,7 +283,9 @@ export class Extras {
   }
 
   private cameras() {
-    const { camera } = this.world.model.scene, { pose } = this.world, count = camera.name.length;
+    const { camera } = this.world.model.scene,
+      { pose } = this.world,
+      count = camera.name.length;
     const { group, corners, colors, done } = this.lines(16 * count);
     colors.fill(0.75);
     const eyes = new InstancedMesh(new SphereGeometry(this.unit * 0.12, 12, 8), overlay(0xbfc7d5), Math.max(1, count));
@@ -184,13 +294,22 @@ export class Extras {
     group.add(eyes);
     const update = () => {
       camera.fovy.forEach((fovy: number, index: number) => {
-        const b = camera.body[index], deep = this.unit * 2, high = deep * Math.tan(fovy * Math.PI / 360), wide = high * 4 / 3;
+        const b = camera.body[index],
+          deep = this.unit * 2,
+          high = deep * Math.tan((fovy * Math.PI) / 360),
+          wide = (high * 4) / 3;
         const world = (v: number[]) => {
           const own = rotated(row(camera.quat, index, 4), 0, v, 0);
           const on = [0, 1, 2].map((k) => own[k] + camera.pos[3 * index + k]);
           return rotated(pose.quat, 4 * b, on, 0).map((each, k) => each + pose.pos[3 * b + k]);
         };
-        const eye = world([0, 0, 0]), rim = [[-wide, -high, -deep], [wide, -high, -deep], [wide, high, -deep], [-wide, high, -deep]].map(world);
+        const eye = world([0, 0, 0]),
+          rim = [
+            [-wide, -high, -deep],
+            [wide, -high, -deep],
+            [wide, high, -deep],
+            [-wide, high, -deep],
+          ].map(world);
         const ends = rim.flatMap((each, k) => [...eye, ...each, ...each, ...rim[(k + 1) % 4]]);
         corners.set(ends, 48 * index);
         eyes.setMatrixAt(index, new Matrix4().makeTranslation(eye[0], eye[1], eye[2]));
@@ -227,15 +346,31 @@ export class Ghosts {
       this.root.remove(now);
       return;
     }
-    const { scene } = this.world.model, pose = new Pose(scene), group = new Group();
+    const { scene } = this.world.model,
+      pose = new Pose(scene),
+      group = new Group();
     pose.reset(key);
-    const bodies = scene.body.name.map((_, b) => new Matrix4().compose(new Vector3().fromArray(pose.pos, 3 * b), new Quaternion(pose.quat[4 * b + 1], pose.quat[4 * b + 2], pose.quat[4 * b + 3], pose.quat[4 * b]), new Vector3(1, 1, 1)));
-    const paint = new MeshPhongMaterial({ color: GHOSTS[(key + 1) % GHOSTS.length], transparent: true, opacity: 0.28, depthWrite: false, flatShading: true });
+    const bodies = scene.body.name.map((_, b) =>
+      new Matrix4().compose(
+        new Vector3().fromArray(pose.pos, 3 * b),
+        new Quaternion(pose.quat[4 * b + 1], pose.quat[4 * b + 2], pose.quat[4 * b + 3], pose.quat[4 * b]),
+        new Vector3(1, 1, 1),
+      ),
+    );
+    const paint = new MeshPhongMaterial({
+      color: GHOSTS[(key + 1) % GHOSTS.length],
+      transparent: true,
+      opacity: 0.28,
+      depthWrite: false,
+      flatShading: true,
+    });
     for (const { mesh, members, matrices } of this.world.surfaces()) {
       const some = members.filter((geom) => this.moves(scene.geom.body[geom]));
       if (!mesh.visible || !some.length) continue;
       const made = new InstancedMesh(mesh.geometry, paint, some.length);
-      some.forEach((geom, at) => made.setMatrixAt(at, new Matrix4().multiplyMatrices(bodies[scene.geom.body[geom]], matrices[geom])));
+      some.forEach((geom, at) =>
+        made.setMatrixAt(at, new Matrix4().multiplyMatrices(bodies[scene.geom.body[geom]], matrices[geom])),
+      );
       made.frustumCulled = false;
       made.renderOrder = 2;
       group.add(made);

@@ -9,11 +9,23 @@ import { FREE, WIDTHS } from "./kinematics";
 
 type Ask = (said: Record<string, unknown>) => Promise<any>;
 /** Something that can be moved: a target of the recipe, or an element of a source, by an edit. */
-interface Choice { label: string; rows: MoveRow[]; edit: Element | null }
-interface Moved { kind: string; index: number; frame: Matrix4; mount: number; before: Matrix4 }
+interface Choice {
+  label: string;
+  rows: MoveRow[];
+  edit: Element | null;
+}
+interface Moved {
+  kind: string;
+  index: number;
+  frame: Matrix4;
+  mount: number;
+  before: Matrix4;
+}
 
 const MODES = [null, "translate", "rotate"] as const;
-const STEP = 0.005, TURN = 5, NEAR = 14;
+const STEP = 0.005,
+  TURN = 5,
+  NEAR = 14;
 const DRAWN = ["geom", "site"];
 
 export class Gizmo {
@@ -47,7 +59,10 @@ export class Gizmo {
   /** Milliseconds from the last release to the answer of the server. */
   took = 0;
 
-  constructor(private readonly app: App, private readonly send: Ask) {
+  constructor(
+    private readonly app: App,
+    private readonly send: Ask,
+  ) {
     const { stage } = app;
     this.controls = new TransformControls(stage.camera, stage.canvas);
     this.controls.setRotationSnap(MathUtils.degToRad(TURN));
@@ -61,13 +76,20 @@ export class Gizmo {
       stage.controls.enabled = !event.value;
       if (event.value) {
         this.from.copy(this.handle.position);
-        this.idle = new Promise((done) => { this.released = done; });
+        this.idle = new Promise((done) => {
+          this.released = done;
+        });
       } else void this.drop().finally(() => this.released());
     });
     stage.canvas.parentElement!.append(this.box);
     addEventListener("keydown", (event) => {
       const field = event.target as HTMLElement;
-      if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || field.matches("input[type=text], input[type=search], textarea")) return;
+      if (
+        !(event.ctrlKey || event.metaKey) ||
+        event.key.toLowerCase() !== "z" ||
+        field.matches("input[type=text], input[type=search], textarea")
+      )
+        return;
       event.preventDefault();
       void this.back(event.shiftKey ? "redo" : "undo");
     });
@@ -91,7 +113,9 @@ export class Gizmo {
 
   /** An element is selected, or the model is a new one. `panel` shows the element. */
   follow(element: Element | null, panel?: HTMLElement): void {
-    const scene = this.app.world.model.scene, { move } = scene, before = this.choices[this.chosen];
+    const scene = this.app.world.model.scene,
+      { move } = scene,
+      before = this.choices[this.chosen];
     this.scene = scene;
     this.element = element;
     this.controls.detach();
@@ -100,7 +124,13 @@ export class Gizmo {
     this.choices = move && !move.why && element ? this.found(element) : [];
     // In a new model, the same element is selected again, and the same thing moves with it.
     const called = element ? `${element.kind} ${(scene as any)[element.kind].name?.[element.index]}` : "";
-    this.chosen = called === this.called ? Math.max(0, this.choices.findIndex((each) => each.label === before?.label)) : 0;
+    this.chosen =
+      called === this.called
+        ? Math.max(
+            0,
+            this.choices.findIndex((each) => each.label === before?.label),
+          )
+        : 0;
     this.called = called;
     if (panel && element && move && !move.why) panel.append(h("div", { className: "acts" }, ...this.acts(element)));
     if (!this.box.hidden) void this.look();
@@ -116,26 +146,40 @@ export class Gizmo {
 
   /** A button that saves the pose as a keyframe of the recipe. */
   saver(): HTMLElement | null {
-    return this.writes && !this.scene?.move?.why ? h("button", { className: "wide", onclick: () => this.save() }, "Save this pose in the recipe…") : null;
+    return this.writes && !this.scene?.move?.why
+      ? h("button", { className: "wide", onclick: () => this.save() }, "Save this pose in the recipe…")
+      : null;
   }
 
   // -- movable things ---------------------------------------------------------------------------------------------
 
   /** The things that move with an element, the nearest first. */
   private found({ kind, index }: Element): Choice[] {
-    const { move, body } = this.app.world.model.scene, columns = (this.app.world.model.scene as any)[kind];
+    const { move, body } = this.app.world.model.scene,
+      columns = (this.app.world.model.scene as any)[kind];
     const places: [string, number][] = [[kind, index]];
-    let b = kind === "body" ? index : columns?.body?.[index] ?? -1;
+    let b = kind === "body" ? index : (columns?.body?.[index] ?? -1);
     for (; b > 0; b = body.parent[b]) places.push(["body", b]);
     const choices: Choice[] = [];
     for (const [what, number] of places)
       for (const each of move!.targets)
         if (each.moved[what]?.includes(number) && !choices.some((known) => same(known.rows[0], each)))
-          choices.push({ label: each.label, rows: [each, ...move!.targets.filter((other) => other !== each && same(other, each))], edit: null });
+          choices.push({
+            label: each.label,
+            rows: [each, ...move!.targets.filter((other) => other !== each && same(other, each))],
+            edit: null,
+          });
     choices.sort((a, b) => Number(a.rows[0].at[0] !== 0) - Number(b.rows[0].at[0] !== 0));
     const name = columns?.name?.[index];
-    if (["site", "camera", "body"].includes(kind) && name && !move!.framed[kind]?.includes(index) && !choices.some((each) => each.rows[0].moved[kind]?.includes(index)) && (kind !== "body" || index > 0)) {
-      const own = { kind, index }, edit = { label: `${name}, by an edit`, rows: [] as MoveRow[], edit: own };
+    if (
+      ["site", "camera", "body"].includes(kind) &&
+      name &&
+      !move!.framed[kind]?.includes(index) &&
+      !choices.some((each) => each.rows[0].moved[kind]?.includes(index)) &&
+      (kind !== "body" || index > 0)
+    ) {
+      const own = { kind, index },
+        edit = { label: `${name}, by an edit`, rows: [] as MoveRow[], edit: own };
       if (kind === "site" || kind === "camera") choices.push(edit);
       else if (!this.free(index)) choices.push(edit);
     }
@@ -148,24 +192,47 @@ export class Gizmo {
   }
 
   private acts(element: Element): HTMLElement[] {
-    const acts = [h("button", { className: "small wide", onclick: () => { if (!this.mode) this.cycle(); } }, "Move (M)")];
-    if (element.kind === "site" && this.scene!.site.name[element.index]) acts.push(h("button", { className: "small wide", onclick: () => void this.attach(element.index) }, "Attach here…"));
+    const acts = [
+      h(
+        "button",
+        {
+          className: "small wide",
+          onclick: () => {
+            if (!this.mode) this.cycle();
+          },
+        },
+        "Move (M)",
+      ),
+    ];
+    if (element.kind === "site" && this.scene!.site.name[element.index])
+      acts.push(
+        h("button", { className: "small wide", onclick: () => void this.attach(element.index) }, "Attach here…"),
+      );
     return acts;
   }
 
   /** Ask the server where the choice is, and put the handle there. */
   private async look(): Promise<void> {
-    const choice = this.choices[this.chosen], number = ++this.looks;
+    const choice = this.choices[this.chosen],
+      number = ++this.looks;
     if (!choice) return this.show("Select a part, or something that the recipe adds.");
-    const pose = choice.edit ? own(this.scene!, choice.edit) : await this.ask({ kind: "look", at: this.at(choice.rows[0]) });
+    const pose = choice.edit
+      ? own(this.scene!, choice.edit)
+      : await this.ask({ kind: "look", at: this.at(choice.rows[0]) });
     if (number !== this.looks || choice !== this.choices[this.chosen]) return;
-    if (!choice.edit && !choice.rows[0].frame) pose.refused = "this place has no frame in the model that could be shown";
+    if (!choice.edit && !choice.rows[0].frame)
+      pose.refused = "this place has no frame in the model that could be shown";
     if (pose.refused) return this.show(pose.refused, pose.parameters);
     this.start = matrix([...pose.pos, ...pose.quat]);
     this.last.copy(this.start);
     const rows = choice.edit ? [edited(this.scene!, choice.edit)] : choice.rows;
-    this.moved = rows.flatMap(({ moved, frame, mount }) => frame ? Object.entries(moved).flatMap(([kind, indices]) => indices.map((index) => (
-      { kind, index, mount, frame: matrix(frame), before: this.local(kind, index) }))) : []);
+    this.moved = rows.flatMap(({ moved, frame, mount }) =>
+      frame
+        ? Object.entries(moved).flatMap(([kind, indices]) =>
+            indices.map((index) => ({ kind, index, mount, frame: matrix(frame), before: this.local(kind, index) })),
+          )
+        : [],
+    );
     if (choice.edit) choice.rows = rows;
     this.start.decompose(this.handle.position, this.handle.quaternion, new Vector3());
     this.controls.attach(this.handle);
@@ -186,7 +253,8 @@ export class Gizmo {
     this.site = -1;
     if (this.snaps && MODES[this.mode] === "translate") {
       for (const axis of ["x", "y", "z"] as const)
-        if (Math.abs(position[axis] - this.from[axis]) > 1e-9) position[axis] = Math.round(position[axis] / STEP) * STEP;
+        if (Math.abs(position[axis] - this.from[axis]) > 1e-9)
+          position[axis] = Math.round(position[axis] / STEP) * STEP;
       if (this.controls.axis === "XYZ") this.toSite();
     }
     this.preview();
@@ -194,23 +262,36 @@ export class Gizmo {
 
   /** A part whose middle is dragged near a site is put on it. */
   private toSite(): void {
-    const choice = this.choices[this.chosen], { scene } = this.app.world.model, { camera, canvas } = this.app.stage;
+    const choice = this.choices[this.chosen],
+      { scene } = this.app.world.model,
+      { camera, canvas } = this.app.stage;
     if (choice.edit || choice.rows[0].kind !== "part") return;
     const own = new Set(this.moved.filter(({ kind }) => kind === "body").map(({ index }) => index));
-    scene.body.parent.forEach((parent: number, b: number) => { if (b && own.has(parent)) own.add(b); });
-    const screen = (point: Vector3) => { const at = point.project(camera); return [(at.x + 1) * canvas.clientWidth / 2, (1 - at.y) * canvas.clientHeight / 2, at.z]; };
+    scene.body.parent.forEach((parent: number, b: number) => {
+      if (b && own.has(parent)) own.add(b);
+    });
+    const screen = (point: Vector3) => {
+      const at = point.project(camera);
+      return [((at.x + 1) * canvas.clientWidth) / 2, ((1 - at.y) * canvas.clientHeight) / 2, at.z];
+    };
     this.handle.updateMatrixWorld(true);
     const [x, y] = screen(new Vector3().setFromMatrixPosition(this.handle.matrixWorld));
     let nearest = NEAR;
     scene.site.name.forEach((name, index) => {
       if (!name || own.has(scene.site.body[index])) return;
-      const place = this.placeOf(index), [sx, sy, sz] = screen(new Vector3().setFromMatrixPosition(place)), far = Math.hypot(sx - x, sy - y);
+      const place = this.placeOf(index),
+        [sx, sy, sz] = screen(new Vector3().setFromMatrixPosition(place)),
+        far = Math.hypot(sx - x, sy - y);
       if (sz > 1 || far >= nearest) return;
       nearest = far;
       this.site = index;
     });
     if (this.site < 0) return;
-    this.base.matrixWorld.clone().invert().multiply(this.placeOf(this.site)).decompose(this.handle.position, this.handle.quaternion, new Vector3());
+    this.base.matrixWorld
+      .clone()
+      .invert()
+      .multiply(this.placeOf(this.site))
+      .decompose(this.handle.position, this.handle.quaternion, new Vector3());
   }
 
   private placeOf(site: number): Matrix4 {
@@ -224,17 +305,33 @@ export class Gizmo {
 
   /** The model follows the handle, as the recipe will have it. */
   private preview(): void {
-    const { world } = this.app, { scene } = world.model, change = this.now.multiply(this.start.clone().invert());
+    const { world } = this.app,
+      { scene } = world.model,
+      change = this.now.multiply(this.start.clone().invert());
     for (const { kind, index, frame, before } of this.moved) {
       const to = frame.clone().multiply(change).multiply(frame.clone().invert()).multiply(before);
-      const p = new Vector3(), q = new Quaternion();
+      const p = new Vector3(),
+        q = new Quaternion();
       to.decompose(p, q, new Vector3());
-      const pos = p.toArray(), quat = [q.w, q.x, q.y, q.z], columns = (scene as any)[kind];
-      pos.forEach((value, k) => { columns.pos[3 * index + k] = value; });
-      quat.forEach((value, k) => { columns.quat[4 * index + k] = value; });
-      const free = kind === "body" ? this.free(index) - 1 : -1, mocap = kind === "body" ? scene.body.mocap[index] : -1;
-      if (free >= 0) [...pos, ...quat].forEach((value, k) => { world.pose.qpos[scene.joint.qpos[free] + k] = value; });
-      if (mocap >= 0) { world.pose.mpos.set(pos, 3 * mocap); world.pose.mquat.set(quat, 4 * mocap); }
+      const pos = p.toArray(),
+        quat = [q.w, q.x, q.y, q.z],
+        columns = (scene as any)[kind];
+      pos.forEach((value, k) => {
+        columns.pos[3 * index + k] = value;
+      });
+      quat.forEach((value, k) => {
+        columns.quat[4 * index + k] = value;
+      });
+      const free = kind === "body" ? this.free(index) - 1 : -1,
+        mocap = kind === "body" ? scene.body.mocap[index] : -1;
+      if (free >= 0)
+        [...pos, ...quat].forEach((value, k) => {
+          world.pose.qpos[scene.joint.qpos[free] + k] = value;
+        });
+      if (mocap >= 0) {
+        world.pose.mpos.set(pos, 3 * mocap);
+        world.pose.mquat.set(quat, 4 * mocap);
+      }
       if (DRAWN.includes(kind)) world.place(kind as "geom" | "site", index);
     }
     world.pose.update();
@@ -249,7 +346,9 @@ export class Gizmo {
   }
 
   private local(kind: string, index: number): Matrix4 {
-    const { world } = this.app, { scene } = world.model, free = kind === "body" ? this.free(index) - 1 : -1;
+    const { world } = this.app,
+      { scene } = world.model,
+      free = kind === "body" ? this.free(index) - 1 : -1;
     const first = free >= 0 ? scene.joint.qpos[free] : 0;
     if (free >= 0) return matrix(Array.from(world.pose.qpos.slice(first, first + 7)));
     const columns = (scene as any)[kind];
@@ -257,22 +356,46 @@ export class Gizmo {
   }
 
   private async drop(): Promise<void> {
-    const choice = this.choices[this.chosen], { key } = this.app, now = this.now;
+    const choice = this.choices[this.chosen],
+      { key } = this.app,
+      now = this.now;
     if (!choice || now.equals(this.last)) return;
-    const begun = performance.now(), { position: p, quaternion: q } = this.handle;
+    const begun = performance.now(),
+      { position: p, quaternion: q } = this.handle;
     const pose = { pos: p.toArray(), quat: [q.w, q.x, q.y, q.z] };
-    const free = this.moved.map(({ kind, index }) => (kind === "body" ? this.free(index) - 1 : -1)).find((j) => j >= 0) ?? -1;
-    let said: Record<string, unknown> = { kind: "place", at: choice.edit ? null : this.at(choice.rows[0]), ...pose, ...(this.site >= 0 ? { site: this.site } : {}) };
+    const free =
+      this.moved.map(({ kind, index }) => (kind === "body" ? this.free(index) - 1 : -1)).find((j) => j >= 0) ?? -1;
+    let said: Record<string, unknown> = {
+      kind: "place",
+      at: choice.edit ? null : this.at(choice.rows[0]),
+      ...pose,
+      ...(this.site >= 0 ? { site: this.site } : {}),
+    };
     if (choice.edit) {
       said = { kind: "edit", of: choice.edit.kind, index: choice.edit.index, ...pose };
       const offer = await this.ask(said);
-      if (offer.refused || (offer.offer && !await confirm(`A source says this place. Write into ${offer.where}:`, offer.offer, ["Write it"]))) return this.revert(offer.refused ?? "nothing was written");
+      if (
+        offer.refused ||
+        (offer.offer &&
+          !(await confirm(`A source says this place. Write into ${offer.where}:`, offer.offer, ["Write it"])))
+      )
+        return this.revert(offer.refused ?? "nothing was written");
       said.confirmed = true;
     } else if (free >= 0 && key >= 0) {
-      const name = this.scene!.key.name[key], first = this.scene!.joint.qpos[free];
-      const answer = await confirm("It moves freely, so a keyframe can have a place of its own for it.", "", ["Write the place", `Write keyframe ${name}`]);
+      const name = this.scene!.key.name[key],
+        first = this.scene!.joint.qpos[free];
+      const answer = await confirm("It moves freely, so a keyframe can have a place of its own for it.", "", [
+        "Write the place",
+        `Write keyframe ${name}`,
+      ]);
       if (!answer) return this.revert("nothing was written");
-      if (answer === 2) said = { kind: "free", key: name, joint: free, qpos: Array.from(this.app.world.pose.qpos.slice(first, first + 7)) };
+      if (answer === 2)
+        said = {
+          kind: "free",
+          key: name,
+          joint: free,
+          qpos: Array.from(this.app.world.pose.qpos.slice(first, first + 7)),
+        };
     }
     const answer = await this.ask(said);
     this.took = performance.now() - begun;
@@ -316,61 +439,167 @@ export class Gizmo {
   }
 
   private save(): void {
-    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" }), { actuator, joint, body, qpos0 } = this.scene!;
+    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" }),
+      { actuator, joint, body, qpos0 } = this.scene!;
     const hold = h("input", { type: "checkbox", checked: true });
     const { qpos, mpos, mquat } = this.app.world.pose;
     const differ = (now: number[], still: number[]) => now.some((value, k) => Math.abs(value - still[k]) > 1e-9);
-    const joints = joint.type.map((type: number, j: number) => [j, Array.from(qpos.slice(joint.qpos[j], joint.qpos[j] + WIDTHS[type]))] as [number, number[]])
+    const joints = joint.type
+      .map(
+        (type: number, j: number) =>
+          [j, Array.from(qpos.slice(joint.qpos[j], joint.qpos[j] + WIDTHS[type]))] as [number, number[]],
+      )
       .filter(([j, now]) => differ(now, qpos0.slice(joint.qpos[j])));
-    const mocap = (values: Float64Array, width: number, still: number[]) => body.mocap.map((m: number, b: number) => [b, Array.from(values.slice(width * m, width * m + width))] as [number, number[]])
-      .filter(([b, now]) => body.mocap[b] >= 0 && differ(now, row(still, b, width)));
-    const named = joints.filter(([j]) => joint.name[j]), lost = joints.length - named.length;
-    ask("Save this pose in the recipe", [
-      h("label", {}, "Name ", name), actuator.name.length ? h("label", { className: "check" }, hold, "the actuators hold the pose (ctrl: hold)") : null,
-      lost ? h("p", { className: "hint" }, `${lost} joints without a name keep their reference.`) : null,
-    ], "Save", async () => {
-      const answer = await this.ask({ kind: "keyframe", name: name.value.trim(), qpos: named, mpos: mocap(mpos, 3, body.pos), mquat: mocap(mquat, 4, body.quat), hold: hold.checked });
-      this.app.notice(answer.refused ?? `saved: ${answer.said}`);
-      return !answer.refused;
-    });
+    const mocap = (values: Float64Array, width: number, still: number[]) =>
+      body.mocap
+        .map(
+          (m: number, b: number) => [b, Array.from(values.slice(width * m, width * m + width))] as [number, number[]],
+        )
+        .filter(([b, now]) => body.mocap[b] >= 0 && differ(now, row(still, b, width)));
+    const named = joints.filter(([j]) => joint.name[j]),
+      lost = joints.length - named.length;
+    ask(
+      "Save this pose in the recipe",
+      [
+        h("label", {}, "Name ", name),
+        actuator.name.length
+          ? h("label", { className: "check" }, hold, "the actuators hold the pose (ctrl: hold)")
+          : null,
+        lost ? h("p", { className: "hint" }, `${lost} joints without a name keep their reference.`) : null,
+      ],
+      "Save",
+      async () => {
+        const answer = await this.ask({
+          kind: "keyframe",
+          name: name.value.trim(),
+          qpos: named,
+          mpos: mocap(mpos, 3, body.pos),
+          mquat: mocap(mquat, 4, body.quat),
+          hold: hold.checked,
+        });
+        this.app.notice(answer.refused ?? `saved: ${answer.said}`);
+        return !answer.refused;
+      },
+    );
   }
 
   private async attach(site: number): Promise<void> {
     const { models, refused } = await this.ask({ kind: "models" });
     if (refused) return this.app.notice(refused);
     const prefix = h("input", { type: "text", value: "tool", ariaLabel: "name of the part" });
-    const model = h("select", { ariaLabel: "model" }, ...models.map((each: string) => h("option", { value: each }, each)));
-    ask(`Attach at ${this.scene!.site.name[site]}`, [h("label", {}, "Name ", prefix), h("label", {}, "Model ", model)], "Attach", async () => {
-      const answer = await this.ask({ kind: "attach", prefix: prefix.value.trim(), model: model.value, site });
-      this.app.notice(answer.refused ?? answer.said);
-      return !answer.refused;
-    });
+    const model = h(
+      "select",
+      { ariaLabel: "model" },
+      ...models.map((each: string) => h("option", { value: each }, each)),
+    );
+    ask(
+      `Attach at ${this.scene!.site.name[site]}`,
+      [h("label", {}, "Name ", prefix), h("label", {}, "Model ", model)],
+      "Attach",
+      async () => {
+        const answer = await this.ask({ kind: "attach", prefix: prefix.value.trim(), model: model.value, site });
+        this.app.notice(answer.refused ?? answer.said);
+        return !answer.refused;
+      },
+    );
   }
 
   // -- the box -----------------------------------------------------------------------------------------------------
 
   private show(words: string, parameters: [string, string][] = []): void {
-    const { controls } = this, mode = MODES[this.mode];
-    const button = (text: string, on: boolean, act: () => void, title = "") => h("button", { className: on ? "chip on" : "chip", title, onclick: () => { act(); this.show(this.words.textContent ?? "", parameters); } }, text);
-    const set = (to: number) => { this.mode = to; controls.setMode(MODES[to]!); };
-    const check = h("input", { type: "checkbox", checked: this.snaps, onchange: () => { this.snaps = check.checked; controls.setRotationSnap(check.checked ? MathUtils.degToRad(TURN) : null); } });
-    const select = h("select", { ariaLabel: "what moves", onchange: () => { this.chosen = Number(select.value); controls.detach(); void this.look(); } },
-      ...this.choices.map((each, k) => h("option", { value: String(k), selected: k === this.chosen }, each.label)));
+    const { controls } = this,
+      mode = MODES[this.mode];
+    const button = (text: string, on: boolean, act: () => void, title = "") =>
+      h(
+        "button",
+        {
+          className: on ? "chip on" : "chip",
+          title,
+          onclick: () => {
+            act();
+            this.show(this.words.textContent ?? "", parameters);
+          },
+        },
+        text,
+      );
+    const set = (to: number) => {
+      this.mode = to;
+      controls.setMode(MODES[to]!);
+    };
+    const check = h("input", {
+      type: "checkbox",
+      checked: this.snaps,
+      onchange: () => {
+        this.snaps = check.checked;
+        controls.setRotationSnap(check.checked ? MathUtils.degToRad(TURN) : null);
+      },
+    });
+    const select = h(
+      "select",
+      {
+        ariaLabel: "what moves",
+        onchange: () => {
+          this.chosen = Number(select.value);
+          controls.detach();
+          void this.look();
+        },
+      },
+      ...this.choices.map((each, k) => h("option", { value: String(k), selected: k === this.chosen }, each.label)),
+    );
     this.words.textContent = words;
     this.fields.length = 0;
-    this.box.replaceChildren(...[
-      h("div", { className: "line" }, this.choices.length ? select : null,
-        button("Move", mode === "translate", () => set(1), "M"), button("Turn", mode === "rotate", () => set(2), "M"),
-        button(controls.space === "local" ? "own axes" : "world axes", false, () => controls.setSpace(controls.space === "local" ? "world" : "local"), "the axes of the handles"),
-        h("label", { className: "check", title: `${1000 * STEP} mm and ${TURN}°` }, check, "snap")),
-      controls.object ? h("div", { className: "numbers" }, ...["x", "y", "z", "roll", "pitch", "yaw"].map((name, k) => this.field(name, k))) : null,
-      this.words,
-      ...parameters.map(([name, value]) => this.parameter(name, value)),
-      h("div", { className: "line" },
-        h("button", { className: "small wide", disabled: !this.undo, title: this.undo ?? "", onclick: () => void this.back("undo") }, "Undo"),
-        h("button", { className: "small wide", disabled: !this.redo, title: this.redo ?? "", onclick: () => void this.back("redo") }, "Redo"),
-        ...(this.element ? this.acts(this.element).slice(1) : [])),
-    ].filter((each): each is HTMLElement => each !== null));
+    this.box.replaceChildren(
+      ...[
+        h(
+          "div",
+          { className: "line" },
+          this.choices.length ? select : null,
+          button("Move", mode === "translate", () => set(1), "M"),
+          button("Turn", mode === "rotate", () => set(2), "M"),
+          button(
+            controls.space === "local" ? "own axes" : "world axes",
+            false,
+            () => controls.setSpace(controls.space === "local" ? "world" : "local"),
+            "the axes of the handles",
+          ),
+          h("label", { className: "check", title: `${1000 * STEP} mm and ${TURN}°` }, check, "snap"),
+        ),
+        controls.object
+          ? h(
+              "div",
+              { className: "numbers" },
+              ...["x", "y", "z", "roll", "pitch", "yaw"].map((name, k) => this.field(name, k)),
+            )
+          : null,
+        this.words,
+        ...parameters.map(([name, value]) => this.parameter(name, value)),
+        h(
+          "div",
+          { className: "line" },
+          h(
+            "button",
+            {
+              className: "small wide",
+              disabled: !this.undo,
+              title: this.undo ?? "",
+              onclick: () => void this.back("undo"),
+            },
+            "Undo",
+          ),
+          h(
+            "button",
+            {
+              className: "small wide",
+              disabled: !this.redo,
+              title: this.redo ?? "",
+              onclick: () => void this.back("redo"),
+            },
+            "Redo",
+          ),
+          ...(this.element ? this.acts(this.element).slice(1) : []),
+        ),
+      ].filter((each): each is HTMLElement => each !== null),
+    );
     this.numbers();
   }
 
@@ -389,7 +618,12 @@ export class Gizmo {
 
   /** Three meters and three degrees, relative to the place. */
   private field(name: string, k: number): HTMLElement {
-    const field = h("input", { type: "text", inputMode: "decimal", className: "number", ariaLabel: `${name}, relative to its place` });
+    const field = h("input", {
+      type: "text",
+      inputMode: "decimal",
+      className: "number",
+      ariaLabel: `${name}, relative to its place`,
+    });
     field.addEventListener("change", () => {
       const value = parseFloat(field.value.replace("−", "-").replace(",", "."));
       if (!Number.isFinite(value)) return this.numbers();
@@ -418,7 +652,8 @@ export class Gizmo {
   private numbers(): void {
     const values = [...this.handle.position.toArray(), ...this.angles()];
     this.fields.forEach((field, k) => {
-      if (document.activeElement !== field) field.value = neat(Math.abs(values[k]) < 1e-6 ? 0 : values[k], 5) + (k < 3 ? " m" : "°");
+      if (document.activeElement !== field)
+        field.value = neat(Math.abs(values[k]) < 1e-6 ? 0 : values[k], 5) + (k < 3 ? " m" : "°");
     });
   }
 }
@@ -445,19 +680,49 @@ function edited(scene: Scene, { kind, index }: Element): MoveRow {
 /** Ask something with several answers; gives the number of the answer, or 0. */
 function confirm(words: string, code: string, answers: string[]): Promise<number> {
   return new Promise((done) => {
-    const dialog = h("dialog", {}, h("p", {}, words), code && h("pre", {}, code),
-      ...answers.map((each, k) => h("button", { onclick: () => { dialog.close(String(k + 1)); } }, each)), h("button", { onclick: () => dialog.close("") }, "Cancel"));
-    dialog.addEventListener("close", () => { dialog.remove(); done(Number(dialog.returnValue || 0)); });
+    const dialog = h(
+      "dialog",
+      {},
+      h("p", {}, words),
+      code && h("pre", {}, code),
+      ...answers.map((each, k) =>
+        h(
+          "button",
+          {
+            onclick: () => {
+              dialog.close(String(k + 1));
+            },
+          },
+          each,
+        ),
+      ),
+      h("button", { onclick: () => dialog.close("") }, "Cancel"),
+    );
+    dialog.addEventListener("close", () => {
+      dialog.remove();
+      done(Number(dialog.returnValue || 0));
+    });
     document.body.append(dialog);
     dialog.showModal();
   });
 }
 
 function ask(title: string, fields: (HTMLElement | null)[], word: string, act: () => Promise<boolean>): void {
-  const form = h("form", { method: "dialog" }, h("h2", {}, title), ...fields, h("button", { type: "submit" }, word), h("button", { type: "button", onclick: () => dialog.remove() }, "Cancel"));
+  const form = h(
+    "form",
+    { method: "dialog" },
+    h("h2", {}, title),
+    ...fields,
+    h("button", { type: "submit" }, word),
+    h("button", { type: "button", onclick: () => dialog.remove() }, "Cancel"),
+  );
   const dialog = h("dialog", { className: "asks" }, form);
-  form.addEventListener("submit", (event) => { event.preventDefault(); void act().then((done) => { if (done) dialog.remove(); }); });
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    void act().then((done) => {
+      if (done) dialog.remove();
+    });
+  });
   document.body.append(dialog);
   dialog.showModal();
 }
-

@@ -1,6 +1,15 @@
 // The facts about the element that is selected or under the pointer, and what differs between two models.
 import { Color } from "three";
-import { type Change, type Difference, type Element, type Model, type Origin, type Place, row, type Scene } from "./data";
+import {
+  type Change,
+  type Difference,
+  type Element,
+  type Model,
+  type Origin,
+  type Place,
+  row,
+  type Scene,
+} from "./data";
 import { copy, h } from "./dom";
 import { BALL, FREE, HINGE, SLIDE } from "./kinematics";
 import { colourOf } from "./paint";
@@ -8,11 +17,16 @@ import { SHAPE_NAMES } from "./shapes";
 import { bodyOf, nameOf } from "./tree";
 import { host } from "./wire";
 
-export const JOINT_NAMES: Record<number, string> = { [FREE]: "free joint", [BALL]: "ball joint", [SLIDE]: "slide joint", [HINGE]: "hinge joint" };
+export const JOINT_NAMES: Record<number, string> = {
+  [FREE]: "free joint",
+  [BALL]: "ball joint",
+  [SLIDE]: "slide joint",
+  [HINGE]: "hinge joint",
+};
 const LIGHTS = ["spot", "directional", "point", "image"];
 const TRANSMISSIONS = ["joint", "joint", "slider-crank", "tendon", "site", "body"];
 
-export const degrees = (angle: number): string => `${neat(angle * 180 / Math.PI, 4)}°`;
+export const degrees = (angle: number): string => `${neat((angle * 180) / Math.PI, 4)}°`;
 
 /** A number as short as it is still true to some digits. */
 export function neat(value: number, digits = 4): string {
@@ -32,19 +46,33 @@ export function typeOf(model: Model, { kind, index }: Element): string {
 export class Info {
   readonly root = h("div", { className: "info" });
 
-  constructor(private readonly model: Model, private readonly choose: (element: Element) => void) {}
+  constructor(
+    private readonly model: Model,
+    private readonly choose: (element: Element) => void,
+  ) {}
 
   show(element: Element | null): void {
-    this.root.replaceChildren(...(element ? this.rows(element) : [h("p", { className: "hint" }, "Click something in the picture or in the tree.")]));
+    this.root.replaceChildren(
+      ...(element
+        ? this.rows(element)
+        : [h("p", { className: "hint" }, "Click something in the picture or in the tree.")]),
+    );
   }
 
   private rows(element: Element): HTMLElement[] {
-    const { scene } = this.model, name = nameOf(this.model, element), kind = typeOf(this.model, element);
+    const { scene } = this.model,
+      name = nameOf(this.model, element),
+      kind = typeOf(this.model, element);
     const facts = h("dl", {});
     for (const [what, value] of this.facts(element)) facts.append(h("dt", {}, what), h("dd", {}, value));
     const origin: Origin = scene.origins.of[element.kind]?.[element.index] ?? null;
     return [
-      h("header", {}, h("h2", { title: "copy the name", onclick: () => copy(name) }, name), h("span", { className: "badge" }, kind)),
+      h(
+        "header",
+        {},
+        h("h2", { title: "copy the name", onclick: () => copy(name) }, name),
+        h("span", { className: "badge" }, kind),
+      ),
       facts,
       ...(origin ? this.origin(origin) : []),
       ...(element.kind === "body" ? this.excluded(element.index) : []),
@@ -53,10 +81,14 @@ export class Info {
 
   /** The bodies that a body is kept from touching, each with the reason, if it has one, and its place. */
   private *excluded(body: number): Generator<HTMLElement> {
-    const { exclude: { body1, body2 }, origins } = this.model.scene;
+    const {
+      exclude: { body1, body2 },
+      origins,
+    } = this.model.scene;
     const rows = body1.flatMap((one, k) => {
       if (one !== body && body2[k] !== body) return [];
-      const [place, words, why] = origins.exclude[k], other = this.link({ kind: "body", index: one === body ? body2[k] : one });
+      const [place, words, why] = origins.exclude[k],
+        other = this.link({ kind: "body", index: one === body ? body2[k] : one });
       return [h("li", {}, other, h("span", { className: "why" }, ` ${why ?? words} `), this.place(place))];
     });
     if (!rows.length) return;
@@ -65,7 +97,17 @@ export class Info {
   }
 
   private link(element: Element): HTMLElement {
-    return h("a", { href: "#", onclick: (event: Event) => { event.preventDefault(); this.choose(element); } }, nameOf(this.model, element));
+    return h(
+      "a",
+      {
+        href: "#",
+        onclick: (event: Event) => {
+          event.preventDefault();
+          this.choose(element);
+        },
+      },
+      nameOf(this.model, element),
+    );
   }
 
   private *facts({ kind, index }: Element): Generator<[string, Node | string]> {
@@ -79,13 +121,16 @@ export class Info {
       yield ["position", list(row(body.pos, index, 3), " m")];
       if (body.mocap[index] >= 0) yield ["mocap", "moved by the program"];
     }
-    const columns = (scene as any)[kind], on = bodyOf(this.model, { kind, index });
+    const columns = (scene as any)[kind],
+      on = bodyOf(this.model, { kind, index });
     if (on >= 0 && kind !== "body") yield ["body", this.link({ kind: "body", index: on })];
     if (kind === "geom" && !columns.name[index]) yield ["number", `geom#${index}`];
     if (kind === "joint") {
-      const { joint } = scene, unit = joint.type[index] === SLIDE;
+      const { joint } = scene,
+        unit = joint.type[index] === SLIDE;
       const shown = (value: number) => (unit ? `${neat(value)} m` : degrees(value));
-      if (joint.limited[index]) yield ["range", `${shown(joint.range[2 * index])} … ${shown(joint.range[2 * index + 1])}`];
+      if (joint.limited[index])
+        yield ["range", `${shown(joint.range[2 * index])} … ${shown(joint.range[2 * index + 1])}`];
       if (joint.type[index] >= SLIDE) yield ["axis", list(row(joint.axis, index, 3))];
       yield ["in qpos", `${joint.qpos[index]}`];
     }
@@ -93,29 +138,69 @@ export class Info {
       const data = kind === "geom" ? scene.geom.data[index] : -1;
       if (data < 0) yield ["size", list(row(columns.size, index, 3), " m")];
       yield ["group", String(columns.group[index])];
-      const material = columns.material[index], rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
-      yield ["color", h("span", {}, h("i", { className: "swatch", style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})` }), material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba))];
+      const material = columns.material[index],
+        rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
+      yield [
+        "color",
+        h(
+          "span",
+          {},
+          h("i", {
+            className: "swatch",
+            style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})`,
+          }),
+          material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba),
+        ),
+      ];
       if (kind === "geom") {
-        yield ["collides", columns.contype[index] || columns.conaffinity[index] ? `contype ${columns.contype[index]}, conaffinity ${columns.conaffinity[index]}` : "no"];
+        yield [
+          "collides",
+          columns.contype[index] || columns.conaffinity[index]
+            ? `contype ${columns.contype[index]}, conaffinity ${columns.conaffinity[index]}`
+            : "no",
+        ];
         yield ["body's mass", `${neat(scene.body.mass[columns.body[index]])} kg`];
       }
     }
     if (kind === "camera") yield ["field of view", `${neat(scene.camera.fovy[index])}°`];
     if (kind === "actuator") {
-      const { actuator } = scene, type = actuator.transmission[index], target = actuator.target[2 * index];
+      const { actuator } = scene,
+        type = actuator.transmission[index],
+        target = actuator.target[2 * index];
       const moved = TRANSMISSIONS[type] ?? "";
-      if (moved === "joint" || moved === "tendon" || moved === "site" || moved === "body") yield [moved, this.link({ kind: moved, index: target })];
-      if (actuator.limited[actuator.control[index]]) yield ["control", `${neat(actuator.range[2 * index])} … ${neat(actuator.range[2 * index + 1])}`];
+      if (moved === "joint" || moved === "tendon" || moved === "site" || moved === "body")
+        yield [moved, this.link({ kind: moved, index: target })];
+      if (actuator.limited[actuator.control[index]])
+        yield ["control", `${neat(actuator.range[2 * index])} … ${neat(actuator.range[2 * index + 1])}`];
     }
   }
 
   private place(place: Place | null): HTMLElement | null {
     if (!place) return null;
-    const { files } = this.model.scene.origins, { editor } = this.model.scene, [file, line, column] = place;
-    const text = `${files[file]}:${line}`, path = editor?.files[files[file]];
+    const { files } = this.model.scene.origins,
+      { editor } = this.model.scene,
+      [file, line, column] = place;
+    const text = `${files[file]}:${line}`,
+      path = editor?.files[files[file]];
     if (!path) return h("code", { title: "copy", className: "place", onclick: () => copy(text) }, text);
-    if (host) return h("a", { className: "place", href: "#", title: "open in the editor", onclick: (event: Event) => { event.preventDefault(); host!.open(path, line, column); } }, text);
-    const href = editor!.template.replaceAll("{file}", path.split("/").map(encodeURIComponent).join("/")).replaceAll("{line}", String(line)).replaceAll("{column}", String(column));
+    if (host)
+      return h(
+        "a",
+        {
+          className: "place",
+          href: "#",
+          title: "open in the editor",
+          onclick: (event: Event) => {
+            event.preventDefault();
+            host!.open(path, line, column);
+          },
+        },
+        text,
+      );
+    const href = editor!.template
+      .replaceAll("{file}", path.split("/").map(encodeURIComponent).join("/"))
+      .replaceAll("{line}", String(line))
+      .replaceAll("{column}", String(column));
     return h("a", { className: "place", href, title: "open in the editor" }, text);
   }
 
@@ -139,7 +224,8 @@ export class Info {
 }
 
 /** Words with names between backticks. */
-export const ticked = (text: string): Node[] => text.split("`").map((each, k) => (k % 2 ? h("code", {}, each) : document.createTextNode(each)));
+export const ticked = (text: string): Node[] =>
+  text.split("`").map((each, k) => (k % 2 ? h("code", {}, each) : document.createTextNode(each)));
 
 export const WHATS = ["added", "removed", "changed", "moved"] as const;
 export type What = (typeof WHATS)[number];
@@ -150,23 +236,42 @@ export class Contrast {
   private readonly names: Record<What, Set<string>>;
   private readonly scene: Scene;
 
-  constructor(private readonly model: Model, private readonly difference: Difference, readonly at: number) {
+  constructor(
+    private readonly model: Model,
+    private readonly difference: Difference,
+    readonly at: number,
+  ) {
     this.scene = model.scene;
     const names = at ? difference.after : difference.before;
-    this.names = Object.fromEntries(WHATS.map((what) => [what, new Set(names[what] ?? [])])) as unknown as Record<What, Set<string>>;
+    this.names = Object.fromEntries(WHATS.map((what) => [what, new Set(names[what] ?? [])])) as unknown as Record<
+      What,
+      Set<string>
+    >;
   }
 
   /** The change of an element, by itself, by its parts or by the body that holds it; null if it is as in the other model. */
   of({ kind, index }: Element): What | null {
-    const columns = (this.scene as any)[kind], above = [`${kind} ${index}`], made = [`${kind} ${index}`];
-    const body = kind === "body" ? this.scene.body.parent[index] : columns?.body?.[index] ?? 0;
+    const columns = (this.scene as any)[kind],
+      above = [`${kind} ${index}`],
+      made = [`${kind} ${index}`];
+    const body = kind === "body" ? this.scene.body.parent[index] : (columns?.body?.[index] ?? 0);
     for (let b = body; b > 0; b = this.scene.body.parent[b]) above.push(`body ${b}`);
     if (kind === "geom") {
-      made.push(`material ${columns.material[index]}`, `mesh ${columns.data[index]}`, `hfield ${columns.data[index]}`, `body ${body}`);
-      this.scene.joint.body.forEach((b: number, j: number) => { if (b === body) made.push(`joint ${j}`); });
+      made.push(
+        `material ${columns.material[index]}`,
+        `mesh ${columns.data[index]}`,
+        `hfield ${columns.data[index]}`,
+        `body ${body}`,
+      );
+      this.scene.joint.body.forEach((b: number, j: number) => {
+        if (b === body) made.push(`joint ${j}`);
+      });
     }
     const has = (what: What, names: string[]) => names.some((name) => this.names[what].has(name));
-    return (["added", "removed", "moved"] as const).find((what) => has(what, above)) ?? (has("changed", made) ? "changed" : null);
+    return (
+      (["added", "removed", "moved"] as const).find((what) => has(what, above)) ??
+      (has("changed", made) ? "changed" : null)
+    );
   }
 
   readonly color = (kind: string, index: number): Color | null => {
@@ -178,9 +283,32 @@ export class Contrast {
   panel(choose: (element: Element) => void): HTMLElement {
     const legend = WHATS.filter((what) => this.names[what].size).map((what) => {
       const rows = [...this.names[what]].flatMap((each) => this.link(each, choose));
-      return h("details", {}, h("summary", {}, h("i", { className: `dot ${what}` }), what, h("span", { className: "more" }, String(rows.length))), ...rows);
+      return h(
+        "details",
+        {},
+        h(
+          "summary",
+          {},
+          h("i", { className: `dot ${what}` }),
+          what,
+          h("span", { className: "more" }, String(rows.length)),
+        ),
+        ...rows,
+      );
     });
-    const lines = this.difference.text.split("\n").map((line) => h("span", { className: /^ *(\+|−|-) /.exec(line)?.[1].replace("+", "plus").replace(/^[−-]$/, "minus") ?? "" }, `${line}\n`));
+    const lines = this.difference.text.split("\n").map((line) =>
+      h(
+        "span",
+        {
+          className:
+            /^ *(\+|−|-) /
+              .exec(line)?.[1]
+              .replace("+", "plus")
+              .replace(/^[−-]$/, "minus") ?? "",
+        },
+        `${line}\n`,
+      ),
+    );
     return h("div", { className: "difference" }, ...legend, h("pre", {}, ...lines));
   }
 
@@ -188,6 +316,18 @@ export class Contrast {
     const [kind, index] = [element.split(" ")[0], Number(element.split(" ")[1])];
     const columns = (this.scene as any)[kind];
     if (!columns?.name || kind === "material") return [];
-    return [h("a", { href: "#", onclick: (event: Event) => { event.preventDefault(); choose({ kind, index }); } }, `${kind} ${nameOf(this.model, { kind, index })}`)];
+    return [
+      h(
+        "a",
+        {
+          href: "#",
+          onclick: (event: Event) => {
+            event.preventDefault();
+            choose({ kind, index });
+          },
+        },
+        `${kind} ${nameOf(this.model, { kind, index })}`,
+      ),
+    ];
   }
 }

@@ -1,7 +1,10 @@
 // The poses of bodies at a configuration, like `mj_kinematics`, in double precision.
 import type { Scene } from "./data";
 
-export const FREE = 0, BALL = 1, SLIDE = 2, HINGE = 3;
+export const FREE = 0,
+  BALL = 1,
+  SLIDE = 2,
+  HINGE = 3;
 export const WIDTHS = [7, 4, 1, 1];
 
 type Numbers = Float64Array | number[];
@@ -20,14 +23,17 @@ export function multiply(out: Numbers, o: number, a: Numbers, i: number, b: Numb
 export function rotated(q: Numbers, i: number, v: Numbers, j: number): [number, number, number] {
   const [w, x, y, z] = [q[i], q[i + 1], q[i + 2], q[i + 3]];
   const [a, b, c] = [v[j], v[j + 1], v[j + 2]];
-  const tx = 2 * (y * c - z * b), ty = 2 * (z * a - x * c), tz = 2 * (x * b - y * a);
+  const tx = 2 * (y * c - z * b),
+    ty = 2 * (z * a - x * c),
+    tz = 2 * (x * b - y * a);
   return [a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx];
 }
 
 function normalize(q: Float64Array, i: number): void {
   const length = Math.hypot(q[i], q[i + 1], q[i + 2], q[i + 3]);
   if (length < 1e-15) {
-    q[i] = 1; q[i + 1] = q[i + 2] = q[i + 3] = 0;
+    q[i] = 1;
+    q[i + 1] = q[i + 2] = q[i + 3] = 0;
     return;
   }
   for (let k = 0; k < 4; k++) q[i + k] /= length;
@@ -46,7 +52,8 @@ export class Pose {
   private readonly of: number[][];
 
   constructor(readonly scene: Scene) {
-    const bodies = scene.body.name.length, joints = scene.joint.name.length;
+    const bodies = scene.body.name.length,
+      joints = scene.joint.name.length;
     this.qpos = Float64Array.from(scene.qpos0);
     this.pos = new Float64Array(3 * bodies);
     this.quat = new Float64Array(4 * bodies);
@@ -90,28 +97,34 @@ export class Pose {
     quat[0] = 1;
     const turn = new Float64Array(4);
     for (let b = 1; b < body.name.length; b++) {
-      const p = body.parent[b], mocap = body.mocap[b], joints = this.of[b];
+      const p = body.parent[b],
+        mocap = body.mocap[b],
+        joints = this.of[b];
       if (joints.length === 1 && joint.type[joints[0]] === FREE) {
         const q = joint.qpos[joints[0]];
         for (let k = 0; k < 3; k++) pos[3 * b + k] = anchor[3 * joints[0] + k] = qpos[q + k];
         for (let k = 0; k < 4; k++) quat[4 * b + k] = qpos[q + 3 + k];
-        axis[3 * joints[0]] = axis[3 * joints[0] + 1] = 0; axis[3 * joints[0] + 2] = 1;
+        axis[3 * joints[0]] = axis[3 * joints[0] + 1] = 0;
+        axis[3 * joints[0] + 2] = 1;
         normalize(quat, 4 * b);
         continue;
       }
-      const own: Numbers = mocap >= 0 ? this.mpos : body.pos, first = 3 * (mocap >= 0 ? mocap : b);
+      const own: Numbers = mocap >= 0 ? this.mpos : body.pos,
+        first = 3 * (mocap >= 0 ? mocap : b);
       const turned: Numbers = mocap >= 0 ? Array.from(this.mquat.slice(4 * mocap, 4 * mocap + 4)) : body.quat;
       const moved = rotated(quat, 4 * p, own, first);
       for (let k = 0; k < 3; k++) pos[3 * b + k] = pos[3 * p + k] + moved[k];
       multiply(quat, 4 * b, quat, 4 * p, turned, mocap >= 0 ? 0 : 4 * b);
       if (mocap >= 0) normalize(quat, 4 * b);
       for (const j of joints) {
-        const at = rotated(quat, 4 * b, joint.pos, 3 * j), along = rotated(quat, 4 * b, joint.axis, 3 * j);
+        const at = rotated(quat, 4 * b, joint.pos, 3 * j),
+          along = rotated(quat, 4 * b, joint.axis, 3 * j);
         for (let k = 0; k < 3; k++) {
           anchor[3 * j + k] = pos[3 * b + k] + at[k];
           axis[3 * j + k] = along[k];
         }
-        const q = joint.qpos[j], type = joint.type[j];
+        const q = joint.qpos[j],
+          type = joint.type[j];
         if (type === SLIDE) {
           for (let k = 0; k < 3; k++) pos[3 * b + k] += along[k] * (qpos[q] - qpos0[q]);
           continue;
@@ -120,7 +133,8 @@ export class Pose {
           for (let k = 0; k < 4; k++) turn[k] = qpos[q + k];
           normalize(turn, 0);
         } else {
-          const half = (qpos[q] - qpos0[q]) / 2, sine = Math.sin(half);
+          const half = (qpos[q] - qpos0[q]) / 2,
+            sine = Math.sin(half);
           turn[0] = Math.cos(half);
           for (let k = 0; k < 3; k++) turn[k + 1] = joint.axis[3 * j + k] * sine;
         }

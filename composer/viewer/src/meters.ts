@@ -5,29 +5,83 @@ import { neat } from "./info";
 import { HINGE, SLIDE } from "./kinematics";
 
 /** A number over time that can be watched. */
-export interface Signal { id: string; name: string; unit: string; group: "Sensors" | "Joints" | "Controls"; kind: string; value: (seen: Seen | null) => number }
+export interface Signal {
+  id: string;
+  name: string;
+  unit: string;
+  group: "Sensors" | "Joints" | "Controls";
+  kind: string;
+  value: (seen: Seen | null) => number;
+}
 
 const UNITS: Record<string, string> = {
-  touch: "N", force: "N", accelerometer: "m/s²", velocimeter: "m/s", gyro: "rad/s", torque: "N·m", rangefinder: "m", clock: "s", tendonpos: "m", tendonvel: "m/s",
-  framepos: "m", framelinvel: "m/s", frameangvel: "rad/s", framelinacc: "m/s²", frameangacc: "rad/s²", subtreecom: "m", subtreelinvel: "m/s", geomdist: "m", e_potential: "J", e_kinetic: "J",
+  touch: "N",
+  force: "N",
+  accelerometer: "m/s²",
+  velocimeter: "m/s",
+  gyro: "rad/s",
+  torque: "N·m",
+  rangefinder: "m",
+  clock: "s",
+  tendonpos: "m",
+  tendonvel: "m/s",
+  framepos: "m",
+  framelinvel: "m/s",
+  frameangvel: "rad/s",
+  framelinacc: "m/s²",
+  frameangacc: "rad/s²",
+  subtreecom: "m",
+  subtreelinvel: "m/s",
+  geomdist: "m",
+  e_potential: "J",
+  e_kinetic: "J",
 };
-const ENDS = ["x", "y", "z"], TURN = ["w", "x", "y", "z"];
+const ENDS = ["x", "y", "z"],
+  TURN = ["w", "x", "y", "z"];
 
 export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signal[] {
-  const { sensor, joint, actuator } = model.scene, found: Signal[] = [];
+  const { sensor, joint, actuator } = model.scene,
+    found: Signal[] = [];
   sensor.name.forEach((own, s) => {
-    const name = own || `sensor#${s}`, count = sensor.count[s], kind = sensor.kind[s], ends = count === 3 ? ENDS : count === 4 ? TURN : null;
+    const name = own || `sensor#${s}`,
+      count = sensor.count[s],
+      kind = sensor.kind[s],
+      ends = count === 3 ? ENDS : count === 4 ? TURN : null;
     for (let k = 0; k < count; k++) {
-      found.push({ id: `sensor ${name} ${k}`, name: count === 1 ? name : `${name} ${ends?.[k] ?? k}`, unit: UNITS[kind] ?? "", group: "Sensors", kind, value: (seen) => seen?.sensors[sensor.first[s] + k] ?? NaN });
+      found.push({
+        id: `sensor ${name} ${k}`,
+        name: count === 1 ? name : `${name} ${ends?.[k] ?? k}`,
+        unit: UNITS[kind] ?? "",
+        group: "Sensors",
+        kind,
+        value: (seen) => seen?.sensors[sensor.first[s] + k] ?? NaN,
+      });
     }
   });
   joint.name.forEach((own, j) => {
-    const name = own || `joint#${j}`, type = joint.type[j], factor = type === HINGE ? 180 / Math.PI : 1;
-    if (type >= SLIDE) found.push({ id: `joint ${name}`, name, unit: type === HINGE ? "°" : "m", group: "Joints", kind: "joint", value: () => qpos[joint.qpos[j]] * factor });
+    const name = own || `joint#${j}`,
+      type = joint.type[j],
+      factor = type === HINGE ? 180 / Math.PI : 1;
+    if (type >= SLIDE)
+      found.push({
+        id: `joint ${name}`,
+        name,
+        unit: type === HINGE ? "°" : "m",
+        group: "Joints",
+        kind: "joint",
+        value: () => qpos[joint.qpos[j]] * factor,
+      });
   });
   actuator.name.forEach((own, a) => {
     const name = own || `actuator#${a}`;
-    found.push({ id: `actuator ${name}`, name, unit: "", group: "Controls", kind: "control", value: () => ctrl[actuator.control[a]] });
+    found.push({
+      id: `actuator ${name}`,
+      name,
+      unit: "",
+      group: "Controls",
+      kind: "control",
+      value: () => ctrl[actuator.control[a]],
+    });
   });
   return found;
 }
@@ -43,7 +97,8 @@ export class Clock {
     if (this.past.length && time < this.past[this.past.length - 1][1]) this.past = [];
     this.past.push([now, time]);
     while (this.past.length > 2 && this.past[1][0] < now - WINDOW) this.past.shift();
-    const [wall, before] = this.past[0], factor = now - wall > 100 ? (time - before) / (now - wall) * 1000 : null;
+    const [wall, before] = this.past[0],
+      factor = now - wall > 100 ? ((time - before) / (now - wall)) * 1000 : null;
     this.root.hidden = false;
     this.root.textContent = `${time.toFixed(2)} s${factor === null ? "" : ` · ${factor.toFixed(2)}× real time`}`;
   }
@@ -59,7 +114,9 @@ export class Clock {
   }
 }
 
-const SECONDS = 10, MOST = 4000, HEIGHT = 150;
+const SECONDS = 10,
+  MOST = 4000,
+  HEIGHT = 150;
 const COLORS = ["#3b82f6", "#ef4444", "#10b981", "#f59e0b", "#8b5cf6", "#ec4899", "#14b8a6", "#84cc16"];
 
 export class Plot {
@@ -82,8 +139,26 @@ export class Plot {
     if (!same) this.clear();
     this.root.hidden = !signals.length;
     if (signals.length) this.root.append(this.canvas);
-    this.legend.replaceChildren(...signals.map((each, k) =>
-      h("span", {}, h("i", { className: "dot", style: `background:${COLORS[k % COLORS.length]}` }), each.name, h("b", {}), h("button", { title: `stop plotting ${each.name}`, ariaLabel: `stop plotting ${each.name}`, onclick: () => remove(each) }, "×"))));
+    this.legend.replaceChildren(
+      ...signals.map((each, k) =>
+        h(
+          "span",
+          {},
+          h("i", { className: "dot", style: `background:${COLORS[k % COLORS.length]}` }),
+          each.name,
+          h("b", {}),
+          h(
+            "button",
+            {
+              title: `stop plotting ${each.name}`,
+              ariaLabel: `stop plotting ${each.name}`,
+              onclick: () => remove(each),
+            },
+            "×",
+          ),
+        ),
+      ),
+    );
     this.changed();
     this.draw();
   }
@@ -98,35 +173,59 @@ export class Plot {
     if (this.times.length && time < this.times[this.times.length - 1]) this.clear();
     this.times.push(time);
     this.rows.push(this.chosen.map((each) => each.value(seen)));
-    while (this.times.length > MOST || this.times[0] < time - SECONDS) { this.times.shift(); this.rows.shift(); }
+    while (this.times.length > MOST || this.times[0] < time - SECONDS) {
+      this.times.shift();
+      this.rows.shift();
+    }
     this.draw();
   }
 
   /** The values as a table, for the tests and to copy. */
   table(): string {
-    return [["time", ...this.chosen.map((each) => each.name)].join(","), ...this.rows.map((row, k) => [this.times[k], ...row].join(","))].join("\n");
+    return [
+      ["time", ...this.chosen.map((each) => each.name)].join(","),
+      ...this.rows.map((row, k) => [this.times[k], ...row].join(",")),
+    ].join("\n");
   }
 
   private draw(): void {
     if (this.root.hidden || !this.root.clientWidth) return;
-    const ratio = devicePixelRatio, width = this.root.clientWidth, pen = this.canvas.getContext("2d")!, style = getComputedStyle(this.root);
-    this.canvas.width = width * ratio; this.canvas.height = HEIGHT * ratio;
+    const ratio = devicePixelRatio,
+      width = this.root.clientWidth,
+      pen = this.canvas.getContext("2d")!,
+      style = getComputedStyle(this.root);
+    this.canvas.width = width * ratio;
+    this.canvas.height = HEIGHT * ratio;
     pen.scale(ratio, ratio);
-    const last = this.times[this.times.length - 1] ?? 0, first = Math.max(0, last - SECONDS), values = this.rows.flat().filter(Number.isFinite);
-    let low = values.length ? Math.min(...values) : 0, high = values.length ? Math.max(...values) : 1;
-    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) { low -= 0.5; high += 0.5; }
-    const left = 52, right = width - 14, top = 8, bottom = HEIGHT - 20;
-    const x = (time: number) => left + (time - first) / Math.max(last - first, 1) * (right - left), y = (value: number) => bottom - (value - low) / (high - low) * (bottom - top);
+    const last = this.times[this.times.length - 1] ?? 0,
+      first = Math.max(0, last - SECONDS),
+      values = this.rows.flat().filter(Number.isFinite);
+    let low = values.length ? Math.min(...values) : 0,
+      high = values.length ? Math.max(...values) : 1;
+    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) {
+      low -= 0.5;
+      high += 0.5;
+    }
+    const left = 52,
+      right = width - 14,
+      top = 8,
+      bottom = HEIGHT - 20;
+    const x = (time: number) => left + ((time - first) / Math.max(last - first, 1)) * (right - left),
+      y = (value: number) => bottom - ((value - low) / (high - low)) * (bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.fillStyle = style.getPropertyValue("--soft");
     pen.strokeStyle = style.getPropertyValue("--line");
     pen.textAlign = "right";
     for (const value of [low, (low + high) / 2, high]) {
-      pen.beginPath(); pen.moveTo(left, y(value)); pen.lineTo(right, y(value)); pen.stroke();
+      pen.beginPath();
+      pen.moveTo(left, y(value));
+      pen.lineTo(right, y(value));
+      pen.stroke();
       pen.fillText(neat(value, 3), left - 6, y(value) + 4);
     }
     pen.textAlign = "center";
-    for (let second = Math.ceil(first); second <= Math.max(last, first + 1); second += last - first > 5 ? 2 : 1) pen.fillText(`${second} s`, x(second), HEIGHT - 6);
+    for (let second = Math.ceil(first); second <= Math.max(last, first + 1); second += last - first > 5 ? 2 : 1)
+      pen.fillText(`${second} s`, x(second), HEIGHT - 6);
     this.chosen.forEach((_, k) => {
       pen.strokeStyle = COLORS[k % COLORS.length];
       pen.lineWidth = 1.6;
@@ -135,8 +234,13 @@ export class Plot {
       pen.stroke();
     });
     const row = this.rows[this.rows.length - 1];
-    [...this.legend.children].forEach((each, k) => { each.querySelector("b")!.textContent = row ? ` ${neat(row[k], 4)} ${this.chosen[k].unit}` : ""; });
-    if (!this.rows.length) { pen.fillStyle = style.getPropertyValue("--soft"); pen.fillText("Start the physics (space) to see these over time.", (left + right) / 2, (top + bottom) / 2 - 6); }
+    [...this.legend.children].forEach((each, k) => {
+      each.querySelector("b")!.textContent = row ? ` ${neat(row[k], 4)} ${this.chosen[k].unit}` : "";
+    });
+    if (!this.rows.length) {
+      pen.fillStyle = style.getPropertyValue("--soft");
+      pen.fillText("Start the physics (space) to see these over time.", (left + right) / 2, (top + bottom) / 2 - 6);
+    }
   }
 }
 
@@ -160,15 +264,29 @@ export class Meters {
       const some = this.all.filter((each) => each.group === group);
       return some.length ? [h("h3", {}, group), ...some.map((each) => this.row(each))] : [];
     });
-    this.panel.replaceChildren(h("p", { className: "hint" }, "Check a value to plot it while the physics run."), ...(model.scene.sensor.name.length ? [] : [h("p", { className: "hint" }, "The model has no sensors.")]), ...sections);
+    this.panel.replaceChildren(
+      h("p", { className: "hint" }, "Check a value to plot it while the physics run."),
+      ...(model.scene.sensor.name.length ? [] : [h("p", { className: "hint" }, "The model has no sensors.")]),
+      ...sections,
+    );
     this.plotted();
   }
 
   private row(signal: Signal): HTMLElement {
-    const box = h("input", { type: "checkbox", checked: this.chosen.has(signal.id), onchange: () => this.flip(signal, box.checked) });
+    const box = h("input", {
+      type: "checkbox",
+      checked: this.chosen.has(signal.id),
+      onchange: () => this.flip(signal, box.checked),
+    });
     const value = h("span", { className: "value" });
     this.cells.push({ signal, value, box });
-    return h("label", { className: "check", title: `${signal.kind} ${signal.name}` }, box, h("span", { className: "name" }, signal.name), value);
+    return h(
+      "label",
+      { className: "check", title: `${signal.kind} ${signal.name}` },
+      box,
+      h("span", { className: "name" }, signal.name),
+      value,
+    );
   }
 
   private flip(signal: Signal, on: boolean): void {
@@ -178,7 +296,10 @@ export class Meters {
   }
 
   private plotted(): void {
-    this.plot.choose(this.all.filter((each) => this.chosen.has(each.id)), (each) => this.flip(each, false));
+    this.plot.choose(
+      this.all.filter((each) => this.chosen.has(each.id)),
+      (each) => this.flip(each, false),
+    );
   }
 
   private mark(): void {
@@ -196,8 +317,11 @@ export class Meters {
     if (time !== null) this.plot.add(time, seen);
     if (!this.panel.offsetParent) return;
     for (const { signal, value } of this.cells) {
-      const found = signal.value(seen), number = Math.abs(found) < 1e-9 ? 0 : found;
-      value.textContent = Number.isFinite(number) ? `${neat(number, 4)}${signal.unit === "°" ? "°" : signal.unit && ` ${signal.unit}`}` : "–";
+      const found = signal.value(seen),
+        number = Math.abs(found) < 1e-9 ? 0 : found;
+      value.textContent = Number.isFinite(number)
+        ? `${neat(number, 4)}${signal.unit === "°" ? "°" : signal.unit && ` ${signal.unit}`}`
+        : "–";
     }
   }
 

@@ -1,11 +1,23 @@
 // Colors, materials and textures. Colors are as MuJoCo has them: numbers that go to the screen unchanged.
 import {
-  CanvasTexture, Color, CubeTexture, FrontSide, LinearFilter, LinearMipmapLinearFilter, MeshPhongMaterial,
-  RepeatWrapping, Vector2, Vector3, type Texture,
+  CanvasTexture,
+  Color,
+  CubeTexture,
+  FrontSide,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  MeshPhongMaterial,
+  RepeatWrapping,
+  Vector2,
+  Vector3,
+  type Texture,
 } from "three";
 import { row, type Model } from "./data";
 
-export interface Paint { rgba: number[]; material: number }
+export interface Paint {
+  rgba: number[];
+  material: number;
+}
 
 /** The color of a geom if it has one, otherwise the color of its material. */
 export function colourOf(model: Model, rgba: number[], material: number): number[] {
@@ -25,30 +37,41 @@ export class Painter {
 
   /** Decode the textures, because pictures that are drawn before lack them. */
   async load(): Promise<void> {
-    await Promise.all(this.model.scene.texture.map(async (each, number) => {
-      if (!decoded.has(each.blob)) {
-        const blob = new Blob([this.model.blobs.get(each.blob)!], { type: "image/png" });
-        decoded.set(each.blob, await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
-      }
-      this.images.set(number, decoded.get(each.blob)!);
-    }));
+    await Promise.all(
+      this.model.scene.texture.map(async (each, number) => {
+        if (!decoded.has(each.blob)) {
+          const blob = new Blob([this.model.blobs.get(each.blob)!], { type: "image/png" });
+          decoded.set(
+            each.blob,
+            await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" }),
+          );
+        }
+        this.images.set(number, decoded.get(each.blob)!);
+      }),
+    );
   }
 
   /** `size` is the size of a textured geom, on which its texture may depend; null if its surface has coordinates. */
   material(number: number, opacity: number, size: number[] | null, endless: boolean): MeshPhongMaterial {
     const found = new MeshPhongMaterial({
-      specular: new Color().setScalar(gloss(0.5, 64)), shininess: 64, side: FrontSide,
-      transparent: opacity < 1 || endless, opacity, depthWrite: opacity >= 1,
+      specular: new Color().setScalar(gloss(0.5, 64)),
+      shininess: 64,
+      side: FrontSide,
+      transparent: opacity < 1 || endless,
+      opacity,
+      depthWrite: opacity >= 1,
     });
     if (number >= 0) {
       const { material, texture } = this.model.scene;
       found.shininess = Math.max(1, material.shininess[number] * 128);
       found.specular.setScalar(gloss(material.specular[number], found.shininess));
       const emission = material.emission[number];
-      if (emission > 0) found.emissive.setRGB(...(row(material.rgba, number, 3) as [number, number, number])).multiplyScalar(emission);
+      if (emission > 0)
+        found.emissive.setRGB(...(row(material.rgba, number, 3) as [number, number, number])).multiplyScalar(emission);
       const image = material.texture[number];
       if (image >= 0) {
-        const repeat = row(material.repeat, number, 2), uniform = Boolean(material.uniform[number]);
+        const repeat = row(material.repeat, number, 2),
+          uniform = Boolean(material.uniform[number]);
         if (texture[image].kind === "2d") this.flatten(found, image, repeat, uniform, size, endless);
         else this.wrap(found, image, uniform ? size : null);
       }
@@ -57,7 +80,14 @@ export class Painter {
     return found;
   }
 
-  private flatten(material: MeshPhongMaterial, image: number, repeat: number[], uniform: boolean, size: number[] | null, endless: boolean): void {
+  private flatten(
+    material: MeshPhongMaterial,
+    image: number,
+    repeat: number[],
+    uniform: boolean,
+    size: number[] | null,
+    endless: boolean,
+  ): void {
     material.map = this.texture(image);
     const key = `flat ${size} ${repeat} ${uniform}`;
     // Where the surface has no coordinates MuJoCo looks at it from above.
@@ -66,7 +96,8 @@ export class Painter {
     if (half === null) {
       before(material, key, (shader) => {
         shader.uniforms.repeat = { value: scale };
-        shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nuniform vec2 repeat;")
+        shader.vertexShader = shader.vertexShader
+          .replace("#include <common>", "#include <common>\nuniform vec2 repeat;")
           .replace("#include <uv_vertex>", "#include <uv_vertex>\nvMapUv = uv * repeat;");
       });
       return;
@@ -79,8 +110,12 @@ export class Painter {
     before(material, key, (shader) => {
       shader.uniforms.whole = { value: whole };
       shader.uniforms.start = { value: start };
-      shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nuniform vec2 whole, start;")
-        .replace("#include <uv_vertex>", "#include <uv_vertex>\nvMapUv = vec2(position.x, -position.y) * whole + start;");
+      shader.vertexShader = shader.vertexShader
+        .replace("#include <common>", "#include <common>\nuniform vec2 whole, start;")
+        .replace(
+          "#include <uv_vertex>",
+          "#include <uv_vertex>\nvMapUv = vec2(position.x, -position.y) * whole + start;",
+        );
     });
   }
 
@@ -120,13 +155,16 @@ export class Painter {
     let found = this.cubes.get(number);
     if (!found) {
       const { width, height } = this.model.scene.texture[number];
-      const image = this.images.get(number)!, faces = Math.max(1, Math.round(height / width));
-      found = new CubeTexture(Array.from({ length: 6 }, (_, face) => {
-        const canvas = document.createElement("canvas");
-        canvas.width = canvas.height = width;
-        canvas.getContext("2d")!.drawImage(image, 0, width * (face % faces), width, width, 0, 0, width, width);
-        return canvas;
-      }) as any);
+      const image = this.images.get(number)!,
+        faces = Math.max(1, Math.round(height / width));
+      found = new CubeTexture(
+        Array.from({ length: 6 }, (_, face) => {
+          const canvas = document.createElement("canvas");
+          canvas.width = canvas.height = width;
+          canvas.getContext("2d")!.drawImage(image, 0, width * (face % faces), width, width, 0, 0, width, width);
+          return canvas;
+        }) as any,
+      );
       found.needsUpdate = true;
       this.cubes.set(number, found);
     }
@@ -144,12 +182,13 @@ export class Painter {
 }
 
 /** The specular value of three.js, which it normalizes for the shininess; MuJoCo has plain Phong. */
-const gloss = (specular: number, shininess: number): number => LIGHT_SPECULAR * specular * 4 / (0.5 * shininess + 1);
+const gloss = (specular: number, shininess: number): number => (LIGHT_SPECULAR * specular * 4) / (0.5 * shininess + 1);
 const LIGHT_SPECULAR = 0.4;
 
 /** Change the program of a material; `key` tells apart materials that differ in nothing else. */
 function before(material: MeshPhongMaterial, key: string, change: (shader: any) => void): void {
-  const previous = material.onBeforeCompile, known = material.customProgramCacheKey();
+  const previous = material.onBeforeCompile,
+    known = material.customProgramCacheKey();
   material.onBeforeCompile = (shader, renderer) => {
     previous.call(material, shader, renderer);
     change(shader);
@@ -160,12 +199,15 @@ function before(material: MeshPhongMaterial, key: string, change: (shader: any) 
 /** An infinite plane fades out toward the horizon. */
 function fade(material: MeshPhongMaterial): void {
   before(material, "fade", (shader) => {
-    shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nvarying float vOut;")
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nvarying float vOut;")
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvOut = length(position.xy);");
-    shader.fragmentShader = shader.fragmentShader.replace("#include <common>", "#include <common>\nvarying float vOut;")
-      .replace("#include <opaque_fragment>", "diffuseColor.a *= 1.0 - smoothstep(0.15, 1.0, vOut);\n#include <opaque_fragment>");
+    shader.fragmentShader = shader.fragmentShader
+      .replace("#include <common>", "#include <common>\nvarying float vOut;")
+      .replace(
+        "#include <opaque_fragment>",
+        "diffuseColor.a *= 1.0 - smoothstep(0.15, 1.0, vOut);\n#include <opaque_fragment>",
+      );
   });
   material.depthWrite = true;
 }
-
-

@@ -4,14 +4,21 @@ import type { App } from "./app";
 import type { Model, Pull, Seen } from "./data";
 
 /** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
-const MOST = 1 / 8, MOST_MILLISECONDS = 50;
+const MOST = 1 / 8,
+  MOST_MILLISECONDS = 50;
 /** How often a pull follows the body, in seconds of physics. */
 const PULL = 1 / 100;
-const WASM = "mujoco.wasm", MODEL = "model.xml";
+const WASM = "mujoco.wasm",
+  MODEL = "model.xml";
 
-const MOST_CONTACTS = 500, PULLEY = -2;
+const MOST_CONTACTS = 500,
+  PULLEY = -2;
 
-const cross = (a: ArrayLike<number>, b: ArrayLike<number>): number[] => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const cross = (a: ArrayLike<number>, b: ArrayLike<number>): number[] => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
 
 class Physics {
   private engine: any = null;
@@ -23,9 +30,14 @@ class Physics {
   private pulled: Pull | null = null;
   private force: any = null;
 
-  constructor(private readonly app: App, private readonly packed: Model) {}
+  constructor(
+    private readonly app: App,
+    private readonly packed: Model,
+  ) {}
 
-  play = (): void => { void this.flip(); };
+  play = (): void => {
+    void this.flip();
+  };
 
   /** A slider or a keyframe has changed the pose or the controls. */
   pose = (): void => {
@@ -40,7 +52,9 @@ class Physics {
 
   choose = (): void => {};
 
-  pull = (pull: Pull | null): void => { this.pulled = pull; };
+  pull = (pull: Pull | null): void => {
+    this.pulled = pull;
+  };
 
   /** The results of MuJoCo for a pose, if it runs in the page already. */
   look = (): void => {
@@ -71,14 +85,19 @@ class Physics {
     this.engine = await loadMujoco({ locateFile: () => program } as any);
     URL.revokeObjectURL(program);
     const files = new this.engine.MjVFS();
-    for (const [name, content] of this.packed.blobs) if (name !== WASM && name !== MODEL) files.addBuffer(name, new Uint8Array(content));
+    for (const [name, content] of this.packed.blobs)
+      if (name !== WASM && name !== MODEL) files.addBuffer(name, new Uint8Array(content));
     this.model = this.engine.MjModel.from_xml_string(new TextDecoder().decode(this.packed.blobs.get(MODEL)!), files);
     if (this.model.nq !== this.app.world.pose.qpos.length) throw new Error("it compiles to another model there");
     this.data = new this.engine.MjData(this.model);
     this.force = new this.engine.DoubleBuffer(6);
-    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning, { jnt_qposadr, jnt_dofadr } = this.model;
-    this.warnings = [[mjWARN_BADQPOS, "position", jnt_qposadr], [mjWARN_BADQVEL, "velocity", jnt_dofadr], [mjWARN_BADQACC, "acceleration", jnt_dofadr]]
-      .map(([kind, word, firsts]) => ({ kind: kind.value, word, firsts: Array.from(firsts as Int32Array) }));
+    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning,
+      { jnt_qposadr, jnt_dofadr } = this.model;
+    this.warnings = [
+      [mjWARN_BADQPOS, "position", jnt_qposadr],
+      [mjWARN_BADQVEL, "velocity", jnt_dofadr],
+      [mjWARN_BADQACC, "acceleration", jnt_dofadr],
+    ].map(([kind, word, firsts]) => ({ kind: kind.value, word, firsts: Array.from(firsts as Int32Array) }));
   }
 
   /** From the pose of the page, at rest; from a keyframe with the velocities that it has. */
@@ -98,8 +117,15 @@ class Physics {
     let pull = -Infinity;
     // MuJoCo sets a simulation that diverges back to the time 0, so the steps are counted.
     const timestep = this.model.opt.timestep;
-    for (let left = Math.ceil(MOST / timestep) + 1; left > 0 && this.data.time < end && performance.now() - begun < MOST_MILLISECONDS; left--) {
-      if (this.data.time - pull >= PULL) { pull = this.data.time; this.drag(); }
+    for (
+      let left = Math.ceil(MOST / timestep) + 1;
+      left > 0 && this.data.time < end && performance.now() - begun < MOST_MILLISECONDS;
+      left--
+    ) {
+      if (this.data.time - pull >= PULL) {
+        pull = this.data.time;
+        this.drag();
+      }
       this.engine.mj_step(this.model, this.data);
     }
     const stopped = timestep > 0 ? this.diverged() : "the timestep of the model is 0, so no time passes";
@@ -114,11 +140,15 @@ class Physics {
   };
 
   private seen(): Seen {
-    const contacts: number[][] = [], all = this.data.contact, count = Math.min(all.size(), MOST_CONTACTS);
+    const contacts: number[][] = [],
+      all = this.data.contact,
+      count = Math.min(all.size(), MOST_CONTACTS);
     for (let k = 0; k < count; k++) {
-      const each = all.get(k), frame = each.frame;
+      const each = all.get(k),
+        frame = each.frame;
       this.engine.mj_contactForce(this.model, this.data, k, this.force);
-      const own = this.force.GetView(), along = [0, 1, 2].map((axis) => own[0] * frame[axis] + own[1] * frame[3 + axis] + own[2] * frame[6 + axis]);
+      const own = this.force.GetView(),
+        along = [0, 1, 2].map((axis) => own[0] * frame[axis] + own[1] * frame[3 + axis] + own[2] * frame[6 + axis]);
       contacts.push([...each.geom, ...each.pos, frame[0], frame[1], frame[2], ...along]);
       each.delete();
     }
@@ -131,7 +161,8 @@ class Physics {
     const { ten_wrapadr: first, ten_wrapnum: count, wrap_obj: object, wrap_xpos: place } = this.data;
     return Array.from(first as Int32Array, (start, tendon) => {
       const found: number[] = [];
-      for (let k = start; k < start + count[tendon] - 1; k++) if (object[k] !== PULLEY && object[k + 1] !== PULLEY) found.push(...place.slice(3 * k, 3 * k + 6));
+      for (let k = start; k < start + count[tendon] - 1; k++)
+        if (object[k] !== PULLEY && object[k + 1] !== PULLEY) found.push(...place.slice(3 * k, 3 * k + 6));
       return found;
     });
   }
@@ -143,22 +174,38 @@ class Physics {
     if (!pulled) return;
     this.engine.mj_fwdPosition(model, data);
     this.engine.mj_fwdVelocity(model, data);
-    const { body, to } = pulled, turn = data.xmat.slice(9 * body, 9 * body + 9), own = pulled.at, root = model.body_rootid[body];
-    const at = [0, 1, 2].map((k) => data.xpos[3 * body + k] + turn[3 * k] * own[0] + turn[3 * k + 1] * own[1] + turn[3 * k + 2] * own[2]);
-    const turning = data.cvel.slice(6 * body, 6 * body + 3), arm = at.map((each, k) => each - data.subtree_com[3 * root + k]);
-    const swung = cross(turning, arm), weight = 1 / Math.max(model.body_invweight0[2 * body], 1e-9), { stiffness } = this.app.world.model.scene.look;
-    const force = at.map((each, k) => weight * (stiffness * (to[k] - each) - 2 * Math.sqrt(stiffness) * (data.cvel[6 * body + 3 + k] + swung[k])));
-    const torque = cross(at.map((each, k) => each - data.xipos[3 * body + k]), force);
+    const { body, to } = pulled,
+      turn = data.xmat.slice(9 * body, 9 * body + 9),
+      own = pulled.at,
+      root = model.body_rootid[body];
+    const at = [0, 1, 2].map(
+      (k) => data.xpos[3 * body + k] + turn[3 * k] * own[0] + turn[3 * k + 1] * own[1] + turn[3 * k + 2] * own[2],
+    );
+    const turning = data.cvel.slice(6 * body, 6 * body + 3),
+      arm = at.map((each, k) => each - data.subtree_com[3 * root + k]);
+    const swung = cross(turning, arm),
+      weight = 1 / Math.max(model.body_invweight0[2 * body], 1e-9),
+      { stiffness } = this.app.world.model.scene.look;
+    const force = at.map(
+      (each, k) =>
+        weight * (stiffness * (to[k] - each) - 2 * Math.sqrt(stiffness) * (data.cvel[6 * body + 3 + k] + swung[k])),
+    );
+    const torque = cross(
+      at.map((each, k) => each - data.xipos[3 * body + k]),
+      force,
+    );
     data.xfrc_applied.set([...force, ...torque], 6 * body);
   }
 
   /** Which number became NaN, infinite, or larger than MuJoCo accepts. */
   private diverged(): string | null {
     for (const { kind, word, firsts } of this.warnings) {
-      const found = this.data.warning.get(kind), { number, lastinfo } = found; // a copy of a part of the data, which is not to be deleted itself
+      const found = this.data.warning.get(kind),
+        { number, lastinfo } = found; // a copy of a part of the data, which is not to be deleted itself
       found.delete();
       if (!number) continue;
-      const at = firsts.filter((first) => first <= lastinfo).length - 1, name = this.app.world.model.scene.joint.name[at];
+      const at = firsts.filter((first) => first <= lastinfo).length - 1,
+        name = this.app.world.model.scene.joint.name[at];
       return `unstable: NaN or a huge ${word} in joint ${name ? `\`${name}\`` : `${at}, which has no name`}`;
     }
     return null;

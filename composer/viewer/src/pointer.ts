@@ -1,6 +1,17 @@
 // The actions of the mouse in the picture: measure a distance, and pull a body.
 import {
-  ArrowHelper, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, Plane, Raycaster, SphereGeometry, Vector3,
+  ArrowHelper,
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  Plane,
+  Raycaster,
+  SphereGeometry,
+  Vector3,
 } from "three";
 import type { Pull } from "./data";
 import { h } from "./dom";
@@ -16,12 +27,22 @@ export class Ruler {
   private readonly line: Line;
   private readonly balls: Mesh[];
 
-  constructor(private readonly stage: Stage, private readonly say: (words: string) => void, private readonly changed: () => void) {
+  constructor(
+    private readonly stage: Stage,
+    private readonly say: (words: string) => void,
+    private readonly changed: () => void,
+  ) {
     const paint = { color: 0xf59e0b, depthTest: false, transparent: true };
-    this.line = new Line(new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(6), 3)), new LineBasicMaterial(paint));
+    this.line = new Line(
+      new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(6), 3)),
+      new LineBasicMaterial(paint),
+    );
     this.balls = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 10), new MeshBasicMaterial(paint)));
     this.line.frustumCulled = false;
-    for (const each of [this.line, ...this.balls]) { each.renderOrder = 6; this.group.add(each); }
+    for (const each of [this.line, ...this.balls]) {
+      each.renderOrder = 6;
+      this.group.add(each);
+    }
     stage.scene.add(this.group);
     this.update();
   }
@@ -36,7 +57,8 @@ export class Ruler {
 
   /** A click in the picture; the third click starts again. */
   click(x: number, y: number): void {
-    const hit = this.stage.hit(x, y), { world } = this.stage;
+    const hit = this.stage.hit(x, y),
+      { world } = this.stage;
     if (!hit || !world) return;
     if (this.points.length === 2) this.points = [];
     const body = Math.max(0, hit.element.kind === "body" ? hit.element.index : bodyOf(world.model, hit.element));
@@ -50,7 +72,8 @@ export class Ruler {
   }
 
   update(): void {
-    const { world, camera, canvas } = this.stage, isShown = this.isOn && this.points.length > 0 && world !== null;
+    const { world, camera, canvas } = this.stage,
+      isShown = this.isOn && this.points.length > 0 && world !== null;
     this.group.visible = isShown;
     this.label.hidden = !isShown || this.points.length < 2;
     if (!isShown) return;
@@ -63,14 +86,26 @@ export class Ruler {
     });
     this.line.visible = ends.length === 2;
     if (ends.length < 2) return;
-    const [a, b] = ends, list = this.line.geometry.getAttribute("position");
+    const [a, b] = ends,
+      list = this.line.geometry.getAttribute("position");
     list.setXYZ(0, a.x, a.y, a.z);
     list.setXYZ(1, b.x, b.y, b.z);
     list.needsUpdate = true;
-    const way = b.clone().sub(a), middle = a.clone().add(b).multiplyScalar(0.5).project(camera);
-    this.label.replaceChildren(h("b", {}, `${neat(way.length(), 4)} m`), h("span", {}, `Δ ${way.toArray().map((each) => neat(Number(each.toFixed(4)))).join("  ")}`));
-    this.label.style.left = `${(middle.x + 1) / 2 * canvas.clientWidth}px`;
-    this.label.style.top = `${(1 - middle.y) / 2 * canvas.clientHeight}px`;
+    const way = b.clone().sub(a),
+      middle = a.clone().add(b).multiplyScalar(0.5).project(camera);
+    this.label.replaceChildren(
+      h("b", {}, `${neat(way.length(), 4)} m`),
+      h(
+        "span",
+        {},
+        `Δ ${way
+          .toArray()
+          .map((each) => neat(Number(each.toFixed(4))))
+          .join("  ")}`,
+      ),
+    );
+    this.label.style.left = `${((middle.x + 1) / 2) * canvas.clientWidth}px`;
+    this.label.style.top = `${((1 - middle.y) / 2) * canvas.clientHeight}px`;
   }
 }
 
@@ -78,7 +113,12 @@ export class Puller {
   private now: Pull | null = null;
   private readonly arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, 0xf43f5e);
 
-  constructor(private readonly stage: Stage, private readonly isPlaying: () => boolean, private readonly pull: (pull: Pull | null) => void, private readonly say: (words: string) => void) {
+  constructor(
+    private readonly stage: Stage,
+    private readonly isPlaying: () => boolean,
+    private readonly pull: (pull: Pull | null) => void,
+    private readonly say: (words: string) => void,
+  ) {
     this.arrow.visible = false;
     for (const each of [this.arrow.line, this.arrow.cone]) {
       (each.material as any).depthTest = false;
@@ -88,21 +128,29 @@ export class Puller {
     stage.scene.add(this.arrow);
     const { canvas } = stage;
     // Before the camera's own controls, for which Ctrl means to move it.
-    canvas.parentElement!.addEventListener("pointerdown", (event) => {
-      if (event.target === canvas && event.button === 0 && (event.ctrlKey || event.metaKey)) this.begin(event);
-    }, true);
+    canvas.parentElement!.addEventListener(
+      "pointerdown",
+      (event) => {
+        if (event.target === canvas && event.button === 0 && (event.ctrlKey || event.metaKey)) this.begin(event);
+      },
+      true,
+    );
   }
 
   private begin(event: PointerEvent): void {
     event.stopPropagation();
     event.preventDefault();
     if (!this.isPlaying()) return this.say("Start the physics (space) to pull a body");
-    const hit = this.stage.hit(event.clientX, event.clientY), world = this.stage.world!, body = hit ? bodyOf(world.model, hit.element) : 0;
+    const hit = this.stage.hit(event.clientX, event.clientY),
+      world = this.stage.world!,
+      body = hit ? bodyOf(world.model, hit.element) : 0;
     if (!hit || body <= 0) return this.say("Pull something that moves");
-    const { canvas, camera } = this.stage, plane = new Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new Vector3()), hit.point);
+    const { canvas, camera } = this.stage,
+      plane = new Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new Vector3()), hit.point);
     const at = hit.point.clone().applyMatrix4(world.bodyMatrix(body).clone().invert()).toArray();
     const to = (each: PointerEvent) => {
-      const ray = new Raycaster(), found = new Vector3();
+      const ray = new Raycaster(),
+        found = new Vector3();
       ray.setFromCamera(this.stage.place(each.clientX, each.clientY), camera);
       if (ray.ray.intersectPlane(plane, found)) this.set({ body, at, to: found.toArray() });
     };
@@ -132,9 +180,15 @@ export class Puller {
     const { world } = this.stage;
     this.arrow.visible = this.now !== null && world !== null;
     if (!this.now || !world) return;
-    const from = new Vector3(...this.now.at).applyMatrix4(world.bodyMatrix(this.now.body)), way = new Vector3(...this.now.to).sub(from), length = way.length();
+    const from = new Vector3(...this.now.at).applyMatrix4(world.bodyMatrix(this.now.body)),
+      way = new Vector3(...this.now.to).sub(from),
+      length = way.length();
     this.arrow.position.copy(from);
     this.arrow.setDirection(way.normalize());
-    this.arrow.setLength(Math.max(length, 1e-6), Math.min(0.25 * length, 0.05 * from.distanceTo(this.stage.camera.position)), 0.02 * from.distanceTo(this.stage.camera.position));
+    this.arrow.setLength(
+      Math.max(length, 1e-6),
+      Math.min(0.25 * length, 0.05 * from.distanceTo(this.stage.camera.position)),
+      0.02 * from.distanceTo(this.stage.camera.position),
+    );
   }
 }

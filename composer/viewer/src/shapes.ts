@@ -1,12 +1,43 @@
 // The surfaces of geoms. Those of one form share a surface and are drawn at once, each scaled to its size.
-import { BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CircleGeometry, CylinderGeometry, PlaneGeometry, SphereGeometry } from "three";
+import {
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  CircleGeometry,
+  CylinderGeometry,
+  PlaneGeometry,
+  SphereGeometry,
+} from "three";
 import type { HeightField, Model } from "./data";
 import { rounded, simplify } from "./detail";
 
-export const PLANE = 0, HFIELD = 1, SPHERE = 2, CAPSULE = 3, ELLIPSOID = 4, CYLINDER = 5, BOX = 6, MESH = 7, SDF = 8;
-export const SHAPE_NAMES = ["plane", "height field", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "SDF"];
+export const PLANE = 0,
+  HFIELD = 1,
+  SPHERE = 2,
+  CAPSULE = 3,
+  ELLIPSOID = 4,
+  CYLINDER = 5,
+  BOX = 6,
+  MESH = 7,
+  SDF = 8;
+export const SHAPE_NAMES = [
+  "plane",
+  "height field",
+  "sphere",
+  "capsule",
+  "ellipsoid",
+  "cylinder",
+  "box",
+  "mesh",
+  "SDF",
+];
 
-export interface Shape { key: string; scale: [number, number, number]; make: () => BufferGeometry }
+export interface Shape {
+  key: string;
+  scale: [number, number, number];
+  make: () => BufferGeometry;
+}
 
 /** The drawing of a geom or site; `far` is the distance to which an infinite plane is drawn. */
 export function shapeOf(model: Model, type: number, size: number[], data: number, far: number, fine: boolean): Shape {
@@ -19,16 +50,28 @@ export function shapeOf(model: Model, type: number, size: number[], data: number
       return { key: "plane", scale: [a, b, 1], make: () => new PlaneGeometry(2, 2) };
     }
     case SPHERE:
-      return { key: "sphere", scale: [a, a, a], make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round) };
+      return {
+        key: "sphere",
+        scale: [a, a, a],
+        make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round),
+      };
     case ELLIPSOID:
-      return { key: "sphere", scale: [a, b, c], make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round) };
+      return {
+        key: "sphere",
+        scale: [a, b, c],
+        make: () => rounded((sides) => upright(new SphereGeometry(1, sides, sides / 2)), round),
+      };
     case CAPSULE: {
-      const length = Number((2 * b / a).toPrecision(6));
+      const length = Number(((2 * b) / a).toPrecision(6));
       const make = () => rounded((sides) => upright(new CapsuleGeometry(1, length, sides / 4, sides)), round);
       return { key: `capsule ${length}`, scale: [a, a, a], make };
     }
     case CYLINDER:
-      return { key: "cylinder", scale: [a, a, b], make: () => rounded((sides) => upright(new CylinderGeometry(1, 1, 2, sides)), round) };
+      return {
+        key: "cylinder",
+        scale: [a, a, b],
+        make: () => rounded((sides) => upright(new CylinderGeometry(1, 1, 2, sides)), round),
+      };
     case BOX:
       return { key: "box", scale: [a, b, c], make: () => new BoxGeometry(2, 2, 2) };
     case HFIELD:
@@ -48,10 +91,11 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   const { rows, columns, size } = field;
   const steps = new Uint16Array(model.blobs.get(field.blob)!, 0, rows * columns);
   const [sx, sy, high, deep] = size;
-  const at = (r: number, c: number) => [sx * (2 * c / (columns - 1) - 1), sy * (2 * r / (rows - 1) - 1)];
-  const corners: number[] = [], index: number[] = [];
+  const at = (r: number, c: number) => [sx * ((2 * c) / (columns - 1) - 1), sy * ((2 * r) / (rows - 1) - 1)];
+  const corners: number[] = [],
+    index: number[] = [];
   for (let r = 0; r < rows; r++) {
-    for (let c = 0; c < columns; c++) corners.push(...at(r, c), high * steps[r * columns + c] / 65535);
+    for (let c = 0; c < columns; c++) corners.push(...at(r, c), (high * steps[r * columns + c]) / 65535);
   }
   for (let r = 0; r + 1 < rows; r++) {
     for (let c = 0; c + 1 < columns; c++) {
@@ -68,7 +112,7 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   for (let k = 0; k + 1 < rim.length; k++) {
     const first = corners.length / 3;
     for (const [r, c] of [rim[k], rim[k + 1]]) {
-      corners.push(...at(r, c), high * steps[r * columns + c] / 65535, ...at(r, c), -deep);
+      corners.push(...at(r, c), (high * steps[r * columns + c]) / 65535, ...at(r, c), -deep);
     }
     index.push(first, first + 1, first + 2, first + 1, first + 3, first + 2);
   }
@@ -82,23 +126,30 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   return geometry;
 }
 
-const MAPPED = 1, FLAT = 2, PLANES = 8;
+const MAPPED = 1,
+  FLAT = 2,
+  PLANES = 8;
 
 /** A surface without normals is flat: each triangle has its own. */
 export function surface(blob: ArrayBuffer): BufferGeometry {
   const [count, triangles, flags] = new Uint32Array(blob, 0, 3);
-  const range = new Float32Array(blob, 12, 6), bytes = new Uint8Array(blob), geometry = new BufferGeometry();
+  const range = new Float32Array(blob, 12, 6),
+    bytes = new Uint8Array(blob),
+    geometry = new BufferGeometry();
   let at = 36;
   if (flags & MAPPED) {
     geometry.setAttribute("uv", new BufferAttribute(new Float32Array(blob.slice(at, at + 8 * count)), 2));
     at += 8 * count;
   }
-  const corners = new Float32Array(3 * count), steps: Uint16Array[] = [];
+  const corners = new Float32Array(3 * count),
+    steps: Uint16Array[] = [];
   for (let axis = 0; axis < 3; axis++, at += 2 * count) {
-    const low = range[axis], step = range[3 + axis], list = new Uint16Array(count);
+    const low = range[axis],
+      step = range[3 + axis],
+      list = new Uint16Array(count);
     for (let k = 0, whole = 0; k < count; k++) {
-      const z = bytes[at + k] | bytes[at + count + k] << 8;
-      whole = whole + (z >> 1 ^ -(z & 1)) & 0xffff;
+      const z = bytes[at + k] | (bytes[at + count + k] << 8);
+      whole = (whole + ((z >> 1) ^ -(z & 1))) & 0xffff;
       list[k] = whole;
       corners[3 * k + axis] = low + step * whole;
     }
@@ -109,16 +160,19 @@ export function surface(blob: ArrayBuffer): BufferGeometry {
     geometry.setAttribute("normal", new BufferAttribute(normals(bytes, at, count), 3));
     at += 2 * count;
   }
-  const index = count <= 1 << 16 ? new Uint16Array(3 * triangles) : new Uint32Array(3 * triangles), planes = flags >> PLANES;
+  const index = count <= 1 << 16 ? new Uint16Array(3 * triangles) : new Uint32Array(3 * triangles),
+    planes = flags >> PLANES;
   for (let k = 0, first = 0; k < 3 * triangles; k += 3) {
     let [a, b, c] = [0, 0, 0];
     for (let plane = planes - 1; plane >= 0; plane--) {
       const from = at + 3 * triangles * plane + k;
-      a = a << 8 | bytes[from]; b = b << 8 | bytes[from + 1]; c = c << 8 | bytes[from + 2];
+      a = (a << 8) | bytes[from];
+      b = (b << 8) | bytes[from + 1];
+      c = (c << 8) | bytes[from + 2];
     }
     index[k] = first += a;
     index[k + 1] = first + b;
-    index[k + 2] = first + b + (c >>> 1 ^ -(c & 1));
+    index[k + 2] = first + b + ((c >>> 1) ^ -(c & 1));
   }
   geometry.setIndex(new BufferAttribute(index, 1));
   simplify(geometry, steps, steps.some((each) => each.some((whole) => whole >= 1 << 14)) ? 16 : 14);
@@ -129,13 +183,16 @@ export function surface(blob: ArrayBuffer): BufferGeometry {
 function normals(bytes: Uint8Array, at: number, count: number): Float32Array {
   const found = new Float32Array(3 * count);
   for (let k = 0, u = 0, v = 0; k < count; k++) {
-    u = u + bytes[at + k] & 255;
-    v = v + bytes[at + count + k] & 255;
-    let x = (u << 24 >> 24) / 127, y = (v << 24 >> 24) / 127;
+    u = (u + bytes[at + k]) & 255;
+    v = (v + bytes[at + count + k]) & 255;
+    let x = ((u << 24) >> 24) / 127,
+      y = ((v << 24) >> 24) / 127;
     const z = 1 - Math.abs(x) - Math.abs(y);
     if (z < 0) [x, y] = [(1 - Math.abs(y)) * Math.sign(x || 1), (1 - Math.abs(x)) * Math.sign(y || 1)];
     const length = Math.hypot(x, y, z);
-    found[3 * k] = x / length; found[3 * k + 1] = y / length; found[3 * k + 2] = z / length;
+    found[3 * k] = x / length;
+    found[3 * k + 1] = y / length;
+    found[3 * k + 2] = z / length;
   }
   return found;
 }

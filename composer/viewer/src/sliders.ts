@@ -4,7 +4,9 @@ import { copy, h } from "./dom";
 import { degrees, JOINT_NAMES, neat } from "./info";
 import { FREE, HINGE, SLIDE, WIDTHS, type Pose } from "./kinematics";
 
-interface Slider { set: () => void }
+interface Slider {
+  set: () => void;
+}
 
 export class Sliders {
   readonly joints = h("div", { className: "sliders" });
@@ -12,7 +14,12 @@ export class Sliders {
   readonly ctrl: number[];
   private readonly all: Slider[] = [];
 
-  constructor(private readonly model: Model, private readonly pose: Pose, private readonly moved: () => void, private readonly controlled: () => void) {
+  constructor(
+    private readonly model: Model,
+    private readonly pose: Pose,
+    private readonly moved: () => void,
+    private readonly controlled: () => void,
+  ) {
     const { scene } = model;
     const counts = scene.actuator.range.length / 2;
     this.ctrl = new Array(counts).fill(0);
@@ -23,45 +30,115 @@ export class Sliders {
   }
 
   private joint(name: string, j: number): void {
-    const { joint, look, qpos0 } = this.model.scene, type = joint.type[j], q = joint.qpos[j], { qpos } = this.pose;
+    const { joint, look, qpos0 } = this.model.scene,
+      type = joint.type[j],
+      q = joint.qpos[j],
+      { qpos } = this.pose;
     if (type >= SLIDE) {
-      const limited = joint.limited[j], far = type === HINGE ? Math.PI : Math.max(look.extent, 0.1);
+      const limited = joint.limited[j],
+        far = type === HINGE ? Math.PI : Math.max(look.extent, 0.1);
       const range = limited ? row(joint.range, j, 2) : [qpos0[q] - far, qpos0[q] + far];
       const shown = (value: number) => (type === HINGE ? degrees(value) : `${neat(value)} m`);
-      this.joints.append(this.slider(name, range, shown, () => qpos[q], (value) => { qpos[q] = value; }, Boolean(limited), type === HINGE ? 180 / Math.PI : 1));
+      this.joints.append(
+        this.slider(
+          name,
+          range,
+          shown,
+          () => qpos[q],
+          (value) => {
+            qpos[q] = value;
+          },
+          Boolean(limited),
+          type === HINGE ? 180 / Math.PI : 1,
+        ),
+      );
       return;
     }
     const rows: HTMLElement[] = [];
     if (type === FREE) {
       ["x", "y", "z"].forEach((axis, k) => {
         const far = 2 * look.extent;
-        rows.push(this.slider(axis, [qpos0[q + k] - far, qpos0[q + k] + far], (value) => `${neat(value)} m`, () => qpos[q + k], (value) => { qpos[q + k] = value; }, false, 1));
+        rows.push(
+          this.slider(
+            axis,
+            [qpos0[q + k] - far, qpos0[q + k] + far],
+            (value) => `${neat(value)} m`,
+            () => qpos[q + k],
+            (value) => {
+              qpos[q + k] = value;
+            },
+            false,
+            1,
+          ),
+        );
       });
     }
     const first = type === FREE ? q + 3 : q;
     ["roll", "pitch", "yaw"].forEach((axis, k) => {
       const half = k === 1 ? Math.PI / 2 : Math.PI;
-      rows.push(this.slider(axis, [-half, half], degrees, () => angles(qpos, first)[k], (value) => {
-        const found = angles(qpos, first);
-        found[k] = value;
-        turn(qpos, first, found);
-      }, false, 180 / Math.PI));
+      rows.push(
+        this.slider(
+          axis,
+          [-half, half],
+          degrees,
+          () => angles(qpos, first)[k],
+          (value) => {
+            const found = angles(qpos, first);
+            found[k] = value;
+            turn(qpos, first, found);
+          },
+          false,
+          180 / Math.PI,
+        ),
+      );
     });
-    this.joints.append(h("details", { open: this.model.scene.joint.name.length < 4 }, h("summary", { title: JOINT_NAMES[type] }, name, h("span", { className: "badge" }, JOINT_NAMES[type])), ...rows));
+    this.joints.append(
+      h(
+        "details",
+        { open: this.model.scene.joint.name.length < 4 },
+        h("summary", { title: JOINT_NAMES[type] }, name, h("span", { className: "badge" }, JOINT_NAMES[type])),
+        ...rows,
+      ),
+    );
   }
 
   private control(name: string, a: number): void {
-    const { actuator, joint, tendon } = this.model.scene, at = actuator.control[a];
-    const target = actuator.target[2 * a], kind = actuator.transmission[a];
+    const { actuator, joint, tendon } = this.model.scene,
+      at = actuator.control[a];
+    const target = actuator.target[2 * a],
+      kind = actuator.transmission[a];
     const moves = kind <= 1 ? joint.name[target] : kind === 3 ? tendon.name[target] : "";
     const next = a + 1 < actuator.control.length ? actuator.control[a + 1] : this.ctrl.length;
     for (let k = at; k < Math.max(next, at + 1); k++) {
-      const limited = Boolean(actuator.limited[k]), range = limited ? row(actuator.range, k, 2) : [-1, 1];
-      this.controls.append(this.slider(next - at > 1 ? `${name} ${k - at}` : name, range, (value) => neat(value), () => this.ctrl[k], (value) => { this.ctrl[k] = value; }, limited, 1, moves && `moves ${moves}`));
+      const limited = Boolean(actuator.limited[k]),
+        range = limited ? row(actuator.range, k, 2) : [-1, 1];
+      this.controls.append(
+        this.slider(
+          next - at > 1 ? `${name} ${k - at}` : name,
+          range,
+          (value) => neat(value),
+          () => this.ctrl[k],
+          (value) => {
+            this.ctrl[k] = value;
+          },
+          limited,
+          1,
+          moves && `moves ${moves}`,
+        ),
+      );
     }
   }
 
-  private slider(name: string, [low, high]: number[], shown: (value: number) => string, get: () => number, put: (value: number) => void, limited: boolean, factor: number, more = ""): HTMLElement {
+  private slider(
+    name: string,
+    [low, high]: number[],
+    shown: (value: number) => string,
+    get: () => number,
+    put: (value: number) => void,
+    limited: boolean,
+    factor: number,
+    more = "",
+  ): HTMLElement {
     const isControl = more !== "" || shown(1) === neat(1);
     const range = h("input", { type: "range", min: String(low), max: String(high), step: "any", ariaLabel: name });
     const number = h("input", { type: "text", inputMode: "decimal", className: "number", ariaLabel: `${name}, value` });
@@ -87,7 +164,13 @@ export class Sliders {
     number.addEventListener("focus", () => number.select());
     this.all.push({ set: show });
     show();
-    const ends = h("span", { className: limited ? "ends" : "ends open" }, h("span", {}, limited ? shown(low) : ""), h("span", { className: "more" }, more), h("span", {}, limited ? shown(high) : ""));
+    const ends = h(
+      "span",
+      { className: limited ? "ends" : "ends open" },
+      h("span", {}, limited ? shown(low) : ""),
+      h("span", { className: "more" }, more),
+      h("span", {}, limited ? shown(high) : ""),
+    );
     return h("div", { className: "slider", title: name }, h("label", {}, name), number, range, ends);
   }
 
@@ -97,20 +180,27 @@ export class Sliders {
   }
 
   setControls(values: number[]): void {
-    values.forEach((value, k) => { this.ctrl[k] = value; });
+    values.forEach((value, k) => {
+      this.ctrl[k] = value;
+    });
     this.refresh();
   }
 
   /** The pose as an entry of `keyframe`, by name, as far as it is not the reference. */
   snippet(): string {
-    const { joint, actuator, qpos0, body } = this.model.scene, { qpos, mpos, mquat } = this.pose;
-    const lines = ["keyframe:", "  pose:"], moved: string[] = [], controls: string[] = [], mocap: string[] = [];
+    const { joint, actuator, qpos0, body } = this.model.scene,
+      { qpos, mpos, mquat } = this.pose;
+    const lines = ["keyframe:", "  pose:"],
+      moved: string[] = [],
+      controls: string[] = [],
+      mocap: string[] = [];
     joint.name.forEach((name, j) => {
-      const q = joint.qpos[j], width = WIDTHS[joint.type[j]];
+      const q = joint.qpos[j],
+        width = WIDTHS[joint.type[j]];
       const values = Array.from(qpos.slice(q, q + width));
       if (values.every((value, k) => Math.abs(value - qpos0[q + k]) < 1e-9)) return;
       if (!name) moved.push(`      # joint#${j} has no name: ${values.map(exact).join(" ")}`);
-      else if (joint.type[j] === HINGE) moved.push(`      ${name}: ${exact(values[0] * 180 / Math.PI)}deg`);
+      else if (joint.type[j] === HINGE) moved.push(`      ${name}: ${exact((values[0] * 180) / Math.PI)}deg`);
       else moved.push(`      ${name}: ${width === 1 ? exact(values[0]) : `[${values.map(exact).join(", ")}]`}`);
     });
     if (moved.length) lines.push("    qpos:", ...moved);
@@ -123,8 +213,10 @@ export class Sliders {
       if (number < 0 || !body.name[b]) return;
       const place = Array.from(mpos.slice(3 * number, 3 * number + 3));
       const turned = Array.from(mquat.slice(4 * number, 4 * number + 4));
-      if (place.some((value, k) => Math.abs(value - body.pos[3 * b + k]) > 1e-9)) mocap.push(`    mpos: {${body.name[b]}: [${place.map(exact).join(", ")}]}`);
-      if (turned.some((value, k) => Math.abs(value - body.quat[4 * b + k]) > 1e-9)) mocap.push(`    mquat: {${body.name[b]}: [${turned.map(exact).join(", ")}]}`);
+      if (place.some((value, k) => Math.abs(value - body.pos[3 * b + k]) > 1e-9))
+        mocap.push(`    mpos: {${body.name[b]}: [${place.map(exact).join(", ")}]}`);
+      if (turned.some((value, k) => Math.abs(value - body.quat[4 * b + k]) > 1e-9))
+        mocap.push(`    mquat: {${body.name[b]}: [${turned.map(exact).join(", ")}]}`);
     });
     lines.push(...mocap);
     if (lines.length === 2) lines[1] = "  pose: {}";
@@ -146,15 +238,24 @@ const exact = (value: number): string => String(Number(value.toFixed(6)));
 function angles(q: Float64Array, i: number): [number, number, number] {
   const [w, x, y, z] = [q[i], q[i + 1], q[i + 2], q[i + 3]];
   const sine = Math.max(-1, Math.min(1, 2 * (w * y - z * x)));
-  return [Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), Math.asin(sine), Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))];
+  return [
+    Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+    Math.asin(sine),
+    Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+  ];
 }
 
 function turn(q: Float64Array, i: number, [roll, pitch, yaw]: [number, number, number]): void {
-  const [cr, sr, cp, sp, cy, sy] = [Math.cos(roll / 2), Math.sin(roll / 2), Math.cos(pitch / 2), Math.sin(pitch / 2), Math.cos(yaw / 2), Math.sin(yaw / 2)];
+  const [cr, sr, cp, sp, cy, sy] = [
+    Math.cos(roll / 2),
+    Math.sin(roll / 2),
+    Math.cos(pitch / 2),
+    Math.sin(pitch / 2),
+    Math.cos(yaw / 2),
+    Math.sin(yaw / 2),
+  ];
   q[i] = cr * cp * cy + sr * sp * sy;
   q[i + 1] = sr * cp * cy - cr * sp * sy;
   q[i + 2] = cr * sp * cy + sr * cp * sy;
   q[i + 3] = cr * cp * sy - sr * sp * cy;
 }
-
-

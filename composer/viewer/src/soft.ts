@@ -1,15 +1,37 @@
 // Skins, flexes and tendons: what changes its form with the pose.
 import {
-  Box3, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshPhongMaterial, Object3D,
-  Quaternion, SphereGeometry, Vector3,
+  Box3,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  CylinderGeometry,
+  DoubleSide,
+  Group,
+  InstancedMesh,
+  Matrix4,
+  Mesh,
+  MeshPhongMaterial,
+  Object3D,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
 } from "three";
 import { type Element, type Flex, type Model, row, type Seen, type Skin } from "./data";
 import { type Pose, rotated } from "./kinematics";
 import { colourOf, type Painter } from "./paint";
 
-interface Soft { object: Object3D; kind: string; index: number; group: number; update: () => void; members?: number[] }
+interface Soft {
+  object: Object3D;
+  kind: string;
+  index: number;
+  group: number;
+  update: () => void;
+  members?: number[];
+}
 
-const SITE = 3, PULLEY = 2, JOINT = 1;
+const SITE = 3,
+  PULLEY = 2,
+  JOINT = 1;
 
 export class Softs {
   readonly root = new Group();
@@ -17,14 +39,25 @@ export class Softs {
   /** The results of MuJoCo for the pose, such as the paths of tendons; null while they are not known. */
   seen: Seen | null;
 
-  constructor(private readonly model: Model, private readonly painter: Painter, private readonly pose: Pose) {
+  constructor(
+    private readonly model: Model,
+    private readonly painter: Painter,
+    private readonly pose: Pose,
+  ) {
     this.seen = model.scene.poses[0];
   }
 
   build(): void {
     const { scene } = this.model;
     scene.skin.forEach((each, index) => this.add({ kind: "skin", index, group: each.group, ...this.skin(each) }));
-    scene.flex.forEach((each, index) => this.add({ kind: "flex", index, group: each.group, ...(each.dimensions === 1 ? this.rope(each) : this.cloth(each)) }));
+    scene.flex.forEach((each, index) =>
+      this.add({
+        kind: "flex",
+        index,
+        group: each.group,
+        ...(each.dimensions === 1 ? this.rope(each) : this.cloth(each)),
+      }),
+    );
     scene.tendon.name.forEach((_, index) => {
       if (scene.wrap.type[scene.tendon.first[index]] !== JOINT) {
         this.add({ kind: "tendon", index, group: scene.tendon.group[index], ...this.tendon(index) });
@@ -47,15 +80,27 @@ export class Softs {
   }
 
   private skin(skin: Skin): { object: Object3D; update: () => void } {
-    const blob = this.model.blobs.get(skin.blob)!, { count, bones } = skin;
+    const blob = this.model.blobs.get(skin.blob)!,
+      { count, bones } = skin;
     let at = 0;
-    const floats = (n: number) => { const found = new Float32Array(blob, at, n); at += 4 * n; return found; };
-    const whole = (n: number) => { const found = new Uint32Array(blob, at, n); at += 4 * n; return found; };
-    const rest = floats(3 * count), faces = whole(3 * skin.triangles);
+    const floats = (n: number) => {
+      const found = new Float32Array(blob, at, n);
+      at += 4 * n;
+      return found;
+    };
+    const whole = (n: number) => {
+      const found = new Uint32Array(blob, at, n);
+      at += 4 * n;
+      return found;
+    };
+    const rest = floats(3 * count),
+      faces = whole(3 * skin.triangles);
     const flat = skin.mapped ? floats(2 * count) : null;
     const total = skin.moved.reduce((sum, each) => sum + each, 0);
-    const moved = whole(total), weights = floats(total);
-    const geometry = new BufferGeometry(), corners = new Float32Array(3 * count);
+    const moved = whole(total),
+      weights = floats(total);
+    const geometry = new BufferGeometry(),
+      corners = new Float32Array(3 * count);
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
     if (flat) geometry.setAttribute("uv", new BufferAttribute(flat.slice(), 2));
     geometry.setIndex(new BufferAttribute(faces.slice(), 1));
@@ -66,13 +111,19 @@ export class Softs {
       corners.fill(0);
       let first = 0;
       bones.forEach((body, bone) => {
-        const turn = new Quaternion(...(xyzw(this.pose.quat, 4 * body)))
-          .multiply(new Quaternion(...xyzw(skin.quat, 4 * bone)).conjugate());
-        const place = new Vector3().fromArray(this.pose.pos, 3 * body)
+        const turn = new Quaternion(...xyzw(this.pose.quat, 4 * body)).multiply(
+          new Quaternion(...xyzw(skin.quat, 4 * bone)).conjugate(),
+        );
+        const place = new Vector3()
+          .fromArray(this.pose.pos, 3 * body)
           .sub(new Vector3().fromArray(skin.pos, 3 * bone).applyQuaternion(turn));
         const e = new Matrix4().compose(place, turn, new Vector3(1, 1, 1)).elements;
         for (let k = first; k < first + skin.moved[bone]; k++) {
-          const v = 3 * moved[k], w = weights[k], x = rest[v], y = rest[v + 1], z = rest[v + 2];
+          const v = 3 * moved[k],
+            w = weights[k],
+            x = rest[v],
+            y = rest[v + 1],
+            z = rest[v + 2];
           corners[v] += w * (e[0] * x + e[4] * y + e[8] * z + e[12]);
           corners[v + 1] += w * (e[1] * x + e[5] * y + e[9] * z + e[13]);
           corners[v + 2] += w * (e[2] * x + e[6] * y + e[10] * z + e[14]);
@@ -91,13 +142,16 @@ export class Softs {
   }
 
   private flex(flex: Flex): { shell: Uint32Array; edges: Uint32Array; place: (into: Float32Array) => void } {
-    const blob = this.model.blobs.get(flex.blob)!, { count } = flex;
-    const local = new Float32Array(blob, 0, 3 * count), bodies = new Uint32Array(blob, 12 * count, count);
+    const blob = this.model.blobs.get(flex.blob)!,
+      { count } = flex;
+    const local = new Float32Array(blob, 0, 3 * count),
+      bodies = new Uint32Array(blob, 12 * count, count);
     const shell = new Uint32Array(blob, 16 * count, 3 * flex.triangles);
     const edges = new Uint32Array(blob, 16 * count + 12 * flex.triangles, 2 * flex.edges);
     const place = (into: Float32Array) => {
       for (let k = 0; k < count; k++) {
-        const b = bodies[k], [x, y, z] = rotated(this.pose.quat, 4 * b, local as any, 3 * k);
+        const b = bodies[k],
+          [x, y, z] = rotated(this.pose.quat, 4 * b, local as any, 3 * k);
         into[3 * k] = this.pose.pos[3 * b] + x;
         into[3 * k + 1] = this.pose.pos[3 * b + 1] + y;
         into[3 * k + 2] = this.pose.pos[3 * b + 2] + z;
@@ -108,14 +162,18 @@ export class Softs {
 
   /** A flex with a surface, which is as far from its corners as its radius says. */
   private cloth(flex: Flex): { object: Object3D; update: () => void } {
-    const { shell, place } = this.flex(flex), { count, radius } = flex;
-    const plain = new BufferGeometry(), middle = new Float32Array(3 * count);
+    const { shell, place } = this.flex(flex),
+      { count, radius } = flex;
+    const plain = new BufferGeometry(),
+      middle = new Float32Array(3 * count);
     plain.setAttribute("position", new BufferAttribute(middle, 3));
     plain.setIndex(new BufferAttribute(shell.slice(), 1));
     const both = flex.dimensions === 2;
     const corners = new Float32Array((both ? 2 : 1) * 3 * count);
     const index = [...shell];
-    if (both) for (let k = 0; k < shell.length; k += 3) index.push(shell[k] + count, shell[k + 2] + count, shell[k + 1] + count);
+    if (both)
+      for (let k = 0; k < shell.length; k += 3)
+        index.push(shell[k] + count, shell[k + 2] + count, shell[k + 1] + count);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
     geometry.setIndex(index);
@@ -138,28 +196,43 @@ export class Softs {
   }
 
   private rope(flex: Flex): { object: Object3D; update: () => void } {
-    const { edges, place } = this.flex(flex), corners = new Float32Array(3 * flex.count);
+    const { edges, place } = this.flex(flex),
+      corners = new Float32Array(3 * flex.count);
     const rods = new Rods(this.paint(flex.material, flex.rgba, false), flex.edges, false);
-    return { object: rods.root, update: () => { place(corners); rods.place(ends(corners, edges), flex.radius); } };
+    return {
+      object: rods.root,
+      update: () => {
+        place(corners);
+        rods.place(ends(corners, edges), flex.radius);
+      },
+    };
   }
 
   private tendon(index: number): { object: Object3D; update: () => void } {
     const { tendon } = this.model.scene;
-    const most = Math.max(tendon.count[index] - 1, ...this.model.scene.poses.map((each) => each.tendons[index].length / 6));
-    const rods = new Rods(this.paint(tendon.material[index], row(tendon.rgba, index, 4), false), Math.max(1, most, 2 * tendon.count[index]));
+    const most = Math.max(
+      tendon.count[index] - 1,
+      ...this.model.scene.poses.map((each) => each.tendons[index].length / 6),
+    );
+    const rods = new Rods(
+      this.paint(tendon.material[index], row(tendon.rgba, index, 4), false),
+      Math.max(1, most, 2 * tendon.count[index]),
+    );
     return { object: rods.root, update: () => rods.place(this.way(index), tendon.width[index]) };
   }
 
   /** The straight pieces of a tendon; away from a known pose, the pieces from site to site, without the geoms that it wraps around. */
   private way(index: number): number[] {
-    const { scene } = this.model, { tendon, wrap, site } = scene;
+    const { scene } = this.model,
+      { tendon, wrap, site } = scene;
     if (this.seen) return this.seen.tendons[index];
     const found: number[] = [];
     let last: number[] | null = null;
     for (let k = tendon.first[index]; k < tendon.first[index] + tendon.count[index]; k++) {
       if (wrap.type[k] === PULLEY) last = null;
       if (wrap.type[k] !== SITE) continue;
-      const number = wrap.object[k], b = site.body[number];
+      const number = wrap.object[k],
+        b = site.body[number];
       const moved = rotated(this.pose.quat, 4 * b, site.pos, 3 * number);
       const here = moved.map((each, axis) => each + this.pose.pos[3 * b + axis]);
       if (last) found.push(...last, ...here);
@@ -178,7 +251,11 @@ export class Softs {
 
   targets(): Object3D[] {
     const found: Object3D[] = [];
-    for (const each of this.all) if (each.object.visible) each.object.traverse((part) => { if (part instanceof Mesh) found.push(part); });
+    for (const each of this.all)
+      if (each.object.visible)
+        each.object.traverse((part) => {
+          if (part instanceof Mesh) found.push(part);
+        });
     return found;
   }
 
@@ -198,7 +275,9 @@ export class Softs {
   }
 
   dispose(): void {
-    this.root.traverse((each) => { if (each instanceof Mesh) each.geometry.dispose(); });
+    this.root.traverse((each) => {
+      if (each instanceof Mesh) each.geometry.dispose();
+    });
   }
 }
 
@@ -221,8 +300,13 @@ class Rods {
   }
 
   place(ends: number[], radius: number): void {
-    const a = new Vector3(), b = new Vector3(), along = new Vector3(), turn = new Quaternion(), matrix = new Matrix4();
-    const up = new Vector3(0, 0, 1), still = new Quaternion();
+    const a = new Vector3(),
+      b = new Vector3(),
+      along = new Vector3(),
+      turn = new Quaternion(),
+      matrix = new Matrix4();
+    const up = new Vector3(0, 0, 1),
+      still = new Quaternion();
     const count = Math.min(ends.length / 6, this.rods.instanceMatrix.count);
     for (let k = 0; k < count; k++) {
       a.fromArray(ends, 6 * k);
@@ -230,7 +314,10 @@ class Rods {
       along.subVectors(b, a);
       const length = along.length();
       turn.setFromUnitVectors(up, length > 1e-12 ? along.divideScalar(length) : up);
-      this.rods.setMatrixAt(k, matrix.compose(a.clone().add(b).multiplyScalar(0.5), turn, new Vector3(radius, radius, Math.max(length, 1e-9))));
+      this.rods.setMatrixAt(
+        k,
+        matrix.compose(a.clone().add(b).multiplyScalar(0.5), turn, new Vector3(radius, radius, Math.max(length, 1e-9))),
+      );
       this.balls.setMatrixAt(2 * k, matrix.compose(a, still, new Vector3(radius, radius, radius)));
       this.balls.setMatrixAt(2 * k + 1, matrix.compose(b, still, new Vector3(radius, radius, radius)));
     }
@@ -249,4 +336,9 @@ const ends = (corners: Float32Array, edges: Uint32Array): number[] => {
   return found;
 };
 
-const xyzw = (q: ArrayLike<number>, i: number): [number, number, number, number] => [q[i + 1], q[i + 2], q[i + 3], q[i]];
+const xyzw = (q: ArrayLike<number>, i: number): [number, number, number, number] => [
+  q[i + 1],
+  q[i + 2],
+  q[i + 3],
+  q[i],
+];

@@ -1,7 +1,18 @@
 // The canvas: camera, controls, drawing when something has changed, the picture as an image, and the compass.
 import {
-  Box3, Color, ColorManagement, LinearSRGBColorSpace, NoToneMapping, PCFShadowMap, PerspectiveCamera, type Quaternion, Raycaster, Scene, Vector2,
-  Vector3, WebGLRenderer,
+  Box3,
+  Color,
+  ColorManagement,
+  LinearSRGBColorSpace,
+  NoToneMapping,
+  PCFShadowMap,
+  PerspectiveCamera,
+  type Quaternion,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type Element, row } from "./data";
@@ -10,9 +21,13 @@ import { rotated } from "./kinematics";
 import type { World } from "./world";
 
 /** How long the page counts as moving after a change, and the time that a picture may take then, in milliseconds. */
-const STILL = 180, SLOW = 33, QUICK = 14;
+const STILL = 180,
+  SLOW = 33,
+  QUICK = 14;
 /** Cells of a surface for each pixel, and pixels of the picture for each of the screen, at rest and at their least. */
-const FINE = 1.5, LEAST_FINE = 0.06, LEAST_RATIO = 0.4;
+const FINE = 1.5,
+  LEAST_FINE = 0.06,
+  LEAST_RATIO = 0.4;
 
 // Colors go to the screen as MuJoCo has them.
 ColorManagement.enabled = false;
@@ -51,7 +66,9 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.move());
-    this.controls.addEventListener("start", () => { this.through = null; });
+    this.controls.addEventListener("start", () => {
+      this.through = null;
+    });
     canvas.addEventListener("pointerup", () => this.rest());
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     canvas.addEventListener("webglcontextrestored", () => this.draw());
@@ -85,23 +102,37 @@ export class Stage {
 
   /** Fit the whole model or a part of it into the picture, seen from the present side or from the side that its author chose. */
   fit(box?: Box3): void {
-    const { look } = this.world!.model.scene, whole = !box;
+    const { look } = this.world!.model.scene,
+      whole = !box;
     const wanted = box && !box.isEmpty() ? box : this.world!.box();
     const asked = look.azimuth === 90 && look.elevation === -45 ? [135, -22] : [look.azimuth, look.elevation];
-    const [azimuth, elevation] = asked.map((each) => each * Math.PI / 180);
+    const [azimuth, elevation] = asked.map((each) => (each * Math.PI) / 180);
     const forward = whole
-      ? new Vector3(Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation))
+      ? new Vector3(
+          Math.cos(elevation) * Math.cos(azimuth),
+          Math.cos(elevation) * Math.sin(azimuth),
+          Math.sin(elevation),
+        )
       : this.camera.getWorldDirection(new Vector3());
     this.camera.fov = look.fovy > 1 && look.fovy < 150 ? look.fovy : 45;
     const right = new Vector3().crossVectors(forward, this.camera.up).normalize();
     const up = new Vector3().crossVectors(right, forward);
-    const high = Math.tan(this.camera.fov * Math.PI / 360) / 1.12, wide = high * this.camera.aspect;
+    const high = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12,
+      wide = high * this.camera.aspect;
     const target = wanted.getCenter(new Vector3());
     let distance = 0;
     for (let k = 0; k < 8; k++) {
-      const corner = new Vector3(k & 1 ? wanted.max.x : wanted.min.x, k & 2 ? wanted.max.y : wanted.min.y, k & 4 ? wanted.max.z : wanted.min.z).sub(target);
+      const corner = new Vector3(
+        k & 1 ? wanted.max.x : wanted.min.x,
+        k & 2 ? wanted.max.y : wanted.min.y,
+        k & 4 ? wanted.max.z : wanted.min.z,
+      ).sub(target);
       const depth = corner.dot(forward);
-      distance = Math.max(distance, Math.abs(corner.dot(right)) / wide - depth, Math.abs(corner.dot(up)) / high - depth);
+      distance = Math.max(
+        distance,
+        Math.abs(corner.dot(right)) / wide - depth,
+        Math.abs(corner.dot(up)) / high - depth,
+      );
     }
     distance = Math.max(distance, 1e-3 * look.extent);
     this.through = null;
@@ -114,7 +145,8 @@ export class Stage {
 
   private clip(): void {
     const { extent } = this.world!.model.scene.look;
-    const reach = this.world!.box(true), size = reach.getSize(new Vector3()).length();
+    const reach = this.world!.box(true),
+      size = reach.getSize(new Vector3()).length();
     const away = this.camera.position.distanceTo(reach.getCenter(new Vector3())) + size + 15 * extent;
     this.camera.near = Math.max(0.002 * extent, 1e-5);
     this.camera.far = Math.max(60 * extent, 4 * away);
@@ -130,7 +162,9 @@ export class Stage {
 
   private follow(): void {
     if (this.through === null || !this.world) return;
-    const { camera, look } = this.world.model.scene, { pose } = this.world, index = this.through;
+    const { camera, look } = this.world.model.scene,
+      { pose } = this.world,
+      index = this.through;
     const b = camera.body[index];
     const place = rotated(pose.quat, 4 * b, camera.pos, 3 * index).map((each, k) => each + pose.pos[3 * b + k]);
     const turned = (v: number[]) => {
@@ -138,9 +172,14 @@ export class Stage {
       return new Vector3(...rotated(pose.quat, 4 * b, own, 0));
     };
     this.camera.position.fromArray(place);
-    const forward = turned([0, 0, -1]), up = turned([0, 1, 0]);
+    const forward = turned([0, 0, -1]),
+      up = turned([0, 1, 0]);
     const target = camera.target[index];
-    if (camera.mode[index] >= 3 && target >= 0) forward.fromArray(pose.pos, 3 * target).sub(this.camera.position).normalize();
+    if (camera.mode[index] >= 3 && target >= 0)
+      forward
+        .fromArray(pose.pos, 3 * target)
+        .sub(this.camera.position)
+        .normalize();
     this.camera.up.copy(camera.mode[index] >= 3 ? new Vector3(0, 0, 1) : up);
     this.camera.fov = camera.fovy[index];
     this.camera.lookAt(this.camera.position.clone().add(forward));
@@ -163,12 +202,13 @@ export class Stage {
   /** A point of the window as the camera counts: from -1 to 1, up. */
   place(x: number, y: number): Vector2 {
     const box = this.canvas.getBoundingClientRect();
-    return new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
+    return new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height);
   }
 
   /** Look at the same point from a direction. */
   lookFrom(way: Vector3): void {
-    const { target } = this.controls, distance = this.camera.position.distanceTo(target);
+    const { target } = this.controls,
+      distance = this.camera.position.distanceTo(target);
     this.through = null;
     this.camera.position.copy(target).addScaledVector(way, distance);
     this.controls.update();
@@ -182,7 +222,7 @@ export class Stage {
   }
 
   background(color: string | null): void {
-    this.scene.background = color === null ? this.world?.painter.sky() ?? null : new Color(color);
+    this.scene.background = color === null ? (this.world?.painter.sky() ?? null) : new Color(color);
     this.draw();
   }
 
@@ -190,7 +230,13 @@ export class Stage {
   move(): void {
     this.isMoving = true;
     clearTimeout(this.settling);
-    this.settling = window.setTimeout(() => { this.isMoving = false; this.draw(); }, Math.max(STILL, 3 * this.took));
+    this.settling = window.setTimeout(
+      () => {
+        this.isMoving = false;
+        this.draw();
+      },
+      Math.max(STILL, 3 * this.took),
+    );
     this.draw();
   }
 
@@ -205,7 +251,9 @@ export class Stage {
   draw(): void {
     if (this.due) return;
     this.due = true;
-    requestAnimationFrame(() => { if (this.due) this.now(); });
+    requestAnimationFrame(() => {
+      if (this.due) this.now();
+    });
   }
 
   now(): void {
@@ -225,11 +273,15 @@ export class Stage {
   /** Choose the detail of the next picture by how long the ones before took. */
   private suit(now: number): void {
     if (this.isMoving && this.drawnAt) {
-      const took = this.took = Math.min(now - this.drawnAt, 1000);
-      this.ease = Math.min(1, Math.max(0, this.ease + (took > 3 * SLOW ? -0.3 : took > SLOW ? -0.1 : took < QUICK ? 0.05 : 0)));
+      const took = (this.took = Math.min(now - this.drawnAt, 1000));
+      this.ease = Math.min(
+        1,
+        Math.max(0, this.ease + (took > 3 * SLOW ? -0.3 : took > SLOW ? -0.1 : took < QUICK ? 0.05 : 0)),
+      );
     }
     this.drawnAt = this.isMoving ? now : 0;
-    const share = this.isMoving ? this.ease : 1, ratio = this.ratio * Math.max(LEAST_RATIO, share);
+    const share = this.isMoving ? this.ease : 1,
+      ratio = this.ratio * Math.max(LEAST_RATIO, share);
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.world!.suit(this.camera, this.canvas.clientHeight * this.ratio, FINE * (LEAST_FINE / FINE) ** (1 - share));
     this.renderer.shadowMap.needsUpdate ||= this.world!.isShadowOld;
@@ -253,18 +305,36 @@ export async function copyPicture(stage: Stage, name: string): Promise<void> {
 /** The canvas on the page's background, which it does not have itself. */
 export function picture(stage: Stage): Promise<Blob> {
   stage.sharp();
-  const { canvas } = stage, made = h("canvas", { width: canvas.width, height: canvas.height }), pen = made.getContext("2d")!, style = getComputedStyle(document.documentElement);
-  const ground = pen.createRadialGradient(0.5 * made.width, 0.35 * made.height, 0, 0.5 * made.width, 0.35 * made.height, 0.75 * Math.max(made.width, made.height));
+  const { canvas } = stage,
+    made = h("canvas", { width: canvas.width, height: canvas.height }),
+    pen = made.getContext("2d")!,
+    style = getComputedStyle(document.documentElement);
+  const ground = pen.createRadialGradient(
+    0.5 * made.width,
+    0.35 * made.height,
+    0,
+    0.5 * made.width,
+    0.35 * made.height,
+    0.75 * Math.max(made.width, made.height),
+  );
   ground.addColorStop(0, style.getPropertyValue("--ground").trim());
   ground.addColorStop(1, style.getPropertyValue("--ground2").trim());
   pen.fillStyle = ground;
   pen.fillRect(0, 0, made.width, made.height);
   pen.drawImage(canvas, 0, 0);
-  return new Promise((done, failed) => made.toBlob((blob) => (blob ? done(blob) : failed(new Error("the browser makes no picture"))), "image/png"));
+  return new Promise((done, failed) =>
+    made.toBlob((blob) => (blob ? done(blob) : failed(new Error("the browser makes no picture"))), "image/png"),
+  );
 }
 
-const AXES = [["X", [1, 0, 0], "#e5484d"], ["Y", [0, 1, 0], "#30a46c"], ["Z", [0, 0, 1], "#3b82f6"]] as const;
-const SIZE = 76, REACH = 26, SPACE = "http://www.w3.org/2000/svg";
+const AXES = [
+  ["X", [1, 0, 0], "#e5484d"],
+  ["Y", [0, 1, 0], "#30a46c"],
+  ["Z", [0, 0, 1], "#3b82f6"],
+] as const;
+const SIZE = 76,
+  REACH = 26,
+  SPACE = "http://www.w3.org/2000/svg";
 
 export class Compass {
   readonly root = document.createElementNS(SPACE, "svg");
@@ -273,28 +343,54 @@ export class Compass {
   constructor(private readonly stage: Stage) {
     this.root.setAttribute("class", "compass");
     this.root.setAttribute("viewBox", `${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`);
-    for (const [name, way, color] of AXES) for (const sign of [1, -1]) this.end(name, new Vector3(...way).multiplyScalar(sign), color, sign > 0);
+    for (const [name, way, color] of AXES)
+      for (const sign of [1, -1]) this.end(name, new Vector3(...way).multiplyScalar(sign), color, sign > 0);
   }
 
   private end(name: string, way: Vector3, color: string, positive: boolean): void {
-    const make = <K extends keyof SVGElementTagNameMap>(tag: K, set: Record<string, string>): SVGElementTagNameMap[K] => {
+    const make = <K extends keyof SVGElementTagNameMap>(
+      tag: K,
+      set: Record<string, string>,
+    ): SVGElementTagNameMap[K] => {
       const made = document.createElementNS(SPACE, tag);
       for (const [key, value] of Object.entries(set)) made.setAttribute(key, value);
       return made;
     };
-    const words = `look from ${positive ? "+" : "−"}${name}`, group = make("g", { role: "button", tabindex: "0", "aria-label": words });
+    const words = `look from ${positive ? "+" : "−"}${name}`,
+      group = make("g", { role: "button", tabindex: "0", "aria-label": words });
     const line = make("line", { stroke: color, "stroke-width": positive ? "2" : "0" });
     const title = make("title", {});
     title.textContent = words;
-    group.append(title, make("circle", { r: positive ? "8.5" : "5.5", fill: color, "fill-opacity": positive ? "1" : ".35", stroke: "none" }));
+    group.append(
+      title,
+      make("circle", {
+        r: positive ? "8.5" : "5.5",
+        fill: color,
+        "fill-opacity": positive ? "1" : ".35",
+        stroke: "none",
+      }),
+    );
     if (positive) {
-      const text = make("text", { "text-anchor": "middle", "dominant-baseline": "central", fill: "#fff", stroke: "none", "font-size": "10", "font-weight": "700" });
+      const text = make("text", {
+        "text-anchor": "middle",
+        "dominant-baseline": "central",
+        fill: "#fff",
+        stroke: "none",
+        "font-size": "10",
+        "font-weight": "700",
+      });
       text.textContent = name;
       group.append(text);
     }
     const look = () => this.stage.lookFrom(way);
     group.addEventListener("click", look);
-    group.addEventListener("keydown", (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); event.stopPropagation(); look(); } });
+    group.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" || event.key === " ") {
+        event.preventDefault();
+        event.stopPropagation();
+        look();
+      }
+    });
     this.root.append(line, group);
     this.ends.push({ group, line, way });
   }
@@ -308,7 +404,9 @@ export class Compass {
       line.setAttribute("y2", (-at.y * REACH).toFixed(1));
     }
     // Only if the order changes: moving an element takes the focus away.
-    const order = seen.sort((a, b) => a.at.z - b.at.z).map((each) => each.group), now = [...this.root.querySelectorAll("g")];
-    if (order.some((each, k) => each !== now[k]) && !this.root.contains(document.activeElement)) this.root.append(...order);
+    const order = seen.sort((a, b) => a.at.z - b.at.z).map((each) => each.group),
+      now = [...this.root.querySelectorAll("g")];
+    if (order.some((each, k) => each !== now[k]) && !this.root.contains(document.activeElement))
+      this.root.append(...order);
   }
 }

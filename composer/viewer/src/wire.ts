@@ -15,7 +15,10 @@ export interface Host extends Wire {
   theme: string;
   open(file: string, line: number, column: number): void;
   /** Calls `theme` when the editor looks different, and `reveal` with the places around the cursor, the innermost first. */
-  follow(theme: (name: string) => void, reveal: (files: string[], places: [line: number, column: number][]) => void): void;
+  follow(
+    theme: (name: string) => void,
+    reveal: (files: string[], places: [line: number, column: number][]) => void,
+  ): void;
 }
 
 export const host: Host | null = (window as any).mjcomposeHost ?? null;
@@ -34,14 +37,19 @@ export class Http implements Wire {
   }
 
   async ask(path: string, data: unknown): Promise<any> {
-    const answer = await fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(data) });
+    const answer = await fetch(path, {
+      method: "POST",
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify(data),
+    });
     if (!answer.ok) throw new Error(answer.statusText);
     return answer.json();
   }
 
   listen(event: (name: string, data: any) => void, lost: () => void): void {
     const events = new EventSource("events");
-    for (const name of EVENTS) events.addEventListener(name, (said) => event(name, JSON.parse((said as MessageEvent).data)));
+    for (const name of EVENTS)
+      events.addEventListener(name, (said) => event(name, JSON.parse((said as MessageEvent).data)));
     events.addEventListener("error", lost);
   }
 }
@@ -51,13 +59,21 @@ export class Http implements Wire {
  * which means its first body, then what changed an element. Null where nothing is written at any of them. The
  * selected element stays if it is written there, too: a file that is used twice writes several elements.
  */
-export function elementAt(scene: Scene, files: string[], places: [line: number, column: number][], selected: Element | null): Element | null {
-  const paths = new Set(files.map(folded)), known = scene.editor?.files ?? {};
+export function elementAt(
+  scene: Scene,
+  files: string[],
+  places: [line: number, column: number][],
+  selected: Element | null,
+): Element | null {
+  const paths = new Set(files.map(folded)),
+    known = scene.editor?.files ?? {};
   const isThere = scene.origins.files.map((name) => known[name] !== undefined && paths.has(folded(known[name])));
   for (const [line, column] of places) {
-    const before = (place: Place | null): number => (place && isThere[place[0]] && place[1] === line && place[2] <= column ? place[2] : 0);
+    const before = (place: Place | null): number =>
+      place && isThere[place[0]] && place[1] === line && place[2] <= column ? place[2] : 0;
     const found = written(scene, before);
-    if (found.length) return found.find((each) => each.kind === selected?.kind && each.index === selected.index) ?? found[0];
+    if (found.length)
+      return found.find((each) => each.kind === selected?.kind && each.index === selected.index) ?? found[0];
   }
   return null;
 }
@@ -67,12 +83,16 @@ const folded = (path: string): string => path.replace(/^[A-Z]:/, (drive) => driv
 
 function written(scene: Scene, before: (place: Place | null) => number): Element[] {
   const { of, parts } = scene.origins;
-  let own: Element[] = [], nearest = 0;
-  const ofPart: Element[] = [], changed: Element[] = [], taken = new Set<number>();
+  let own: Element[] = [],
+    nearest = 0;
+  const ofPart: Element[] = [],
+    changed: Element[] = [],
+    taken = new Set<number>();
   for (const [kind, origins] of Object.entries(of)) {
     origins.forEach((origin, index) => {
       if (!origin) return;
-      const [place, part, , changes] = origin, at = before(place);
+      const [place, part, , changes] = origin,
+        at = before(place);
       if (at > nearest) [own, nearest] = [[], at];
       if (at && at === nearest) own.push({ kind, index });
       if (part >= 0 && !taken.has(part) && before(parts[part][1])) {

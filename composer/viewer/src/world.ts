@@ -1,7 +1,24 @@
 // The model as three.js draws it. Things of one form and material are drawn at once; the pose moves them.
 import {
-  AmbientLight, Box3, BufferGeometry, Color, DirectionalLight, DynamicDrawUsage, Group, InstancedMesh, Matrix4,
-  Mesh, MeshBasicMaterial, Object3D, PerspectiveCamera, PointLight, Quaternion, Raycaster, SpotLight, Vector3, type Material,
+  AmbientLight,
+  Box3,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DynamicDrawUsage,
+  Group,
+  InstancedMesh,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  Object3D,
+  PerspectiveCamera,
+  PointLight,
+  Quaternion,
+  Raycaster,
+  SpotLight,
+  Vector3,
+  type Material,
 } from "three";
 import { shade, suit } from "./detail";
 import { row, type Columns, type Element, type Model } from "./data";
@@ -12,7 +29,13 @@ import { Softs } from "./soft";
 
 type Drawn = "geom" | "site";
 
-interface Batch { mesh: InstancedMesh; members: number[]; kind: Drawn; group: number; collides: boolean }
+interface Batch {
+  mesh: InstancedMesh;
+  members: number[];
+  kind: Drawn;
+  group: number;
+  collides: boolean;
+}
 
 /** Models with more geoms have rounder things drawn with fewer corners. */
 const MANY = 1500;
@@ -37,7 +60,10 @@ export class World {
   private readonly followers: { light: PointLight | SpotLight | DirectionalLight; index: number }[] = [];
 
   /** Surfaces that the model `before` has, too, are taken from there. */
-  constructor(readonly model: Model, private before?: World) {
+  constructor(
+    readonly model: Model,
+    private before?: World,
+  ) {
     const { scene } = model;
     this.pose = new Pose(scene);
     this.painter = new Painter(model);
@@ -58,39 +84,58 @@ export class World {
   }
 
   private batch(kind: Drawn, columns: Columns): void {
-    const { scene } = this.model, fine = columns.name.length < MANY;
-    const found = new Map<string, { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }>();
+    const { scene } = this.model,
+      fine = columns.name.length < MANY;
+    const found = new Map<
+      string,
+      { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }
+    >();
     const colors: Color[] = [];
     columns.type.forEach((type: number, index: number) => {
-      const size = row(columns.size, index, 3), material = columns.material[index];
+      const size = row(columns.size, index, 3),
+        material = columns.material[index];
       const data = kind === "geom" ? columns.data[index] : -1;
       const shape = shapeOf(this.model, type, size, data, this.far, fine);
       const rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
       const [w, x, y, z] = row(columns.quat, index, 4);
-      this.local[kind].push(new Matrix4().compose(
-        new Vector3(...(row(columns.pos, index, 3) as [number, number, number])), new Quaternion(x, y, z, w),
-        new Vector3(...shape.scale)));
+      this.local[kind].push(
+        new Matrix4().compose(
+          new Vector3(...(row(columns.pos, index, 3) as [number, number, number])),
+          new Quaternion(x, y, z, w),
+          new Vector3(...shape.scale),
+        ),
+      );
       colors.push(new Color().setRGB(rgba[0], rgba[1], rgba[2]));
       const textured = material >= 0 && scene.material.texture[material] >= 0;
       const endless = shape.key === "endless";
       const mapped = data >= 0 && textured && this.form(shape).hasAttribute("uv");
       // The values on which a texture depends if the surface has no coordinates of its own.
-      const measure = endless ? [0, 0, this.far] : !textured || mapped ? null : data >= 0 ? meshSize(this.form(shape)) : size;
+      const measure = endless
+        ? [0, 0, this.far]
+        : !textured || mapped
+          ? null
+          : data >= 0
+            ? meshSize(this.form(shape))
+            : size;
       const collides = kind === "geom" && (columns.contype[index] > 0 || columns.conaffinity[index] > 0);
       const batch = { kind, group: columns.group[index], collides };
       const key = [shape.key, material, rgba[3], measure, ...Object.values(batch)].join("|");
       if (!found.has(key)) {
-        found.set(key, { members: [], batch, make: () => {
-          const paint = this.painter.material(material, rgba[3], measure, endless);
-          paint.flatShading = !this.form(shape).hasAttribute("normal");
-          const mesh = new InstancedMesh(this.form(shape), paint, found.get(key)!.members.length);
-          mesh.castShadow = rgba[3] >= 1 && type !== PLANE;
-          mesh.receiveShadow = true;
-          shade(mesh);
-          mesh.visible = rgba[3] > 0;
-          mesh.renderOrder = rgba[3] < 1 ? 1 : 0;
-          return mesh;
-        } });
+        found.set(key, {
+          members: [],
+          batch,
+          make: () => {
+            const paint = this.painter.material(material, rgba[3], measure, endless);
+            paint.flatShading = !this.form(shape).hasAttribute("normal");
+            const mesh = new InstancedMesh(this.form(shape), paint, found.get(key)!.members.length);
+            mesh.castShadow = rgba[3] >= 1 && type !== PLANE;
+            mesh.receiveShadow = true;
+            shade(mesh);
+            mesh.visible = rgba[3] > 0;
+            mesh.renderOrder = rgba[3] < 1 ? 1 : 0;
+            return mesh;
+          },
+        });
       }
       found.get(key)!.members.push(index);
     });
@@ -121,7 +166,8 @@ export class World {
   private light(): void {
     const { light, look } = this.model.scene;
     const ambient = new Color(0, 0, 0);
-    let shadows = 0, lit = false;
+    let shadows = 0,
+      lit = false;
     light.type.forEach((type: number, index: number) => {
       if (!light.active[index]) return;
       const three = (name: string) => row(light[name], index, 3) as [number, number, number];
@@ -129,10 +175,19 @@ export class World {
       const color = new Color().setRGB(...three("diffuse"));
       if (color.r + color.g + color.b === 0) return;
       lit = true;
-      const made = type === 1 ? new DirectionalLight(color, Math.PI)
-        : type === 0 && light.cutoff[index] < 90
-          ? new SpotLight(color, Math.PI, 0, light.cutoff[index] * Math.PI / 180, Math.min(1, light.exponent[index] / 20 + 0.15), 0)
-          : new PointLight(color, Math.PI, 0, 0);
+      const made =
+        type === 1
+          ? new DirectionalLight(color, Math.PI)
+          : type === 0 && light.cutoff[index] < 90
+            ? new SpotLight(
+                color,
+                Math.PI,
+                0,
+                (light.cutoff[index] * Math.PI) / 180,
+                Math.min(1, light.exponent[index] / 20 + 0.15),
+                0,
+              )
+            : new PointLight(color, Math.PI, 0, 0);
       if (light.shadow[index] && shadows < 2 && !(made instanceof PointLight)) {
         shadows++;
         made.castShadow = true;
@@ -140,9 +195,12 @@ export class World {
         made.shadow.bias = -0.0005;
         made.shadow.normalBias = 0.02 * look.meansize;
         if (made instanceof DirectionalLight) {
-          const r = 1.5 * look.extent, lens = made.shadow.camera;
-          lens.left = lens.bottom = -r; lens.right = lens.top = r;
-          lens.near = 0.01 * look.extent; lens.far = 12 * look.extent;
+          const r = 1.5 * look.extent,
+            lens = made.shadow.camera;
+          lens.left = lens.bottom = -r;
+          lens.right = lens.top = r;
+          lens.near = 0.01 * look.extent;
+          lens.far = 12 * look.extent;
         } else {
           made.shadow.camera.near = 0.05 * look.extent;
           made.shadow.camera.far = 20 * look.extent;
@@ -168,7 +226,10 @@ export class World {
 
   /** Put everything where the pose has it. */
   update(): void {
-    const { pose } = this, place = new Vector3(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
+    const { pose } = this,
+      place = new Vector3(),
+      turn = new Quaternion(),
+      one = new Vector3(1, 1, 1);
     this.bodies.forEach((matrix, b) => {
       place.fromArray(pose.pos, 3 * b);
       turn.set(pose.quat[4 * b + 1], pose.quat[4 * b + 2], pose.quat[4 * b + 3], pose.quat[4 * b]);
@@ -177,7 +238,9 @@ export class World {
     const matrix = new Matrix4();
     for (const { mesh, members, kind } of this.batches) {
       const on = this.model.scene[kind].body;
-      members.forEach((index, at) => mesh.setMatrixAt(at, matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index])));
+      members.forEach((index, at) =>
+        mesh.setMatrixAt(at, matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index])),
+      );
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
@@ -188,7 +251,8 @@ export class World {
   }
 
   private follow(light: PointLight | SpotLight | DirectionalLight, index: number): void {
-    const { light: columns, look } = this.model.scene, on = this.bodies[columns.body[index]];
+    const { light: columns, look } = this.model.scene,
+      on = this.bodies[columns.body[index]];
     light.position.fromArray(columns.pos, 3 * index).applyMatrix4(on);
     if (light instanceof PointLight) return;
     const along = new Vector3().fromArray(columns.dir, 3 * index).transformDirection(on);
@@ -202,7 +266,9 @@ export class World {
 
   /** A geom or a site has another place in its body. */
   place(kind: Drawn, index: number): void {
-    const { pos, quat } = this.model.scene[kind], [w, x, y, z] = row(quat, index, 4), size = new Vector3();
+    const { pos, quat } = this.model.scene[kind],
+      [w, x, y, z] = row(quat, index, 4),
+      size = new Vector3();
     this.local[kind][index].decompose(new Vector3(), new Quaternion(), size);
     this.local[kind][index].compose(new Vector3().fromArray(pos, 3 * index), new Quaternion(x, y, z, w), size);
   }
@@ -217,7 +283,8 @@ export class World {
 
   /** The box around all geoms, or also all sites; the ground, planes and height fields, counts only if all is ground. */
   box(sites = false): Box3 {
-    const found = new Box3(), planes = new Box3();
+    const found = new Box3(),
+      planes = new Box3();
     for (const { mesh, members, kind } of this.batches) {
       if (!mesh.visible || (kind !== "geom" && !sites)) continue;
       mesh.geometry.computeBoundingBox();
@@ -259,22 +326,29 @@ export class World {
 
   /** The geoms that are drawn at once, with their places on their bodies. */
   *surfaces(): Generator<{ mesh: InstancedMesh; members: number[]; matrices: Matrix4[] }> {
-    for (const { mesh, members, kind } of this.batches) if (kind === "geom") yield { mesh, members, matrices: this.local.geom };
+    for (const { mesh, members, kind } of this.batches)
+      if (kind === "geom") yield { mesh, members, matrices: this.local.geom };
   }
 
   hit(ray: Raycaster): { element: Element; point: Vector3 } | null {
-    const hits = ray.intersectObjects([...this.batches.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh), ...this.softs.targets()], false);
+    const hits = ray.intersectObjects(
+      [...this.batches.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh), ...this.softs.targets()],
+      false,
+    );
     const hit = hits[0];
     if (!hit) return null;
     const batch = this.batches.find(({ mesh }) => mesh === hit.object);
-    const element = batch ? { kind: batch.kind, index: batch.members[hit.instanceId!] } : this.softs.element(hit.object, hit.instanceId);
+    const element = batch
+      ? { kind: batch.kind, index: batch.members[hit.instanceId!] }
+      : this.softs.element(hit.object, hit.instanceId);
     return element && { element, point: hit.point };
   }
 
   /** Color elements in another way than the model does. The color is drawn over a texture. */
   recolour(colors: (kind: string, index: number) => Color | null): void {
     this.uncover(this.tinted);
-    const { scene } = this.model, paints = new Map<number, MeshBasicMaterial>();
+    const { scene } = this.model,
+      paints = new Map<number, MeshBasicMaterial>();
     for (const { mesh, members, kind } of this.batches) {
       const columns = scene[kind];
       members.forEach((index, at) => {
@@ -345,7 +419,15 @@ export class World {
 }
 
 function overlay(color: number, opacity: number): MeshBasicMaterial {
-  return new MeshBasicMaterial({ color, transparent: true, opacity, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 });
+  return new MeshBasicMaterial({
+    color,
+    transparent: true,
+    opacity,
+    depthWrite: false,
+    polygonOffset: true,
+    polygonOffsetFactor: -2,
+    polygonOffsetUnits: -2,
+  });
 }
 
 function meshSize(geometry: BufferGeometry): number[] {

@@ -30,20 +30,24 @@ addEventListener("message", ({ data }: MessageEvent<ToPage>) => {
 Object.assign(window, {
   mjcomposeHost: {
     theme: document.documentElement.dataset.theme,
-    get: (path: string) => new Promise<ArrayBuffer>((done, failed) => {
-      waiting.set(++count, { done, failed });
-      code.postMessage({ kind: "get", id: count, path });
-    }),
-    ask: (path: string, data: object) => new Promise<unknown>((done, failed) => {
-      waiting.set(++count, { done, failed });
-      code.postMessage({ kind: "ask", id: count, path, data });
-    }),
+    get: (path: string) =>
+      new Promise<ArrayBuffer>((done, failed) => {
+        waiting.set(++count, { done, failed });
+        code.postMessage({ kind: "get", id: count, path });
+      }),
+    ask: (path: string, data: object) =>
+      new Promise<unknown>((done, failed) => {
+        waiting.set(++count, { done, failed });
+        code.postMessage({ kind: "ask", id: count, path, data });
+      }),
     post: async (path: string, data: unknown) => code.postMessage({ kind: "post", path, data }),
     listen: (onEvent: typeof event, onLost: typeof lost) => {
       [event, lost] = [onEvent, onLost];
       code.postMessage({ kind: "listen" });
     },
     open: (file: string, line: number, column: number) => code.postMessage({ kind: "open", file, line, column }),
-    follow: (onTheme: typeof theme, onReveal: typeof reveal) => { [theme, reveal] = [onTheme, onReveal]; },
+    follow: (onTheme: typeof theme, onReveal: typeof reveal) => {
+      [theme, reveal] = [onTheme, onReveal];
+    },
   },
 });

@@ -2,7 +2,10 @@
 import * as path from "node:path";
 
 /** The words of a command, and where they come from, for messages. */
-export interface Candidate { words: string[]; from: string }
+export interface Candidate {
+  words: string[];
+  from: string;
+}
 
 export interface Places {
   setting: string[];
@@ -21,7 +24,8 @@ export function candidates({ setting, interpreter, folders, windows }: Places): 
   // -P: a folder called `mjcompose` in the workspace is not the package.
   if (interpreter) found.push({ words: [interpreter, "-P", "-m", "mjcompose"], from: `Python ${interpreter}` });
   for (const folder of folders)
-    for (const name of [".venv", "venv"]) found.push({ words: [at.join(folder, name, program)], from: at.join(folder, name) });
+    for (const name of [".venv", "venv"])
+      found.push({ words: [at.join(folder, name, program)], from: at.join(folder, name) });
   found.push({ words: ["mjcompose"], from: "the PATH" });
   return found;
 }
@@ -31,7 +35,8 @@ export const INSTALL = 'python -m pip install "mjcompose[lsp]"';
 /** What to say where none of the candidates is mjcompose. */
 export function missing(tried: Candidate[], interpreter?: string): { message: string; run: string } {
   const from = tried.map((each) => each.from).join(", ");
-  if (tried.length === 1 && tried[0].words[0] !== "mjcompose") return { message: `${from} does not start mjcompose: ${tried[0].words.join(" ")}`, run: INSTALL };
+  if (tried.length === 1 && tried[0].words[0] !== "mjcompose")
+    return { message: `${from} does not start mjcompose: ${tried[0].words.join(" ")}`, run: INSTALL };
   const run = interpreter ? `${quoted(interpreter)} -m pip install "mjcompose[lsp]"` : INSTALL;
   return { message: `mjcompose was not found (${from}). Install it with: ${run}`, run };
 }

@@ -10,7 +10,12 @@ export class Events {
     const blocks = (this.rest + piece).split("\n\n");
     this.rest = blocks.pop() ?? "";
     return blocks.flatMap((block) => {
-      const field = (name: string) => block.split("\n").filter((line) => line.startsWith(`${name}: `)).map((line) => line.slice(name.length + 2)).join("\n");
+      const field = (name: string) =>
+        block
+          .split("\n")
+          .filter((line) => line.startsWith(`${name}: `))
+          .map((line) => line.slice(name.length + 2))
+          .join("\n");
       const name = field("event");
       return name ? [{ name, data: JSON.parse(field("data")) }] : [];
     });

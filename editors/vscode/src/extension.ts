@@ -29,7 +29,9 @@ export function activate(context: vscode.ExtensionContext): void {
     vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
       if (contentChanges.some((each) => each.range.start.line <= MOST_LINES_ABOVE)) void meet(document);
     }),
-    vscode.workspace.onDidChangeConfiguration((event) => { if (event.affectsConfiguration("mjcompose.command")) void server?.restart(); }),
+    vscode.workspace.onDidChangeConfiguration((event) => {
+      if (event.affectsConfiguration("mjcompose.command")) void server?.restart();
+    }),
     vscode.window.onDidChangeActiveColorTheme(() => panels.retheme()),
     following(panels),
   );
@@ -51,17 +53,29 @@ const changed = new Set<string>();
 
 /** A recipe gets its language, once: who chooses another one afterwards keeps it. The first recipe or MJCF model starts the server. */
 async function meet(document: vscode.TextDocument): Promise<void> {
-  if (document.languageId === LANGUAGE || (document.languageId === "xml" && isModel(document.getText()))) return server?.start();
+  if (document.languageId === LANGUAGE || (document.languageId === "xml" && isModel(document.getText())))
+    return server?.start();
   const key = document.uri.toString();
   if (document.languageId !== "yaml" || !["file", "untitled"].includes(document.uri.scheme) || changed.has(key)) return;
-  if (!vscode.workspace.getConfiguration("mjcompose", document).get("recognizeRecipes") || !isRecipe(document.getText())) return;
+  if (
+    !vscode.workspace.getConfiguration("mjcompose", document).get("recognizeRecipes") ||
+    !isRecipe(document.getText())
+  )
+    return;
   changed.add(key);
   await vscode.languages.setTextDocumentLanguage(document, LANGUAGE);
 }
 
 /** The file of a command, from its argument, an address or a path, or from the editor. An unsaved text is saved first. */
 async function saved(target: unknown): Promise<string | undefined> {
-  const given = target instanceof vscode.Uri ? target : typeof target === "string" && target ? (/^\w{2,}:/.test(target) ? vscode.Uri.parse(target) : vscode.Uri.file(target)) : undefined;
+  const given =
+    target instanceof vscode.Uri
+      ? target
+      : typeof target === "string" && target
+        ? /^\w{2,}:/.test(target)
+          ? vscode.Uri.parse(target)
+          : vscode.Uri.file(target)
+        : undefined;
   const uri = given ?? vscode.window.activeTextEditor?.document.uri;
   const document = vscode.workspace.textDocuments.find((each) => each.uri.toString() === uri?.toString());
   if (!uri) return void vscode.window.showInformationMessage("No recipe is open.");

@@ -2,8 +2,13 @@
 import { execFile } from "node:child_process";
 import { candidates, versionIn, type Candidate, type Places } from "./command";
 
-export interface Found extends Candidate { version: string }
-export interface Search { found: Found | null; tried: Candidate[] }
+export interface Found extends Candidate {
+  version: string;
+}
+export interface Search {
+  found: Found | null;
+  tried: Candidate[];
+}
 
 const PATIENCE = 60_000;
 
@@ -19,6 +24,8 @@ export async function find(places: Places, cwd?: string): Promise<Search> {
 
 function versionOf([program, ...words]: string[], cwd?: string): Promise<string | null> {
   return new Promise((done) => {
-    execFile(program, [...words, "--version"], { cwd, timeout: PATIENCE, windowsHide: true }, (error, output) => done(error ? null : versionIn(output)));
+    execFile(program, [...words, "--version"], { cwd, timeout: PATIENCE, windowsHide: true }, (error, output) =>
+      done(error ? null : versionIn(output)),
+    );
   });
 }

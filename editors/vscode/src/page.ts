@@ -2,8 +2,14 @@
 
 /** The page of `mjcompose view`, with nothing that it would have to fetch: its requests go through the extension. */
 export function page(program: string, style: string, bridge: string, theme: string, nonce: string): string {
-  const script = (text: string) => `<script nonce="${nonce}">${text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--")}</script>`;
-  return shell(`<style>${style}\nbody{padding:0}</style>`, `<div id=page></div>${script(bridge)}${script(program)}`, theme, `script-src 'nonce-${nonce}'; img-src data: blob:; `);
+  const script = (text: string) =>
+    `<script nonce="${nonce}">${text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--")}</script>`;
+  return shell(
+    `<style>${style}\nbody{padding:0}</style>`,
+    `<div id=page></div>${script(bridge)}${script(program)}`,
+    theme,
+    `script-src 'nonce-${nonce}'; img-src data: blob:; `,
+  );
 }
 
 /** A page of words alone. */
@@ -16,4 +22,5 @@ function shell(head: string, body: string, theme: string, allowed = ""): string 
   return `<!doctype html>\n<html lang=en data-live data-theme=${theme}>\n<meta charset=utf-8>\n<meta http-equiv="Content-Security-Policy" content="${policy}">\n${head}\n<body>${body}</body>\n</html>\n`;
 }
 
-const escaped = (text: string): string => text.replace(/[&<>]/g, (each) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;" })[each]!);
+const escaped = (text: string): string =>
+  text.replace(/[&<>]/g, (each) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;" })[each]!);

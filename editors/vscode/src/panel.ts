@@ -47,9 +47,20 @@ class Panel {
   private jumped: string | undefined;
   private ended = false;
 
-  constructor(private readonly command: string[], private readonly file: string, private cell: string | undefined, private readonly bridge: string, gone: () => void) {
+  constructor(
+    private readonly command: string[],
+    private readonly file: string,
+    private cell: string | undefined,
+    private readonly bridge: string,
+    gone: () => void,
+  ) {
     const title = path.basename(file).replace(/(\.recipe)?\.\w+$/, "");
-    this.panel = vscode.window.createWebviewPanel("mjcompose.view", title, { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, { enableScripts: true, retainContextWhenHidden: true, localResourceRoots: [] });
+    this.panel = vscode.window.createWebviewPanel(
+      "mjcompose.view",
+      title,
+      { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true },
+      { enableScripts: true, retainContextWhenHidden: true, localResourceRoots: [] },
+    );
     this.panel.webview.onDidReceiveMessage((message: FromPage) => void this.hear(message));
     this.panel.onDidDispose(() => {
       gone();
@@ -73,27 +84,60 @@ class Panel {
 
   /** Select the element that is written at the cursor. The lines of an edited text differ from the lines of the model. */
   follow(editor: vscode.TextEditor): void {
-    const { document, selection } = editor, at = selection.active;
+    const { document, selection } = editor,
+      at = selection.active;
     const jumped = this.jumped;
     this.jumped = undefined;
-    if (!this.service || document.uri.scheme !== "file" || document.isDirty || jumped === mark(document.uri.fsPath, at.line)) return;
+    if (
+      !this.service ||
+      document.uri.scheme !== "file" ||
+      document.isDirty ||
+      jumped === mark(document.uri.fsPath, at.line)
+    )
+      return;
     const around = /\.(ya?ml)$/.test(document.fileName) ? aroundInYaml : aroundInXml;
     const places = around(document.getText(), at.line + 1, at.character + 1);
-    void realpath(document.fileName).catch(() => document.fileName).then((real) => this.say({ kind: "reveal", files: [document.fileName, real], places }));
+    void realpath(document.fileName)
+      .catch(() => document.fileName)
+      .then((real) => this.say({ kind: "reveal", files: [document.fileName, real], places }));
   }
 
   private async begin(): Promise<void> {
     this.panel.webview.html = words("The model is being built …", theme());
     const folder = folderOf(this.file);
-    const line = [...this.command, "view", named(this.file, folder), "--no-open", ...(this.cell ? ["--pick", this.cell] : [])];
+    const line = [
+      ...this.command,
+      "view",
+      named(this.file, folder),
+      "--no-open",
+      ...(this.cell ? ["--pick", this.cell] : []),
+    ];
     let service: Service | undefined;
     try {
-      service = await Service.start(line, folder, (said) => this.end(said || "`mjcompose view` has ended."), (stop) => { this.stop = stop; });
+      service = await Service.start(
+        line,
+        folder,
+        (said) => this.end(said || "`mjcompose view` has ended."),
+        (stop) => {
+          this.stop = stop;
+        },
+      );
       if (this.ended) return service.close();
-      const [program, style, bridge] = await Promise.all([service.get("page.js"), service.get("page.css"), readFile(this.bridge, "utf8")]);
-      if (!program.includes(HOST)) throw new Error("This mjcompose is older than the extension: an editor cannot show its page.");
+      const [program, style, bridge] = await Promise.all([
+        service.get("page.js"),
+        service.get("page.css"),
+        readFile(this.bridge, "utf8"),
+      ]);
+      if (!program.includes(HOST))
+        throw new Error("This mjcompose is older than the extension: an editor cannot show its page.");
       this.service = service;
-      this.panel.webview.html = page(program.toString(), style.toString(), bridge, theme(), randomBytes(16).toString("hex"));
+      this.panel.webview.html = page(
+        program.toString(),
+        style.toString(),
+        bridge,
+        theme(),
+        randomBytes(16).toString("hex"),
+      );
     } catch (error) {
       service?.close();
       this.end(error instanceof Error ? error.message : String(error));
@@ -109,13 +153,22 @@ class Panel {
   private async hear(message: FromPage): Promise<void> {
     const { service } = this;
     if (message.kind === "open") await this.jump(message.file, message.line, message.column);
-    else if (message.kind === "listen") service?.listen((event) => this.say({ kind: "event", ...event }), () => this.say({ kind: "lost" }));
+    else if (message.kind === "listen")
+      service?.listen(
+        (event) => this.say({ kind: "event", ...event }),
+        () => this.say({ kind: "lost" }),
+      );
     else if (message.kind === "post") await service?.post(message.path, message.data).catch(() => {});
     else {
       try {
-        if (message.kind === "ask") return this.say({ kind: "told", id: message.id, data: await this.write(message.data) });
+        if (message.kind === "ask")
+          return this.say({ kind: "told", id: message.id, data: await this.write(message.data) });
         const bytes = await service!.get(message.path);
-        this.say({ kind: "got", id: message.id, bytes: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer });
+        this.say({
+          kind: "got",
+          id: message.id,
+          bytes: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer,
+        });
       } catch (error) {
         this.say({ kind: "failed", id: message.id, words: String(error) });
       }
@@ -124,20 +177,37 @@ class Panel {
 
   /** Change a recipe as the page asks. */
   private async write(said: object): Promise<unknown> {
-    const open = vscode.workspace.textDocuments.filter(({ uri }) => uri.scheme === "file" && /\.ya?ml$/i.test(uri.fsPath));
-    const documents = await Promise.all(open.map(async (document) => ({ document, path: await realpath(document.uri.fsPath).catch(() => document.uri.fsPath) })));
-    const unsaved = documents.filter(({ document }) => document.isDirty).map(({ document, path }) => ({ path, text: document.getText() }));
-    return write(said, unsaved, (path, data) => this.service!.ask(path, data), async ({ file, range, text }, saves) => {
-      const document = documents.find(({ path }) => path === file)?.document ?? await vscode.workspace.openTextDocument(vscode.Uri.file(file));
-      const edit = new vscode.WorkspaceEdit();
-      edit.replace(document.uri, new vscode.Range(...range), text);
-      return await vscode.workspace.applyEdit(edit) && (!saves || await document.save());
-    });
+    const open = vscode.workspace.textDocuments.filter(
+      ({ uri }) => uri.scheme === "file" && /\.ya?ml$/i.test(uri.fsPath),
+    );
+    const documents = await Promise.all(
+      open.map(async (document) => ({
+        document,
+        path: await realpath(document.uri.fsPath).catch(() => document.uri.fsPath),
+      })),
+    );
+    const unsaved = documents
+      .filter(({ document }) => document.isDirty)
+      .map(({ document, path }) => ({ path, text: document.getText() }));
+    return write(
+      said,
+      unsaved,
+      (path, data) => this.service!.ask(path, data),
+      async ({ file, range, text }, saves) => {
+        const document =
+          documents.find(({ path }) => path === file)?.document ??
+          (await vscode.workspace.openTextDocument(vscode.Uri.file(file)));
+        const edit = new vscode.WorkspaceEdit();
+        edit.replace(document.uri, new vscode.Range(...range), text);
+        return (await vscode.workspace.applyEdit(edit)) && (!saves || (await document.save()));
+      },
+    );
   }
 
   /** Go to a line in the editor next to the page; the selection there stays. */
   private async jump(file: string, line: number, column: number): Promise<void> {
-    const at = new vscode.Position(line - 1, column - 1), uri = vscode.Uri.file(file);
+    const at = new vscode.Position(line - 1, column - 1),
+      uri = vscode.Uri.file(file);
     this.jumped = mark(uri.fsPath, at.line);
     const shown = vscode.window.visibleTextEditors.find((each) => each.document.uri.fsPath === uri.fsPath);
     const beside = vscode.window.visibleTextEditors.find((each) => each.viewColumn !== this.panel.viewColumn);

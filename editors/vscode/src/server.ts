@@ -1,7 +1,16 @@
 // The language server: found, started, and reported in one message where it cannot be.
 import { spawn } from "node:child_process";
 import * as vscode from "vscode";
-import { CloseAction, LanguageClient, State, type ErrorHandler, type Executable, type LanguageClientOptions, type ServerOptions, type StaticFeature } from "vscode-languageclient/node";
+import {
+  CloseAction,
+  LanguageClient,
+  State,
+  type ErrorHandler,
+  type Executable,
+  type LanguageClientOptions,
+  type ServerOptions,
+  type StaticFeature,
+} from "vscode-languageclient/node";
 import { INSTALL, missing, reason } from "./command";
 import { find, type Found } from "./find";
 import { interpreter } from "./interpreter";
@@ -10,7 +19,9 @@ import { LANGUAGE } from "./recipes";
 
 /** Commands of the server that the extension carries out itself are not offered twice, which VS Code refuses. */
 const OWN: StaticFeature = {
-  preInitialize: ({ executeCommandProvider: offered }) => { if (offered) offered.commands = offered.commands.filter((each) => !OWN_COMMANDS.includes(each)); },
+  preInitialize: ({ executeCommandProvider: offered }) => {
+    if (offered) offered.commands = offered.commands.filter((each) => !OWN_COMMANDS.includes(each));
+  },
   fillClientCapabilities: () => {},
   initialize: () => {},
   getState: () => ({ kind: "static" }),
@@ -72,7 +83,10 @@ export class Server implements vscode.Disposable {
     const folders = (vscode.workspace.workspaceFolders ?? []).map((each) => each.uri.fsPath);
     const setting = vscode.workspace.getConfiguration("mjcompose").get<string[]>("command", []);
     const python = setting.length ? undefined : await interpreter(vscode.workspace.workspaceFolders?.[0]?.uri);
-    const { found, tried } = await find({ setting, interpreter: python, folders, windows: process.platform === "win32" }, folders[0]);
+    const { found, tried } = await find(
+      { setting, interpreter: python, folders, windows: process.platform === "win32" },
+      folders[0],
+    );
     if (found) {
       this.output.info(`mjcompose ${found.version} (${found.from}): ${found.words.join(" ")}`);
       this.tell(`mjcompose ${found.version}`, found.from, vscode.LanguageStatusSeverity.Information);
@@ -87,13 +101,19 @@ export class Server implements vscode.Disposable {
   private async begin(): Promise<void> {
     const found = await this.command();
     if (!found) return;
-    let said = "", began = false;
+    let said = "",
+      began = false;
     const [program, ...words] = serverWords(found.words);
     const executable: Executable = { command: program, args: words };
     const serverOptions: ServerOptions = async () => {
-      const child = spawn(executable.command, executable.args!, { cwd: vscode.workspace.workspaceFolders?.[0]?.uri.fsPath, windowsHide: true });
+      const child = spawn(executable.command, executable.args!, {
+        cwd: vscode.workspace.workspaceFolders?.[0]?.uri.fsPath,
+        windowsHide: true,
+      });
       said = "";
-      child.stderr.setEncoding("utf8").on("data", (piece: string) => { said = (said + piece).slice(-20_000); });
+      child.stderr.setEncoding("utf8").on("data", (piece: string) => {
+        said = (said + piece).slice(-20_000);
+      });
       return child;
     };
     const client: LanguageClient = new LanguageClient("mjcompose", "mjcompose", serverOptions, {
@@ -101,7 +121,10 @@ export class Server implements vscode.Disposable {
       outputChannel: this.output,
       synchronize: { fileEvents: this.watcher },
       initializationFailedHandler: () => false,
-      errorHandler: this.errors(() => began, () => client),
+      errorHandler: this.errors(
+        () => began,
+        () => client,
+      ),
     } satisfies LanguageClientOptions);
     client.registerFeature(OWN);
     this.client = client;
@@ -112,7 +135,10 @@ export class Server implements vscode.Disposable {
       const words = reason(said) || (error instanceof Error ? error.message : String(error));
       this.output.error(said.trim() || words);
       this.tell("the server did not start", words, vscode.LanguageStatusSeverity.Error);
-      void this.complain(`mjcompose ${found.version} (${found.from}) started no language server: ${words}`, /`(.*pip install.*)`/.exec(words)?.[1] ?? INSTALL);
+      void this.complain(
+        `mjcompose ${found.version} (${found.from}) started no language server: ${words}`,
+        /`(.*pip install.*)`/.exec(words)?.[1] ?? INSTALL,
+      );
     }
   }
 
@@ -134,7 +160,8 @@ export class Server implements vscode.Disposable {
     const [copy, settings, again] = ["Copy the command", "Open the setting", "Try again"];
     const chosen = await vscode.window.showErrorMessage(message, copy, settings, again);
     if (chosen === copy) await vscode.env.clipboard.writeText(run);
-    else if (chosen === settings) await vscode.commands.executeCommand("workbench.action.openSettings", "mjcompose.command");
+    else if (chosen === settings)
+      await vscode.commands.executeCommand("workbench.action.openSettings", "mjcompose.command");
     else if (chosen === again) await this.restart();
   }
 }

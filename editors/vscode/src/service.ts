@@ -4,21 +4,34 @@ import { spawn, type ChildProcess } from "node:child_process";
 import * as http from "node:http";
 import { Events, type Event } from "./events";
 
-const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/, POSTS = /^(play|pose|choose|shown|change)$/;
+const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/,
+  POSTS = /^(play|pose|choose|shown|change)$/;
 const PATIENCE = 3000;
 
 export class Service {
   private readonly streams = new Set<http.ClientRequest>();
 
-  private constructor(private readonly child: ChildProcess, readonly address: string) {}
+  private constructor(
+    private readonly child: ChildProcess,
+    readonly address: string,
+  ) {}
 
   /** Start; resolves once the page is served. Rejects with the output of the command if it ends before. */
-  static start([program, ...words]: string[], cwd: string, ended: (said: string) => void, began: (stop: () => void) => void): Promise<Service> {
+  static start(
+    [program, ...words]: string[],
+    cwd: string,
+    ended: (said: string) => void,
+    began: (stop: () => void) => void,
+  ): Promise<Service> {
     return new Promise((done, failed) => {
       const child = spawn(program, words, { cwd, stdio: ["ignore", "pipe", "pipe"], windowsHide: true });
-      let out = "", said = "", serves = false;
+      let out = "",
+        said = "",
+        serves = false;
       began(() => stop(child));
-      child.stderr!.setEncoding("utf8").on("data", (piece: string) => { said = (said + piece).slice(-20_000); });
+      child.stderr!.setEncoding("utf8").on("data", (piece: string) => {
+        said = (said + piece).slice(-20_000);
+      });
       child.stdout!.setEncoding("utf8").on("data", (piece: string) => {
         if (serves) return;
         out += piece;
@@ -55,7 +68,11 @@ export class Service {
   listen(take: (event: Event) => void, lost: () => void): void {
     const asked = http.get(new URL("events", this.address), (answer) => {
       const events = new Events();
-      answer.setEncoding("utf8").on("data", (piece: string) => events.take(piece).forEach(take)).on("close", lost).on("error", () => {});
+      answer
+        .setEncoding("utf8")
+        .on("data", (piece: string) => events.take(piece).forEach(take))
+        .on("close", lost)
+        .on("error", () => {});
     });
     asked.on("error", lost);
     this.streams.add(asked);
@@ -68,7 +85,14 @@ export class Service {
 
   private request(path: string, method: string, body?: string): Promise<Buffer> {
     return new Promise((done, failed) => {
-      const headers = body === undefined ? {} : { "content-type": "application/json", "content-length": Buffer.byteLength(body), origin: new URL(this.address).origin };
+      const headers =
+        body === undefined
+          ? {}
+          : {
+              "content-type": "application/json",
+              "content-length": Buffer.byteLength(body),
+              origin: new URL(this.address).origin,
+            };
       const asked = http.request(new URL(path, this.address), { method, headers }, (answer) => {
         const pieces: Buffer[] = [];
         answer.on("data", (piece: Buffer) => pieces.push(piece));

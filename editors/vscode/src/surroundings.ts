@@ -4,8 +4,12 @@ export type Place = [line: number, column: number];
 
 /** Of YAML: the line of the cursor, and those less indented above it. The columns are ends of lines: a line is one place. */
 export function aroundInYaml(text: string, line: number, column: number): Place[] {
-  const lines = text.split(/\r?\n/), own = lines[line - 1] ?? "";
-  const found: Place[] = [[line, column], [line, own.length + 1]];
+  const lines = text.split(/\r?\n/),
+    own = lines[line - 1] ?? "";
+  const found: Place[] = [
+    [line, column],
+    [line, own.length + 1],
+  ];
   let indent = begin(own);
   for (let at = line - 1; at > 0 && indent > 0; at--) {
     const above = lines[at - 1];
@@ -22,11 +26,13 @@ export function aroundInYaml(text: string, line: number, column: number): Place[
 
 const begin = (line: string): number => (line.trim() ? line.length - line.trimStart().length : Infinity);
 
-const MARKUP = /<!--[^]*?(?:-->|$)|<!\[CDATA\[[^]*?(?:\]\]>|$)|<[?!][^>]*>?|<\/[^>]*>?|<[A-Za-z_](?:"[^"]*"|'[^']*'|[^"'>])*>?/g;
+const MARKUP =
+  /<!--[^]*?(?:-->|$)|<!\[CDATA\[[^]*?(?:\]\]>|$)|<[?!][^>]*>?|<\/[^>]*>?|<[A-Za-z_](?:"[^"]*"|'[^']*'|[^"'>])*>?/g;
 
 /** Of XML: the elements that the cursor is in, by their start tags. */
 export function aroundInXml(text: string, line: number, column: number): Place[] {
-  const lines = text.split("\n"), own = (lines[line - 1] ?? "").trimEnd();
+  const lines = text.split("\n"),
+    own = (lines[line - 1] ?? "").trimEnd();
   const starts = [0];
   for (const each of lines) starts.push(starts.at(-1)! + each.length + 1);
   // In front of the text of a line, the cursor is at the item that begins there, and behind it, at the item that ends there.

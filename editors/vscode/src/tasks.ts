@@ -15,10 +15,22 @@ export function named(file: string, folder: string): string {
 
 /** Run a verb on a cell of a recipe, or on all of them without a cell. */
 export async function runTask(verb: "build" | "check", command: string[], file: string, cell?: string): Promise<void> {
-  const folder = folderOf(file), [program, ...words] = command;
+  const folder = folderOf(file),
+    [program, ...words] = command;
   const args = [...words, verb, named(file, folder), ...(cell ? ["--pick", cell] : ["--all"])];
   const scope = vscode.workspace.getWorkspaceFolder(vscode.Uri.file(file)) ?? vscode.TaskScope.Workspace;
-  const task = new vscode.Task({ type: "mjcompose", verb }, scope, `${verb} ${path.basename(file)}`, "mjcompose", new vscode.ProcessExecution(program, args, { cwd: folder }));
-  task.presentationOptions = { reveal: vscode.TaskRevealKind.Always, clear: true, showReuseMessage: false, panel: vscode.TaskPanelKind.Shared };
+  const task = new vscode.Task(
+    { type: "mjcompose", verb },
+    scope,
+    `${verb} ${path.basename(file)}`,
+    "mjcompose",
+    new vscode.ProcessExecution(program, args, { cwd: folder }),
+  );
+  task.presentationOptions = {
+    reveal: vscode.TaskRevealKind.Always,
+    clear: true,
+    showReuseMessage: false,
+    panel: vscode.TaskPanelKind.Shared,
+  };
   await vscode.tasks.executeTask(task);
 }

@@ -20,7 +20,10 @@ async function grammar(): Promise<textmate.IGrammar> {
   await oniguruma.loadWASM(await readFile(require.resolve("vscode-oniguruma/release/onig.wasm")));
   const own = JSON.parse(await readFile("syntaxes/recipe.tmLanguage.json", "utf8"));
   const registry = new textmate.Registry({
-    onigLib: Promise.resolve({ createOnigScanner: (sources) => new oniguruma.OnigScanner(sources), createOnigString: (text) => new oniguruma.OnigString(text) }),
+    onigLib: Promise.resolve({
+      createOnigScanner: (sources) => new oniguruma.OnigScanner(sources),
+      createOnigString: (text) => new oniguruma.OnigString(text),
+    }),
     loadGrammar: async (scope) => (scope === YAML.scopeName ? YAML : own) as textmate.IRawGrammar,
   });
   return (await registry.loadGrammar(own.scopeName))!;
@@ -29,8 +32,12 @@ async function grammar(): Promise<textmate.IGrammar> {
 test("expressions and angles stand out, in plain words and between quotes, and not in comments", async () => {
   const found = await grammar();
   const scopes = (line: string, word: string): string => {
-    const at = line.indexOf(word), { tokens } = found.tokenizeLine(line, null);
-    return tokens.find((each) => each.startIndex <= at && at < each.endIndex)!.scopes.at(-1)!.replace(".mjcompose-recipe", "");
+    const at = line.indexOf(word),
+      { tokens } = found.tokenizeLine(line, null);
+    return tokens
+      .find((each) => each.startIndex <= at && at < each.endIndex)!
+      .scopes.at(-1)!
+      .replace(".mjcompose-recipe", "");
   };
   for (const line of ["pos: [0, ${2 * max(reach, 1)}, 0]", 'pos: "${2 * max(reach, 1)}"']) {
     assert.equal(scopes(line, "${"), "punctuation.definition.template-expression.begin");

@@ -27,22 +27,39 @@ async function started(program: string, ended: (said: string) => void = () => {}
 
 test("requests go to the address with the token, and only those of the page", async () => {
   let over = () => {};
-  const ended = new Promise<void>((done) => { over = done; });
+  const ended = new Promise<void>((done) => {
+    over = done;
+  });
   const service = await started(SERVER, over);
   const [url, origin, host] = JSON.parse((await service.get("model/3")).toString());
   assert.deepEqual([url, origin, `http://${host}/token/`], ["/token/model/3", null, service.address]);
   await service.post("choose", { name: "cell" });
   await assert.rejects(service.post("choose", {}), /400/);
-  for (const path of ["../secret", "http://evil.example/", "model/../../x", "play"]) await assert.rejects(service.get(path), /no such path/);
+  for (const path of ["../secret", "http://evil.example/", "model/../../x", "play"])
+    await assert.rejects(service.get(path), /no such path/);
   await assert.rejects(service.post("model/1", {}), /no such path/);
   const lost = new Promise<void>((done) => {
-    service.listen((event) => { assert.deepEqual(event, { name: "model", data: { version: 0 } }); service.close(); }, done);
+    service.listen((event) => {
+      assert.deepEqual(event, { name: "model", data: { version: 0 } });
+      service.close();
+    }, done);
   });
   await lost;
   await ended;
 });
 
 test("a command that ends before it serves says why", async () => {
-  await assert.rejects(started('console.error("error: no such file"); process.exitCode = 2;'), /^Error: error: no such file$/);
-  await assert.rejects(Service.start(["/no/such/program"], tmpdir(), () => {}, () => {}), /ENOENT/);
+  await assert.rejects(
+    started('console.error("error: no such file"); process.exitCode = 2;'),
+    /^Error: error: no such file$/,
+  );
+  await assert.rejects(
+    Service.start(
+      ["/no/such/program"],
+      tmpdir(),
+      () => {},
+      () => {},
+    ),
+    /ENOENT/,
+  );
 });

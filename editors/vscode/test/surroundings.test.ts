@@ -18,7 +18,12 @@ edit:
 const lines = (places: [number, number][]) => places.map(([line]) => line);
 
 test("in YAML the lines above that are less indented are around the cursor", () => {
-  assert.deepEqual(aroundInYaml(YAML, 5, 3), [[5, 3], [5, 21], [4, 8], [2, 8]]);
+  assert.deepEqual(aroundInYaml(YAML, 5, 3), [
+    [5, 3],
+    [5, 21],
+    [4, 8],
+    [2, 8],
+  ]);
   assert.deepEqual(lines(aroundInYaml(YAML, 8, 7)), [8, 8, 7, 4, 2]);
   assert.deepEqual(lines(aroundInYaml(YAML, 1, 1)), [1, 1]);
 });
@@ -44,10 +49,28 @@ const XML = `<mujoco>
 `;
 
 test("in XML the elements are around the cursor", () => {
-  assert.deepEqual(aroundInXml(XML, 6, 9), [[6, 7], [4, 5], [3, 3], [1, 1]]);
-  assert.deepEqual(aroundInXml(XML, 6, 23), [[6, 23], [4, 5], [3, 3], [1, 1]]);
-  assert.deepEqual(aroundInXml(XML, 5, 12), [[4, 5], [3, 3], [1, 1]]);
-  assert.deepEqual(aroundInXml(XML, 7, 7), [[4, 5], [3, 3], [1, 1]]);
+  assert.deepEqual(aroundInXml(XML, 6, 9), [
+    [6, 7],
+    [4, 5],
+    [3, 3],
+    [1, 1],
+  ]);
+  assert.deepEqual(aroundInXml(XML, 6, 23), [
+    [6, 23],
+    [4, 5],
+    [3, 3],
+    [1, 1],
+  ]);
+  assert.deepEqual(aroundInXml(XML, 5, 12), [
+    [4, 5],
+    [3, 3],
+    [1, 1],
+  ]);
+  assert.deepEqual(aroundInXml(XML, 7, 7), [
+    [4, 5],
+    [3, 3],
+    [1, 1],
+  ]);
   assert.deepEqual(aroundInXml(XML, 2, 10), [[1, 1]]);
 });
 

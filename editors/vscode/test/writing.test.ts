@@ -7,8 +7,14 @@ const EDIT: Edit = { file: "/a.yaml", range: [1, 2, 1, 3], text: "5" };
 async function written(unsaved: { path: string; text: string }[], applies = true): Promise<[any, any, unknown[]]> {
   let asked: any;
   const applied: unknown[] = [];
-  const ask = async (path: string, data: unknown) => { asked = [path, data]; return { said: "moved", edits: [EDIT] }; };
-  const answer = await write({ kind: "place" }, unsaved, ask, async (...each) => { applied.push(each); return applies; });
+  const ask = async (path: string, data: unknown) => {
+    asked = [path, data];
+    return { said: "moved", edits: [EDIT] };
+  };
+  const answer = await write({ kind: "place" }, unsaved, ask, async (...each) => {
+    applied.push(each);
+    return applies;
+  });
   return [answer, asked, applied];
 }
 
@@ -24,5 +30,15 @@ test("a saved recipe is changed and saved, an unsaved one is changed and says so
 
 test("what the editor or the server refuses is said", async () => {
   assert.match((await written([], false))[0].refused, /did not change/);
-  assert.deepEqual(await write({}, [], async () => ({ refused: "no" }), async () => { throw new Error(); }), { refused: "no" });
+  assert.deepEqual(
+    await write(
+      {},
+      [],
+      async () => ({ refused: "no" }),
+      async () => {
+        throw new Error();
+      },
+    ),
+    { refused: "no" },
+  );
 });

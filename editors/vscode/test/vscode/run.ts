@@ -9,13 +9,18 @@ async function main(): Promise<void> {
   try {
     vscodeExecutablePath ??= await downloadAndUnzipVSCode();
   } catch (error) {
-    console.log(`skipped: VS Code cannot be downloaded (${error instanceof Error ? error.message : error}); MJCOMPOSE_VSCODE may name an installed one`);
+    console.log(
+      `skipped: VS Code cannot be downloaded (${error instanceof Error ? error.message : error}); MJCOMPOSE_VSCODE may name an installed one`,
+    );
     return;
   }
   const folder = mkdtempSync(join(tmpdir(), "mjcompose-"));
   cpSync(resolve("../../recipes"), folder, { recursive: true });
   mkdirSync(join(folder, ".vscode"));
-  writeFileSync(join(folder, ".vscode", "settings.json"), JSON.stringify({ "mjcompose.command": JSON.parse(process.env.MJCOMPOSE_COMMAND ?? "[]") }));
+  writeFileSync(
+    join(folder, ".vscode", "settings.json"),
+    JSON.stringify({ "mjcompose.command": JSON.parse(process.env.MJCOMPOSE_COMMAND ?? "[]") }),
+  );
   await runTests({
     vscodeExecutablePath,
     extensionDevelopmentPath: process.cwd(),

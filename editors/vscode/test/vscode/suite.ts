@@ -8,25 +8,45 @@ const tests: Record<string, () => Promise<void>> = {
   async "a YAML file with `recipe:` at the top is a recipe"() {
     const editor = await opened("demo.yaml");
     await until(() => editor.document.languageId === "mjcompose-recipe");
-    assert.equal((await vscode.workspace.openTextDocument({ language: "yaml", content: "name: x\n" })).languageId, "yaml");
+    assert.equal(
+      (await vscode.workspace.openTextDocument({ language: "yaml", content: "name: x\n" })).languageId,
+      "yaml",
+    );
   },
 
   async "the server reports faults of what is typed, and completes names"() {
-    const editor = await opened("demo.yaml"), { document } = editor;
-    const at = document.positionAt(document.getText().indexOf("site: arm/attachment_site") + "site: arm/attachment_sit".length);
+    const editor = await opened("demo.yaml"),
+      { document } = editor;
+    const at = document.positionAt(
+      document.getText().indexOf("site: arm/attachment_site") + "site: arm/attachment_sit".length,
+    );
     await editor.edit((edit) => edit.delete(new vscode.Range(at, at.translate(0, 1))));
     await until(() => vscode.languages.getDiagnostics(document.uri).length > 0);
     assert.equal(vscode.languages.getDiagnostics(document.uri)[0].range.start.line, at.line);
-    const { items } = await vscode.commands.executeCommand<vscode.CompletionList>("vscode.executeCompletionItemProvider", document.uri, at);
-    assert.ok(items.some((each) => label(each) === "arm/attachment_site"), items.map(label).join(" "));
+    const { items } = await vscode.commands.executeCommand<vscode.CompletionList>(
+      "vscode.executeCompletionItemProvider",
+      document.uri,
+      at,
+    );
+    assert.ok(
+      items.some((each) => label(each) === "arm/attachment_site"),
+      items.map(label).join(" "),
+    );
     await vscode.commands.executeCommand("undo");
     await until(() => vscode.languages.getDiagnostics(document.uri).length === 0);
   },
 
   async "the commands above the recipe are those of the extension"() {
     const { document } = await opened("demo.yaml");
-    const lenses = await vscode.commands.executeCommand<vscode.CodeLens[]>("vscode.executeCodeLensProvider", document.uri, 3);
-    assert.deepEqual(lenses.map((each) => each.command?.command), ["mjcompose.view", "mjcompose.build", "mjcompose.check"]);
+    const lenses = await vscode.commands.executeCommand<vscode.CodeLens[]>(
+      "vscode.executeCodeLensProvider",
+      document.uri,
+      3,
+    );
+    assert.deepEqual(
+      lenses.map((each) => each.command?.command),
+      ["mjcompose.view", "mjcompose.build", "mjcompose.check"],
+    );
     const { command, arguments: args } = lenses[0].command!;
     await vscode.commands.executeCommand(command, ...args!);
     await until(() => tabs().some((each) => each.label === "demo" && each.input instanceof vscode.TabInputWebview));
@@ -35,7 +55,9 @@ const tests: Record<string, () => Promise<void>> = {
 
   async "a check runs as a task"() {
     const { document } = await opened("demo.yaml");
-    const ended = new Promise<number | undefined>((done) => vscode.tasks.onDidEndTaskProcess(({ exitCode }) => done(exitCode)));
+    const ended = new Promise<number | undefined>((done) =>
+      vscode.tasks.onDidEndTaskProcess(({ exitCode }) => done(exitCode)),
+    );
     await vscode.commands.executeCommand("mjcompose.check", document.uri);
     assert.equal(await ended, 0);
   },
@@ -43,7 +65,10 @@ const tests: Record<string, () => Promise<void>> = {
   async "the server starts again"() {
     const { document } = await opened("demo.yaml");
     await vscode.commands.executeCommand("mjcompose.restart");
-    const found = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>("vscode.executeDocumentSymbolProvider", document.uri);
+    const found = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>(
+      "vscode.executeDocumentSymbolProvider",
+      document.uri,
+    );
     assert.ok(found.some((each) => each.name === "attach"));
   },
 };
