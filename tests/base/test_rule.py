@@ -108,8 +108,8 @@ WRITES_ITSELF = {
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
-        cli/about.py:_mujoco compose/mesh_jobs.py:MeshWorkshop._make tools/diff/sides.py:_recipe_of
-        tools/diff/sides.py:_beside_the_same mujoco/child.py
+        cli/about.py:_mujoco compose/mesh_jobs.py:MeshWorkshop._make sides/operand.py:_recipe_of
+        sides/revision.py:_beside_the_same mujoco/child.py
         mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
         targets/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written verify/compile.py:_written
@@ -130,7 +130,7 @@ WRITES_ITSELF = {
     "pages of this project, for `make schemas`": """
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """
-        bundle/write.py:write compose/compose.py:Composer._joined tools/diff/models.py:contrast
+        bundle/write.py:write compose/compose.py:Composer._joined contrast/models.py:contrast
         mjcf/flat.py:link_checked targets/urdf.py:write_urdf""",
 }
 """What opens files for writing, copies or moves them beside `bundle/staging.py`, and why."""
@@ -140,7 +140,7 @@ GIVEN_TO_MUJOCO = {
     "bundle/staging.py": "a bundle, whose files all came through the door",
     "cli/about.py": "a model of this package",
     "compose/load.py": "a model without files",
-    "tools/diff/sides.py": "asks `all_admitted`",
+    "sides/side.py": "asks `all_admitted`",
     "tools/lint.py": "asks `all_admitted`",
     "tools/importing/recover.py": "models that `recover` asks `all_admitted` of",
     "link/measure.py": "a folder of files that passed",

@@ -148,7 +148,7 @@ NOT_A_BUILD = {
         ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"), "needs files beside it: tests/urdf"
     ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
-    "git-revision": "needs a repository: tests/tools/diff",
+    "git-revision": "needs a repository: tests/sides",
     "no-rendering": "needs a machine without OpenGL: tests/tools/diff",
     "no-server": "needs a port that is taken: tests/tools/view/test_live.py",
     "unstable": "needs OpenGL: tests/cli/test_render.py",

@@ -14,11 +14,11 @@ import click
 import mujoco
 import pytest
 from mjcompose.base.report import render
+from mjcompose.contrast.text import render as render_diff
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import render as render_diff
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

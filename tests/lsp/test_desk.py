@@ -16,7 +16,7 @@ from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.lsp import desk as desk_module
 from mjcompose.lsp.analysis import Analysis
 from mjcompose.lsp.desk import Desk, Workspace
-from mjcompose.tools.explain.explanation import render
+from mjcompose.trace.explanation import render
 from mjcompose.tree.xml_text import to_text
 
 MODEL = '<mujoco><worldbody><body name="b"><geom size="1"/></body></worldbody></mujoco>'

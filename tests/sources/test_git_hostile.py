@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mjcompose.sides.revision import RevisionError, check_out
 from mjcompose.sources import git_command, git_repository
 from mjcompose.sources.fetching import Fetching, Lookup, quiet
 from mjcompose.sources.git_command import Git, GitFailure
@@ -22,7 +23,6 @@ from mjcompose.sources.kinds import parse
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
 from mjcompose.sources.store import Store
-from mjcompose.tools.diff.sides import RevisionError, check_out
 
 MODEL = '<mujoco model="arm"><worldbody><body name="arm"><geom size="0.1"/></body></worldbody></mujoco>\n'
 HOOKS = "post-checkout post-merge reference-transaction pre-auto-gc post-index-change upload-pack pre-receive".split()

@@ -13,8 +13,9 @@ import mujoco
 import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco.addresses import span
+from mjcompose.sides.names import Names
 from mjcompose.sources.context import Context
-from mjcompose.tools.names import Names, names, to_cpp, to_json, to_python
+from mjcompose.tools.names import names, to_cpp, to_json, to_python
 
 MODEL = """
 <mujoco model="2 odd-names">

@@ -124,7 +124,7 @@ def _named(*tags: str) -> Callable[[Path, Context], Iterable[str]]:
 
 
 def _model(recipe: Path, context: Context) -> Iterator[Element]:
-    from mjcompose.tools.explain.explain import trace
+    from mjcompose.trace.traced import trace
 
     traced = trace(recipe, context)
     if traced is not None:

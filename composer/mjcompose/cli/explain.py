@@ -19,8 +19,8 @@ from mjcompose.cli.reporting import FINDINGS, USAGE, progress, source_reader, us
 from mjcompose.cli.run import RECIPE_PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
-    from mjcompose.tools.diff.changes import Breaking, Diff
-    from mjcompose.tools.diff.sides import Side
+    from mjcompose.contrast.changes import Breaking, Diff
+    from mjcompose.sides.side import Side
 
 
 class ExplainOptions(ModelOptions):
@@ -61,9 +61,9 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
     if query is None:
         return _page(model)
     _check_model(model)
-    from mjcompose.tools.explain.explain import explain
-    from mjcompose.tools.explain.explanation import as_data, render
-    from mjcompose.tools.explain.query import read
+    from mjcompose.trace.explanation import as_data, render
+    from mjcompose.trace.query import read
+    from mjcompose.trace.traced import explain
 
     context = run.context
     selection = read(query, options.attribute, context.sink)
@@ -247,9 +247,9 @@ def diff(options: DiffOptions, run: Run) -> Answer:
     Exit codes: 0 no difference, 1 differences, 2 a model cannot be read or built. With --breaking, 2 is also a major
     change.
     """
+    from mjcompose.contrast.text import as_data, breaking_as_data, render, render_breaking, render_markdown
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.diff.diff import diff
-    from mjcompose.tools.diff.text import as_data, breaking_as_data, render, render_breaking, render_markdown
 
     context = run.context
     levels: list[Breaking | None] = []

@@ -66,7 +66,8 @@ class Picturing(Struct, frozen=False):
         if is_known and os.path.exists(context.folder / out):
             return
         from mjcompose.mujoco.engine import Session
-        from mjcompose.tools.diff.sides import load, read_operand
+        from mjcompose.sides.operand import read_operand
+        from mjcompose.sides.side import load
         from mjcompose.tools.view.render import Wish, render
 
         if self._session is None:

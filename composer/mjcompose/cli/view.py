@@ -22,8 +22,8 @@ from mjcompose.cli.run import Answer, Group, Run, Stop, argument, command, flag,
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
+    from mjcompose.sides.operand import Operand
     from mjcompose.text.node import Node
-    from mjcompose.tools.diff.sides import Operand
     from mjcompose.tools.view.builder import Shown, Workshop
     from mjcompose.tools.view.live import Service
     from mjcompose.tools.view.render import Wish
@@ -83,7 +83,7 @@ def view(options: Options, run: Run) -> Answer | int:
     All files of the model are watched. When you save one, the page updates; errors appear above the last valid model.
     """
     from mjcompose.mujoco.engine import Session
-    from mjcompose.tools.diff.sides import as_recipe, read_operand
+    from mjcompose.sides.operand import as_recipe, read_operand
 
     html = options.html
     if options.physics and html is None:
@@ -144,7 +144,7 @@ def _live(workshop: Workshop, service: Service, run: Run) -> int:
 
 
 def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session) -> str | None:
-    from mjcompose.tools.diff.sides import load
+    from mjcompose.sides.side import load
     from mjcompose.tools.view.page import write_page
     from mjcompose.tools.view.render import check_given
 
@@ -252,7 +252,7 @@ def render(options: RenderOptions, run: Run) -> Answer:
     below it.
     """
     from mjcompose.mujoco.engine import Session
-    from mjcompose.tools.diff.sides import read_operand
+    from mjcompose.sides.operand import read_operand
     from mjcompose.tools.view.render import FILM, TILE, Wish
 
     given = options.choices.values(run.context)
@@ -310,7 +310,7 @@ class _Rendering(Struct):
 
     def one(self) -> str | None:
         """Write one picture or film."""
-        from mjcompose.tools.diff.sides import load
+        from mjcompose.sides.side import load
         from mjcompose.tools.view.render import check_given, format_of, render
 
         operand = self.operand
@@ -332,7 +332,7 @@ class _Rendering(Struct):
 
     def sheet(self, options: RenderOptions) -> str | None:
         """Write a contact sheet."""
-        from mjcompose.tools.diff.sides import Kind
+        from mjcompose.sides.operand import Kind
         from mjcompose.tools.view.render import Format, format_of, render_sheet
 
         operand = self.operand

@@ -27,7 +27,7 @@ from mjcompose.tree.unit import Unit
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
-    from mjcompose.tools.explain.explain import Traced
+    from mjcompose.trace.traced import Traced
 
 
 def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark | int]:

@@ -33,10 +33,10 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching, model_files
 from mjcompose.text.load import load
 from mjcompose.text.node import lines_of
-from mjcompose.tools.explain.explain import Traced
-from mjcompose.tools.explain.trace import Trace
 from mjcompose.tools.fix import Fixing, Judged, models_of
 from mjcompose.tools.lint import lint
+from mjcompose.trace.trace import Trace
+from mjcompose.trace.traced import Traced
 from mjcompose.tree.parse import parse_text, parse_xml
 from mjcompose.tree.unit import Unit, Watch, nobody
 from mjcompose.tree.xml_text import kind_of, root_of

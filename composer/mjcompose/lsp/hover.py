@@ -37,8 +37,8 @@ from mjcompose.sources.reference import Source
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, with_units
 from mjcompose.text.node import Mapping as Located, is_template
-from mjcompose.tools.explain.explanation import render
 from mjcompose.tools.outline import Body, world_of
+from mjcompose.trace.explanation import render
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.unit import Unit
@@ -46,7 +46,7 @@ from mjcompose.tree.unit import Unit
 if TYPE_CHECKING:
     from lxml.etree import _Element as _EtreeElement
 
-    from mjcompose.tools.explain.explain import Traced
+    from mjcompose.trace.traced import Traced
 
 
 def show(question: Question) -> Hover | None:

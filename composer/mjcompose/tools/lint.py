@@ -23,8 +23,9 @@ from mjcompose.lint.rule import Edit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, parse, report as report_message, translate
+from mjcompose.sides.operand import Kind, read_operand
+from mjcompose.sides.side import load
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.sides import Kind, load, read_operand
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit, element_at, line_of
 from mjcompose.tree.xml_text import Stretch, write

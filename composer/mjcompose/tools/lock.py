@@ -26,12 +26,13 @@ from mjcompose.plan.parts import parameters_choose
 from mjcompose.plan.plan import Plan
 from mjcompose.plan.planner import make_plan, plan_what_remains
 from mjcompose.plan.read import Given, read_recipe
+from mjcompose.sides.names import names_of
+from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.side import load_cell
 from mjcompose.sources.blobs import differences, digest
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.lock import Disputed, Lock, LockedName, kind_of, lock_path, shapes_folder, to_text
-from mjcompose.tools.diff.sides import Kind, Operand, load_cell
-from mjcompose.tools.names import names_of
 
 
 def write_lock(

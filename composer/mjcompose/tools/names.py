@@ -7,45 +7,19 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict
 from itertools import chain, count
 from typing import Any
 
-from mjcompose.base.dataclass import Struct
-from mjcompose.bundle.bundle import MODEL
-from mjcompose.mujoco import engine
-from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.index import Index, addresses
 from mjcompose.plan.read import Given
+from mjcompose.sides.names import Names, names_of
+from mjcompose.sides.operand import read_operand
+from mjcompose.sides.side import load
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.sides import Side, load, read_operand
 
 _KEPT = "names"
 Address = tuple[str, int, str]
 """An identifier, the address and the name."""
-
-
-class Names(Struct):
-    """The names of a model. `sha256` is the hash of its MJCF text, and `keys` has the vectors of each keyframe."""
-
-    model: str
-    sha256: str
-    sizes: Mapping[str, int]
-    index: Index
-    keys: Sequence[Mapping[str, Sequence[float]]]
-
-    def as_data(self) -> dict[str, Any]:
-        """Return everything in the order of the model; elements without a name have an empty name."""
-        rows = asdict(self.index)
-        keys = [{**row, **key} for row, key in zip(rows["keyframes"], self.keys, strict=True)]
-        for row in rows["joints"]:
-            row["unit"] = BY_WORD[row["type"]].unit  # None for a free joint, which has several
-            row["range"] = row["range"] if row.pop("limited") else None
-        for row in rows["actuators"]:
-            del row["stiffness"]
-        kinds = {name: rows[name] for name in ("joints", "actuators", "sensors")}
-        return {"model": self.model, "sha256": self.sha256, "sizes": dict(self.sizes), **kinds, "keyframes": keys}
 
 
 def names(
@@ -59,19 +33,6 @@ def names(
         side = load(operand, _KEPT, session, given=given, pick=pick, sample=sample, whole=True)
         operand.report(context.sink)
         return None if side is None or context.sink.has_errors else names_of(side, session, context)
-
-
-def names_of(side: Side, session: Session, context: Context) -> Names | None:
-    """Return the names of a model that the session keeps, or None if MuJoCo crashes, which is reported."""
-    answer = engine.call(session, addresses, [side.kept], argument=None)
-    if not answer.ok:
-        message = f"the names of `{side.operand.label}` cannot be read: {answer.error or answer.crash}"
-        context.sink.error("mujoco-crash", message)
-        return None
-    model = "" if side.traced is None else str(side.traced.model.root.get("model") or "")
-    sha256 = side.digests.get(side.bundle.model if side.bundle is not None else MODEL, "")
-    value = answer.value
-    return Names(model, sha256, value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"])
 
 
 def to_json(names: Names) -> str:

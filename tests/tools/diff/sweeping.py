@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mjcompose.base.sink import Sink
+from mjcompose.contrast.changes import Change, Diff
 from mjcompose.mujoco.engine import Session
+from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.changes import Change, Diff
 from mjcompose.tools.diff.diff import between
-from mjcompose.tools.diff.sides import Kind, Operand, Side, load
 from tools.diff.changing import Value
 
 _TRIES = 4

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from mjcompose.contrast.changes import Breaking
+from mjcompose.contrast.text import breaking_as_data, render_breaking
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.changes import Breaking
 from mjcompose.tools.diff.diff import breaking, diff
-from mjcompose.tools.diff.text import breaking_as_data, render_breaking
 
 MODEL = """\
 <mujoco model="m">

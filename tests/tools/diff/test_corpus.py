@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from mjcompose.contrast.text import as_data, render, render_markdown as in_markdown
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import as_data, render, render_markdown as in_markdown
 
 
 def test_each_is_itself_and_no_other(menagerie_root: Path) -> None:

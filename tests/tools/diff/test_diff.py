@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from mjcompose.bundle.write import write
 from mjcompose.cli.options import Choices
+from mjcompose.contrast.changes import Diff
+from mjcompose.contrast.text import as_data, render, render_markdown as in_markdown
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.changes import Diff
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import as_data, render, render_markdown as in_markdown
 
 CASES = Path(__file__).parent / "cases"
 

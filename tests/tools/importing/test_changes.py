@@ -11,9 +11,9 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.bundle.staging import write_files
+from mjcompose.contrast.changes import Change
 from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.changes import Change
 from mjcompose.tools.importing.elements import Changed
 from mjcompose.tools.importing.recover import Outcome, Recovered, changed, left, recover
 

@@ -10,8 +10,9 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from mjcompose.mujoco.engine import Session
+from mjcompose.sides.operand import as_recipe, read_operand
+from mjcompose.sides.side import load
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.sides import as_recipe, load, read_operand
 from mjcompose.tools.view.page import write_page
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mjcompose.contrast.text import render
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
-from mjcompose.tools.diff.text import render
 from mjcompose.tools.view.page import difference, write_comparison
 from tools.view.pages import page_of
 

@@ -9,16 +9,16 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
+from mjcompose.contrast.changes import SETTINGS, Cause, Change, Contrast
 from mjcompose.link.linking import Part
 from mjcompose.mujoco.arrays import about
 from mjcompose.plan.steps import AddElement
+from mjcompose.sides.side import Side
 from mjcompose.text.node import Mapping as Located, Node as LocatedNode, Sequence, locate, to_python
-from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Contrast
 from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Elements, Pair, Pairs
 from mjcompose.tools.diff.recipe_lines import Written, is_yaml, name, real
-from mjcompose.tools.diff.sides import Side
-from mjcompose.tools.explain.query import name_of, same_value
-from mjcompose.tools.explain.trace import Life
+from mjcompose.trace.query import name_of, same_value
+from mjcompose.trace.trace import Life
 from mjcompose.tree.select import kind_of
 
 _NO_REASON = ("name", "class", "childclass")

@@ -17,20 +17,21 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
 from mjcompose.bundle.staging import staged_file
+from mjcompose.contrast.changes import LEVELS, Breaking, Cause, Change, Contrast, Diff, Group, Level, View
+from mjcompose.contrast.models import contrast, contrast_of, looks
 from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.index import Index
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, pictures
 from mjcompose.plan.read import Given
+from mjcompose.sides.names import names_of
+from mjcompose.sides.operand import Kind, read_operand
+from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.text.node import find, locate
 from mjcompose.tools.diff.cause import Causes
-from mjcompose.tools.diff.changes import LEVELS, Breaking, Cause, Change, Contrast, Diff, Group, Level, View
-from mjcompose.tools.diff.models import contrast, contrast_of, looks
 from mjcompose.tools.diff.recipe_lines import block, different, excerpt, is_yaml
-from mjcompose.tools.diff.sides import Kind, Side, load, read_operand
-from mjcompose.tools.names import names_of
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:

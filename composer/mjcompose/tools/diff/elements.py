@@ -10,32 +10,20 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
+from mjcompose.contrast.changes import Change
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import Part
 from mjcompose.link.unit_keys import VECTORS
 from mjcompose.mujoco.arrays import about
-from mjcompose.mujoco.attributes import KINDS
-from mjcompose.tools.diff.changes import Change
+from mjcompose.sides.side import Side
 from mjcompose.tools.diff.recipe_lines import Recipes, name
-from mjcompose.tools.diff.sides import Side
-from mjcompose.tools.explain import query
-from mjcompose.tools.explain.explain import Traced
-from mjcompose.tools.explain.trace import Life
+from mjcompose.trace import query
+from mjcompose.trace.trace import Life
+from mjcompose.trace.traced import Traced
 from mjcompose.tree.classes import class_in_force, levels, value
-from mjcompose.tree.select import kind_of, query as paths_of
+from mjcompose.tree.select import kind_of
 
 _HOLDERS = ("body", "worldbody")
-_KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
-
-
-def in_order(root: Node) -> Iterator[tuple[str, Node]]:
-    """Yield the elements of a model in MuJoCo's order, each with its kind. Only the first of several worlds counts."""
-    worlds = 0
-    for node in query.ordered(root):
-        kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
-        worlds += node.tag == "worldbody"
-        if kind is not None and (node.tag != "worldbody" or worlds == 1):
-            yield kind, node
 
 
 class Elements:
@@ -54,7 +42,7 @@ class Elements:
         self.lives = [] if side.traced is None else list(side.traced.watch.lives.values())
         self.parts = {part.called: part for life in self.lives for part in life.parts}
         if side.traced is not None:
-            for kind, node in in_order(side.traced.model.root):
+            for kind, node in query.kinds_in_order(side.traced.model.root):
                 self.found[kind].append(node)
                 if (name := query.name_of(node)) is not None and node.tag != "worldbody":
                     self.named.setdefault((kind, name), node)

@@ -14,15 +14,15 @@ from textwrap import dedent
 from mjcompose.base.alignment import Alignment, common_ends
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
+from mjcompose.contrast.changes import Cause
 from mjcompose.language.repeat import FOR
 from mjcompose.link.linking import Part
 from mjcompose.plan.plan import AttachPart, Plan
+from mjcompose.sides.side import Side
 from mjcompose.sources.context import ReadRecipe
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, spans, walk
-from mjcompose.tools.diff.changes import Cause
-from mjcompose.tools.diff.sides import Side
 
 _SHOWN = 6
 

@@ -19,15 +19,15 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose, quat_from_zaxis
+from mjcompose.contrast.changes import Change, Value
+from mjcompose.contrast.models import Values, references
 from mjcompose.link.numbers import read, read_pose
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
 from mjcompose.text.faults import word
-from mjcompose.tools.diff.changes import Change, Value
-from mjcompose.tools.diff.elements import in_order
-from mjcompose.tools.diff.models import Values, references
 from mjcompose.tools.importing.search import Instance
+from mjcompose.trace.query import kinds_in_order
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
@@ -334,4 +334,4 @@ def numbers_likeness(value: Value) -> list[float] | None:
 def places(unit: Unit) -> dict[Node, tuple[str, int]]:
     """Return kind and number of every element in MuJoCo's order, unless one element of the file makes several."""
     numbers = defaultdict[str, Iterator[int]](count)
-    return {node: (kind, next(numbers[kind])) for kind, node in in_order(unit.root)}
+    return {node: (kind, next(numbers[kind])) for kind, node in kinds_in_order(unit.root)}

@@ -16,14 +16,14 @@ from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
 from mjcompose.bundle.bundle import MODEL, Bundle
 from mjcompose.bundle.staging import sibling
+from mjcompose.contrast.changes import Change, Contrast, Value
+from mjcompose.contrast.models import contrast, contrast_of
+from mjcompose.contrast.text import sentences, shown, subject
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco.engine import Session, call, compile
 from mjcompose.pipeline.stages import Request, build
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import word
-from mjcompose.tools.diff.changes import Change, Contrast, Value
-from mjcompose.tools.diff.models import contrast, contrast_of
-from mjcompose.tools.diff.text import sentences, shown, subject
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.folding import folded
 from mjcompose.tools.importing.propose import Proposal, in_order, propose, recipe_text

@@ -20,9 +20,10 @@ from mjcompose.mujoco import engine
 from mjcompose.mujoco.controls import advance as simulate
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.scene import look, pull, seen
+from mjcompose.sides.operand import Operand, read_operand
+from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.text.node import texts
-from mjcompose.tools.diff.sides import Operand, Side, load, read_operand
 from mjcompose.tools.view.page import Asked, choices, described
 from mjcompose.tools.view.render import check_given
 from mjcompose.tools.view.targets import Targets, movable

@@ -23,19 +23,21 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.staging import staged_file, write_files
+from mjcompose.contrast.changes import Cause, Change, Diff
+from mjcompose.contrast.text import render
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.pipeline.cache.cells import cells_of
 from mjcompose.plan.read import read_recipe
+from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.revision import split
+from mjcompose.sides.side import End, Side
 from mjcompose.sources.context import Context, as_text
 from mjcompose.text.node import Mapping, Node, Scalar, find
-from mjcompose.tools.diff.changes import Cause, Change, Diff, End
-from mjcompose.tools.diff.sides import Kind, Operand, Side, split
-from mjcompose.tools.diff.text import render
-from mjcompose.tools.explain import query
-from mjcompose.tools.explain.explain import Traced
+from mjcompose.trace import query
+from mjcompose.trace.traced import Traced
 
 CELL = "cell"
 _MOST_CELLS = 200

@@ -28,8 +28,9 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, draw, sheet
 from mjcompose.pipeline.cache.cell_run import context_for_worker
 from mjcompose.plan.read import Given
+from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.side import load_cell
 from mjcompose.sources.context import Context
-from mjcompose.tools.diff.sides import Kind, Operand, load_cell
 
 
 def check_given(operand: Operand, given: Given) -> bool:

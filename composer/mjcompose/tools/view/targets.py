@@ -20,8 +20,8 @@ from mjcompose.link.linking import Part
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.plan.plan import Plan
 from mjcompose.plan.steps import AddElement
+from mjcompose.sides.side import Side
 from mjcompose.text.node import Mapping as Located, find, walk
-from mjcompose.tools.diff.sides import Side
 from mjcompose.tools.view.page import nodes_of
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.files import read_settings

@@ -1,0 +1,1 @@
+"""The differences between two compiled models, as data and in words."""

@@ -1,0 +1,506 @@
+"""The changes of passes and steps in words, with the place of the reason.
+
+It also finds the attributes that determine a value that MJCF writes elsewhere: the mass of a body is in its
+`<inertial>` or its geoms, the `gainprm` of a `<position>` comes from its `kp`.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Span
+from mjcompose.compose.checks import check_names
+from mjcompose.compose.elements import settle_joints
+from mjcompose.compose.keyframe import hold_poses
+from mjcompose.language.assign import MASS
+from mjcompose.language.value import shown
+from mjcompose.link import numbers
+from mjcompose.link.agreement import agreement
+from mjcompose.link.angles import angles
+from mjcompose.link.bodies import bodies
+from mjcompose.link.collect import collect
+from mjcompose.link.defaults import defaults
+from mjcompose.link.delays import delays
+from mjcompose.link.files import add_file, dedup, files, share_in_copies
+from mjcompose.link.inertia import (
+    MEASURED,
+    body_reduction,
+    fitted_sizes,
+    has_mass,
+    inertia,
+    lengthranges,
+    muscle_forces,
+)
+from mjcompose.link.keyframes import keyframes
+from mjcompose.link.link import row_of
+from mjcompose.link.linking import Part
+from mjcompose.link.names import names
+from mjcompose.link.replicates import replicates
+from mjcompose.link.settings import compiler, model_autolimits
+from mjcompose.link.submodels import submodel_options, submodels
+from mjcompose.link.world import roots, sections
+from mjcompose.mujoco.attributes import attributes as compared
+from mjcompose.plan.plan import DropElements, Plan
+from mjcompose.plan.steps import DrawValues, EditElements, Step
+from mjcompose.text.node import find, locate
+from mjcompose.trace.explanation import Reason, RowExplained
+from mjcompose.trace.trace import Cause, Change, Function, Life, Move, NumberOrigin, Trace
+from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
+from mjcompose.tree.files import Settings, read_settings
+from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.select import kind_of
+from mjcompose.tree.unit import Unit
+
+_NOBODY = {"reference": "the reference configuration", "zero": "0, because no key sets it", "unknown": "not known"}
+
+
+def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None) -> RowExplained:
+    """Return the row; `reason` comes from `reason_of`, `written` is the text at its place."""
+    on_the_way = [] if origin.joint is None else [Reason(f"from that number of the joint `{origin.joint}`")]
+    on_the_way += [Reason("by `from`", span) for span in origin.taken]
+    on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
+    if origin.lost is not None:
+        on_the_way.append(Reason("an edit made the numbers there meaningless:", origin.lost.span))
+    return RowExplained(label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way))
+
+
+def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
+    """Return the cause that set the numbers, and its place; `edited` describes an edit or a draw."""
+    if origin.change is not None:
+        return edited(origin.change)
+    if origin.kind == "mujoco":
+        return Reason("filled in by MuJoCo, because the row ends in the middle of a joint", origin.span)
+    return Reason(_NOBODY.get(origin.kind, ""), origin.span)
+
+
+def only_place(reasons: Iterable[Reason]) -> Span | None:
+    spans = {reason.span for reason in reasons if reason.words not in _NOBODY.values()}
+    return spans.pop() if len(spans) == 1 else None
+
+
+def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
+    """Return the action of a cause, and its place; `owner` wrote the element or its attribute."""
+    done = cause.done
+    if isinstance(done, Plan) and attribute == "model":
+        named = find(done.document, ("name",)) is not None
+        words = "`name` of the recipe" if named else "the name of the recipe's file"
+        return Reason(words, locate(done.document, ("name",)) if named else None)
+    if isinstance(done, Plan):
+        return Reason("the recipe drops it", locate(done.document, ("base", "drop")))
+    span = owned(owner, attribute) or getattr(done, "span", None)
+    if isinstance(done, EditElements | DropElements):
+        written_by_it = span is not None and span.file == done.span.file
+        return Reason(done.words, span if written_by_it else done.span)
+    if isinstance(done, DrawValues):
+        drawn = None if node is None else _drawn(cause, node, done.field.name)
+        value = "" if drawn is None else f": {shown(drawn)} is drawn"
+        return Reason(f"{done.reason}{value}", done.span)
+    if isinstance(done, Step):
+        return Reason(done.reason, span)
+    return Reason(_summary(done), span if isinstance(span, Span) else None)
+
+
+def owned(owner: object, attribute: str | None) -> Span | None:
+    if isinstance(owner, Span):
+        return owner
+    if callable(owner):
+        span = owner(attribute)
+        return span if isinstance(span, Span) else None
+    return None
+
+
+def _drawn(cause: Cause, node: Node, field: str) -> object | None:
+    """Return the draw of a field for an element, or for the body whose mass the element determines."""
+    if cause.linking is None:
+        return None
+    for each in (node, *node.iterancestors("body")):
+        if field in (found := cause.linking.notes.drawn.get(each, {})):
+            return found[field]
+    return None
+
+
+def _summary(done: object) -> str:
+    """Return the words in the row of a pass, or the first line of another function's docstring."""
+    if (row := row_of(done)) is not None:
+        return row.words
+    module = inspect.getmodule(done)
+    text = (inspect.getdoc(done) or getattr(module, "__doc__", None) or type(done).__name__).strip()
+    return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
+
+
+_DEFAULT = Settings()
+_CALLED = "the top class of {} is called that here"
+_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+_COMPUTED = {
+    "mate": "computed from `mate`, to meet the place",
+    "mirror": "computed: the mirror image of another part",
+    "replicate": "computed: the place of this copy",
+}
+
+
+class Causes:
+    """Words for the changes that one trace recorded.
+
+    A method with a leading underscore describes a pass; it gets the element and the change, which has no attribute if
+    the element was created or removed.
+    """
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+
+    def setting(self, unit: Unit, name: str) -> Span | None:
+        life = self.trace.written(unit, "compiler", name)
+        return None if life is None else life.span(unit.origins, name)
+
+    def _names(self, life: Life, change: Change) -> Reason | None:
+        part = change.cause.part
+        span = change.cause.part.span if change.cause.part else None
+        if change.after is not None and change.before is None and change.attribute == "name":
+            return Reason("named after its file, with the prefix of the part", span)
+        if part is not None and change.after == part.prefix + (change.before or ""):
+            return Reason(f"prefix of the part `{part.called}`", part.span)
+        if change.before == MAIN and change.attribute in ("class", "childclass"):
+            return Reason(_CALLED.format(_file(change.cause.unit)))
+        return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
+
+    def _angles(self, life: Life, change: Change) -> Reason | None:
+        unit = change.cause.unit
+        linking = change.cause.linking
+        sequence = None if linking is None else linking.base.settings.eulerseq
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != sequence:
+            words = f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
+            return Reason(words, self.setting(unit, "eulerseq"))
+        span = self.setting(unit, "angle")
+        degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
+        if change.before is None:
+            given = Classes(life.node.getroottree().getroot()).get(class_in_force(life.node).name)
+            found = given.lookup("joint", change.attribute)
+            span = None if found is None else self.trace.life(found[1]).span(unit.origins, change.attribute)
+            return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
+        return Reason(f"degrees → radians: {degrees}, the model in radians", span)
+
+    def _inertia(self, life: Life, change: Change) -> Reason:
+        settings = change.cause.unit.settings
+        unit = change.cause.unit
+        measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
+        if measured:
+            names = " and ".join(f"`{name}`" for name in measured)
+            words = f"measured by MuJoCo on {_file(unit)} alone, for its {names}"
+            return Reason(words, self.setting(unit, measured[0]))
+        for name in ("inertiagrouprange", "inertiafromgeom"):
+            value = getattr(settings, name)
+            if value != getattr(_DEFAULT, name):
+                return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
+        return Reason(f"the inertia rules of {_file(unit)}, made explicit")
+
+    def _reduced(self, life: Life, change: Change) -> Reason:
+        unit = change.cause.unit
+        found = {name: span for name in ("fusestatic", "discardvisual") if (span := self.setting(unit, name))}
+        names = " and ".join(f"`{name}`" for name in found)
+        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", next(iter(found.values()), None))
+
+    def _unrolled(self, life: Life, change: Change) -> Reason:
+        words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
+        return Reason(words, of_step(change.cause, life.owner, None).span)
+
+    def _lengthranges(self, life: Life, change: Change) -> Reason | None:
+        unit = change.cause.unit
+        lives = self.trace.lives.values()
+        rule = next((each for each in lives if each.tag == "lengthrange" and each.root is unit.root), None)
+        words = f"measured by MuJoCo on {_file(unit)} alone"
+        if rule is None:
+            return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
+        return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
+
+    def _muscle_forces(self, life: Life, change: Change) -> Reason:
+        return Reason(f"the peak force that its `scale` gives it in {_file(change.cause.unit)} alone")
+
+    def _agreement(self, life: Life, change: Change) -> Reason | None:
+        linking = change.cause.linking
+        if linking is None or change.after is None:
+            return Reason("only one of these settings may be written")
+        above = [str(each.tag) for each in life.node.iterancestors()][-2::-1]
+        wanted = "/".join([*above, life.tag, change.attribute]), change.after
+        for adopted in (each for each in linking.base.adopted if (each.path, each.value) == wanted):
+            words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
+            return Reason(words, adopted.span)
+        for part in linking.parts:
+            for other in filter(None, map(self.trace.lives.get, part.unit.root.iter(life.tag))):
+                if other.attributes.get(change.attribute) == change.after:
+                    span = other.span(part.unit.origins, change.attribute)
+                    return Reason(f"required by the part `{part.called}`", span)
+        return Reason("enough for all parts")
+
+    def _agreement_made(self, life: Life, change: Change) -> Reason:
+        for name, value in life.attributes.items():
+            if reason := self._agreement(life, replace(change, attribute=str(name), after=str(value))):
+                return reason
+        return Reason("settings that the parts require")
+
+    def _defaults(self, life: Life, change: Change) -> Reason | None:
+        file = _file(change.cause.unit)
+        is_new = change.before is None
+        return Reason(f"elements without a class have the top class of {file}" if is_new else _CALLED.format(file))
+
+    def _defaults_made(self, life: Life, change: Change) -> Reason:
+        unit = change.cause.unit
+        if life.tag != "default" or "class" not in life.attributes:
+            return Reason("contains the default classes of the parts")
+        top = (each for each in self.trace.lives.values() if each.root is unit.root and each.parent is unit.root)
+        first = next((each for each in top if each.tag == "default" and not each.made_by), None)
+        return Reason(f"the top class of {_file(unit)}", None if first is None else first.span(unit.origins))
+
+    def _compiler_value(self, life: Life, change: Change) -> Reason | None:
+        for source in life.sources:
+            if source.attributes.get(change.attribute) == change.after:
+                return Reason("", source.span(change.cause.unit.origins, change.attribute))
+        return self._compiler(life, change)
+
+    def _defaults_value(self, life: Life, change: Change) -> Reason | None:
+        if change.attribute == "class" and change.cause.part is not None:
+            return Reason("named after the part", change.cause.part.span)
+        return None
+
+    def _bodies_value(self, life: Life, change: Change) -> Reason | None:
+        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
+        part = change.cause.part
+        attribute = change.attribute
+        if part is None:
+            return None
+        span = change.cause.unit.origins.set_at(life.node, attribute)
+        if span is None and change.cause.linking is not None:
+            span = change.cause.linking.base.origins.set_at(life.node, attribute)
+        is_pose = attribute == "pos" or attribute in ORIENTATIONS
+        if span is not None and attribute == "name":
+            return Reason(f"named there, with the prefix of the part `{part.called}`", span)
+        if span is not None:
+            computed = part.place.computed if is_pose else ""
+            return Reason(_COMPUTED.get(computed, ""), span)
+        if attribute in ("class", "childclass") and life.attributes[attribute] == part.top_class:
+            return Reason(f"the top class of the part `{part.called}`", part.span)
+        if attribute == "name":
+            return Reason(f"named after the part `{part.called}`", part.span)
+        if is_pose and part.floats:
+            return Reason("computed: where that place is in the world", hung_at(part))
+        if is_pose:
+            return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
+        return Reason(f"for the part `{part.called}`", part.span)
+
+    def _bodies_made(self, life: Life, change: Change) -> Reason:
+        part = change.cause.part
+        if part is None:
+            return Reason("contains elements of the parts")
+        if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
+            return Reason(f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part))
+        if life.tag == "frame":
+            words = f"the pose of the {part.place.kind} that the part `{part.called}` is attached to"
+            return Reason(words, hung_at(part))
+        if life.tag == "body":
+            return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
+        return Reason(f"joins the part `{part.called}` to its place", part.span)
+
+    def _weld(self, life: Life, change: Change) -> Reason:
+        part = change.cause.part
+        return Reason("removed: `joint: none` fixes the part in its place", part.span if part else None)
+
+    def _compiler(self, life: Life, change: Change) -> Reason | None:
+        linking = change.cause.linking
+        if change.attribute in _FOLDERS:
+            return Reason("every file is named by its path in the bundle")
+        if change.attribute == "angle" and linking is not None:
+            return Reason(f"one unit for all parts: {linking.angle}s")
+        if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
+            return Reason("made explicit where it matters")
+        return Reason("made explicit on the elements that it affects, so it does not reach other parts")
+
+    def _compiler_made(self, life: Life, change: Change) -> Reason:
+        if len(life.sources) == 1:
+            return Reason("the base's settings, which apply to every part")
+        return Reason("the settings that hold for every part")
+
+    def _keyframes_made(self, life: Life, change: Change) -> Reason:
+        if not isinstance(life.owner, str):
+            return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
+        if len(life.sources) > 1:
+            return Reason(f"{len(life.sources)} keys of that name merged, laid out for the whole model")
+        return Reason("laid out anew for the whole model")
+
+    def _worded(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
+        words = table.get(change.cause.function)
+        return None if words is None else words(self, life, change)
+
+    def change(self, change: Change, life: Life) -> Reason:
+        """Return the reason that an attribute changed."""
+        reason = self._worded(CHANGES, life, change)
+        return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
+
+    def made(self, life: Life) -> Reason:
+        """Return the reason that an element exists that was not read from a file."""
+        assert life.made_by is not None
+        reason = self._worded(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
+        return reason or of_step(life.made_by, life.owner, None)
+
+    def value(self, life: Life, attribute: str) -> Reason:
+        """Return the reason that an element that a pass created has this value of an attribute."""
+        assert life.made_by is not None
+        change = Change(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
+        return self._worded(VALUES, life, change) or self.made(life)
+
+    def gone(self, life: Life) -> Reason:
+        assert life.gone is not None
+        reason = self._worded(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
+        return reason or of_step(life.gone, None, None)
+
+    def move(self, move: Move, life: Life) -> Reason | None:
+        """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
+        cause = move.cause
+        if cause.function in (sections, defaults, compiler, keyframes):
+            return None
+        if cause.function is bodies:
+            return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
+        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
+            return None
+        return of_step(cause, None, None)
+
+
+def place(part: Part) -> str:
+    where = part.place
+    found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
+    return f"{found}, with an offset" if where.offset else found
+
+
+def hung_at(part: Part) -> Span | None:
+    return part.place.span or part.span
+
+
+def _file(unit: Unit) -> str:
+    return f"`{unit.file.rpartition('/')[2]}`"
+
+
+Words = Callable[[Causes, Life, Change], Reason | None]
+
+
+def _as(words: str) -> Words:
+    return lambda causes, life, change: Reason(words)
+
+
+def _by_setting(name: str, words: str) -> Words:
+    return lambda causes, life, change: Reason(
+        words.format(_file(change.cause.unit)), causes.setting(change.cause.unit, name)
+    )
+
+
+_ADOPTED = _by_setting("conflict", 'required by a model that {} attaches, under its `conflict="merge"`')
+
+
+def _at_its_place(words: str) -> Words:
+    return lambda causes, life, change: Reason(words, owned(change.owner, change.attribute))
+
+
+def _named_or(words: str) -> Words:
+    return lambda causes, life, change: Reason("named after its file" if change.attribute == "name" else words)
+
+
+CHANGES: dict[Function | None, Words] = {
+    names: Causes._names,
+    body_reduction: Causes._reduced,
+    angles: Causes._angles,
+    inertia: Causes._inertia,
+    fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
+    lengthranges: Causes._lengthranges,
+    muscle_forces: Causes._muscle_forces,
+    submodel_options: _ADOPTED,
+    agreement: Causes._agreement,
+    **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
+    collect: _named_or("a file with the same bytes is in the bundle already"),
+    share_in_copies: _as("the copies of the part share it"),
+    dedup: _as("an equal one of another part is used"),
+    defaults: Causes._defaults,
+    compiler: Causes._compiler,
+    delays: _as("counted in time steps of the whole model"),
+    keyframes: _as("laid out anew for the whole model"),
+    settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
+    hold_poses: _at_its_place("computed to hold the pose of the key"),
+    check_names: _as("`main` is called that here: the top class of the base"),
+}
+MADE: dict[Function | None, Words] = {
+    replicates: Causes._unrolled,
+    body_reduction: Causes._reduced,
+    inertia: Causes._inertia,
+    submodel_options: _ADOPTED,
+    agreement: Causes._agreement_made,
+    defaults: Causes._defaults_made,
+    bodies: Causes._bodies_made,
+    compiler: Causes._compiler_made,
+    keyframes: Causes._keyframes_made,
+    sections: _as("contains elements of the parts"),
+}
+VALUES: dict[Function | None, Words] = {
+    agreement: Causes._agreement,
+    bodies: Causes._bodies_value,
+    compiler: Causes._compiler_value,
+    defaults: Causes._defaults_value,
+}
+GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia, roots: Causes._weld}
+
+
+def rewrites(cause: Cause) -> bool:
+    """Return whether a cause only rewrites a value or renames it. If so, the value keeps its origin."""
+    row = row_of(cause.done)
+    return (
+        row.rewrites if row is not None else cause.function in (add_file, collect, check_names, share_in_copies, dedup)
+    )
+
+
+_INERTIA = "diaginertia"
+
+
+def is_derived(node: Node, name: str) -> bool:
+    """Return whether recipes have this attribute for the element and MJCF does not write it there."""
+    return name in derived_names(kind_of(node))
+
+
+def derived_names(kind: ElementType) -> tuple[str, ...]:
+    """Return the attributes that `edit`, `randomize` and `check: equal` accept beyond those in the grammar."""
+    if kind.path == "body":
+        return (MASS, _INERTIA)
+    if kind.family != "actuator":
+        return ()
+    return tuple(name for name in compared(kind.family) if name not in kind.attributes)
+
+
+def givers(node: Node, name: str, classes: Classes) -> list[tuple[Node, str]]:
+    """Return the elements and attributes in effect that determine it."""
+    if node.tag == "body":
+        return list(_of_body(node, name, classes))
+    general = GRAMMAR.element("actuator/motor").attributes
+    return [(node, each) for each in kind_of(node).attributes if each not in general]
+
+
+def total(found: list[tuple[Node, str]], name: str, values: list[str | None]) -> str | None:
+    """Return the value if the elements write it, or None if MuJoCo computes it."""
+    if not found and name == MASS:
+        return "0"
+    if len(found) == 1 and found[0][1] == name and found[0][0].tag == "inertial":
+        return values[0]
+    if name != MASS or any(attribute != MASS for _, attribute in found):
+        return None
+    return numbers.text([sum(numbers.read(str(value))[0] for value in values)])
+
+
+def _of_body(body: Node, name: str, classes: Classes) -> Iterator[tuple[Node, str]]:
+    rule = read_settings(body.getroottree().getroot()).inertiafromgeom
+    geoms = [geom for geom in own(body, "geom") if has_mass(geom, classes)]
+    inertials = own(body, "inertial")
+    if inertials and not (rule == "true" and geoms):
+        written = next((each for each in (name, "fullinertia") if inertials[-1].get(each)), name)
+        yield inertials[-1], MASS if name == MASS else written
+        return
+    if rule != "false":
+        for geom in geoms:
+            mass = classes.effective(geom, childclass_of(geom), MASS)
+            yield geom, "density" if mass is None else MASS
