@@ -149,6 +149,7 @@ schemas: $(STAMP)
 	@$(BIN)/python -m mjcompose.language.reference_page docs/reference/keys
 	@$(BIN)/python .ci/rule_index.py docs/rules
 	@$(BIN)/python .ci/element_stub.py
+	@$(BIN)/python .ci/model_types.py
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python .ci/datasheet_table.py docs/how-to/actuators.md
 	@$(BIN)/python -m mjcompose.language.reference_page > build/key_order.json && mv build/key_order.json composer/mjcompose/text/

@@ -6,17 +6,20 @@ import math
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.contrast.changes import Change, Contrast, Count, Move, Value
 from mjcompose.mujoco import compare
 from mjcompose.mujoco.addresses import VECTORS, span
 from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, NameTable, holder
 from mjcompose.mujoco.compare import Keys, Roots, key_differences
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, unequal_references, values
 from mjcompose.mujoco.references import Array, links
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _TARGETS = 3
 
@@ -31,7 +34,7 @@ def named(roster: NameTable, kind: str, index: int) -> str:
     return f"{name} ({described})" if described else name
 
 
-def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
+def counts(a: MjModel, b: MjModel, tolerance: float) -> Iterator[Count]:
     """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
     for name in ("nq", "nv", "nu", "na", "nmocap", "nsensordata"):
         if getattr(a, name) != getattr(b, name):
@@ -64,7 +67,7 @@ _SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": 
 _FLAGS = {"disableflags": ("mjtDisableBit", "mjDSBL_", True), "enableflags": ("mjtEnableBit", "mjENBL_", False)}
 
 
-def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
+def setting_changes(mujoco: Any, a: MjModel, b: MjModel, tolerance: float) -> Iterator[Change]:
     """Yield changes of settings, flags one by one, with words instead of numbers."""
     for difference in compare.option_differences(a, b):
         if difference.name in _FLAGS:
@@ -221,7 +224,7 @@ class Values:
         return [pair for pair in pairs if not close(pair[1], pair[2], self.tolerance)]
 
 
-def _servo(model: Model, index: int) -> dict[str, float] | None:
+def _servo(model: MjModel, index: int) -> dict[str, float] | None:
     """Return the gains of a motor or servo without other parameters, which describe it completely."""
     gain = model.actuator_gainprm[index]
     bias = model.actuator_biasprm[index]
@@ -329,7 +332,7 @@ def _by_look(kind: str, names: list[str], roster: NameTable, renamed: Mapping[st
     return found
 
 
-def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+def contrast(mujoco: Any, a: MjModel, b: MjModel, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a `Contrast` as JSON data; runs under `mjcompose.mujoco.engine.call`. ``given`` has the ``tolerance``.
 
     It may also have ``names``, which maps A's names to B's by kind if that is known. Then unnamed elements may be in a
@@ -477,13 +480,13 @@ def looks(mujoco: Any, *models_and_none: Any) -> list[dict[str, list[int]]]:
     ]
 
 
-def _sensed(mujoco: Any, model: Model, kind: str) -> set[int]:
+def _sensed(mujoco: Any, model: MjModel, kind: str) -> set[int]:
     ends = ((model.sensor_objtype, model.sensor_objid), (model.sensor_reftype, model.sensor_refid))
     wanted = int(getattr(mujoco.mjtObj, f"mjOBJ_{kind}"))
     return {int(each) for types, ids in ends for each in ids[types == wanted]}
 
 
-def _seen_only(mujoco: Any, model: Model) -> set[int]:
+def _seen_only(mujoco: Any, model: MjModel) -> set[int]:
     if (model.sensor_type == int(mujoco.mjtSensor.mjSENS_RANGEFINDER)).any():
         return set()
     wraps = [int(getattr(mujoco.mjtWrap, f"mjWRAP_{each}")) for each in ("SPHERE", "CYLINDER")]
@@ -494,7 +497,7 @@ def _seen_only(mujoco: Any, model: Model) -> set[int]:
     return {int(each) for each in free.nonzero()[0]} - used
 
 
-def _meshes(mujoco: Any, model: Model, seen_only: set[int]) -> list[int]:
+def _meshes(mujoco: Any, model: MjModel, seen_only: set[int]) -> list[int]:
     types = [int(getattr(mujoco.mjtGeom, f"mjGEOM_{each}")) for each in ("MESH", "SDF")]
     used = {int(model.geom_dataid[at]) for at in {*range(model.ngeom)} - seen_only if int(model.geom_type[at]) in types}
     return sorted({*range(model.nmesh)} - used)

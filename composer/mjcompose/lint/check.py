@@ -138,7 +138,7 @@ class JointUnactuated(Rule):
         return listed(lines, f"{len(joints)} joints moved", f"{len(joints) - len(without)}")
 
 
-def _moved(mujoco: Any, model: Any) -> set[int]:
+def _moved(mujoco: Any, model: MjModel) -> set[int]:
     """Return the joints that an actuator moves in the reference configuration, directly or through an equality."""
     import numpy as np
 
@@ -293,6 +293,8 @@ def _globs(kinds: tuple[str, ...]) -> Any:
 
 _EXCEPTED: Table[Any] = Table("rules", {word: _globs(rule.kinds) for word, rule in RULES.items()}, "RULE")
 if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
+
     _Word: TypeAlias = str
     _WithoutSettings: TypeAlias = str
 else:

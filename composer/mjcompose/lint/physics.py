@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mjcompose.base.files import URDF_FILES
 from mjcompose.lint.rule import Finding, Found, Subject, rule
@@ -14,6 +14,7 @@ from mjcompose.tree.values import parse_real
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
+    from mjcompose.mujoco.model_types import MjData
     from mjcompose.mujoco.servos import Servos
     from mjcompose.mujoco.solids import Shapes
 
@@ -271,7 +272,7 @@ def motor_too_weak(subject: Subject) -> Found:
     yield from seen.values()
 
 
-def _held(subject: Subject, data: Any, servos: Servos) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
+def _held(subject: Subject, data: MjData, servos: Servos) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
     """Yield joint, degree of freedom, necessary force and limits of each joint that its actuators cannot hold."""
     model = subject.model
     floating = set(model.dof_treeid[model.jnt_dofadr[model.jnt_type < SLIDE]].tolist())

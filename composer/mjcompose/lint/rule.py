@@ -23,6 +23,7 @@ from mjcompose.tree.select import kind_of
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.attributes import NameTable
+    from mjcompose.mujoco.model_types import MjModel
     from mjcompose.mujoco.servos import Servos
     from mjcompose.mujoco.solids import Shapes
     from mjcompose.tree.unit import Unit
@@ -146,13 +147,24 @@ class Subject:
     """
 
     def __init__(
-        self, root: Node, unit: Unit | None = None, mujoco: Any = None, model: Any = None, is_part: bool = True
+        self,
+        root: Node,
+        unit: Unit | None = None,
+        mujoco: Any = None,
+        model: MjModel | None = None,
+        is_part: bool = True,
     ) -> None:
         self.root = root
         self.unit = unit
         self.mujoco = mujoco
-        self.model = model
+        self._model = model
         self.is_part = is_part
+
+    @property
+    def model(self) -> MjModel:
+        """The compiled model, which only rules in the child process have."""
+        assert self._model is not None
+        return self._model
 
     @cached_property
     def classes(self) -> Classes:
@@ -275,7 +287,7 @@ def found(subject: Subject, selected: Iterable[Rule]) -> Iterator[tuple[Rule, Fi
     yield from ((each, finding) for each in selected for finding in each.run(subject))
 
 
-def subject_of(text: str, mujoco: Any, model: Any, is_part: bool = False) -> Subject:
+def subject_of(text: str, mujoco: Any, model: MjModel, is_part: bool = False) -> Subject:
     """Return a compiled model with the text that it was compiled from."""
     from lxml import etree
 
@@ -283,7 +295,7 @@ def subject_of(text: str, mujoco: Any, model: Any, is_part: bool = False) -> Sub
     return Subject(etree.fromstring(text.encode(), parser), mujoco=mujoco, model=model, is_part=is_part)
 
 
-def in_child(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> list[list[Any]]:
+def in_child(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> list[list[Any]]:
     """Return the findings of the rules `codes` on `text` and its model as lists; runs under `mujoco.engine.call`."""
     subject = subject_of(asked["text"], mujoco, model, is_part=asked["is_part"])
     places = {element: at for at, element in enumerate(subject.root.iter("*"))}

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, partial
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,11 @@ from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from mjcompose.mujoco.addresses import RUNS, Run
-from mjcompose.mujoco.attributes import KINDS, Model
+from mjcompose.mujoco.attributes import KINDS
 from mjcompose.tree.values import shorten
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 # A short name belongs to the first array: `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}
@@ -103,17 +106,17 @@ def number_columns(columns: Any, known: Sequence[str]) -> Any:
     return columns
 
 
-Release = Callable[[Model, str, NDArray[np.intp]], None]
+Release: TypeAlias = "Callable[[MjModel, str, NDArray[np.intp]], None]"
 
 # mjtSameFrame: geoms and sites that have the place or the turn of their body's inertia.
 _WITH_INERTIA = (2, 4)
 
 
-def _of_frame(model: Model, array: str, rows: NDArray[np.intp]) -> None:
+def _of_frame(model: MjModel, array: str, rows: NDArray[np.intp]) -> None:
     getattr(model, f"{array.partition('_')[0]}_sameframe")[rows] = 0
 
 
-def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
+def _of_inertia(model: MjModel, array: str, rows: NDArray[np.intp]) -> None:
     """Clear the marks of bodies whose inertia poses are written, and of the geoms and sites that share these frames.
 
     These geoms and sites keep their poses. Raises `MjcfError` for a simple body.
@@ -143,10 +146,10 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
 
     __slots__ = ("array", "model")
     array: str
-    model: Model
+    model: MjModel
 
     @classmethod
-    def of(cls, view: NDArray[Any], model: Model, array: str) -> Posed:
+    def of(cls, view: NDArray[Any], model: MjModel, array: str) -> Posed:
         posed = view.view(cls)
         posed.model = model
         posed.array = array
@@ -217,7 +220,7 @@ class Binding:
     __slots__ = ("__dict__", "_data", "_homes", "_ids", "_kind", "_labels", "_model", "_one")
 
     def __init__(
-        self, kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, model: Model, data: Data
+        self, kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, model: MjModel, data: Data
     ) -> None:
         """For internal use. To get a binding, call `Physics.bind`."""
         values: tuple[object, ...] = (kind, ids, labels, one, model, data, {})

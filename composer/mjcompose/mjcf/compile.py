@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, replace
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 from lxml import etree
@@ -19,13 +19,16 @@ from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
 from mjcompose.mjcf.model import Model, Target
-from mjcompose.mujoco.attributes import Model as MjModel, NameTable, all_names
+from mjcompose.mujoco.attributes import NameTable, all_names
 from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.mesh_cost import check_meshes
 from mjcompose.tree.unit import Unit, element_at
 from mjcompose.tree.xml_text import to_text as xml_text, write
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _Number = TypeVar("_Number", bound=np.generic)
 
@@ -185,12 +188,13 @@ def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = N
     """Compile MJCF text with MuJoCo. If the text comes from `flat`, report MuJoCo's errors at its elements."""
     mujoco = engine()
     try:
-        return mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
+        model: MjModel = mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
     except (ValueError, mujoco.FatalError) as error:
         raise compile_error(error, text, flat) from None
+    return model
 
 
-def engine() -> MjModel:
+def engine() -> Any:
     """Return the module `mujoco`. Raises `MjcfError` if it is not installed."""
     try:
         import mujoco

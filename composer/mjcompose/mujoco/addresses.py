@@ -9,14 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import ARRAYS, FREE, JOINT_TYPES, about
-from mjcompose.mujoco.attributes import KIND_OF, Model
+from mjcompose.mujoco.attributes import KIND_OF
 from mjcompose.mujoco.references import WRAPS_A_GEOM, Array, twists
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _CORNERS = {1: 2, 2: 3, 3: 4}
 _EDGES = {1: 1, 2: 3, 3: 6}
@@ -34,12 +37,12 @@ class Run(Struct):
     """
 
     first: str
-    number: Callable[[Model, int], int]
+    number: Callable[[MjModel, int], int]
     as_row: bool = False
     required: str | None = None
-    shape: Callable[[Model, int], Shape] | None = None
+    shape: Callable[[MjModel, int], Shape] | None = None
 
-    def rows(self, model: Model, index: int) -> range:
+    def rows(self, model: MjModel, index: int) -> range:
         """Return the rows of one element, or an empty range."""
         firsts = getattr(model, self.first, None)
         if firsts is None:  # MuJoCo 3 does not count controls and outputs: an actuator has one of each
@@ -48,23 +51,23 @@ class Run(Struct):
         return range(first, first + self.number(model, index)) if first >= 0 else range(0)
 
 
-def counted(array: str) -> Callable[[Model, int], int]:
+def counted(array: str) -> Callable[[MjModel, int], int]:
     """Return a function for the number of rows that an array of counts gives to each element."""
     return lambda model, index: int(getattr(model, array)[index])
 
 
-def _grid(*arrays: str) -> Callable[[Model, int], Shape]:
+def _grid(*arrays: str) -> Callable[[MjModel, int], Shape]:
     return lambda model, index: tuple(int(getattr(model, array)[index]) for array in arrays)
 
 
-def _cells(*arrays: str) -> Callable[[Model, int], int]:
+def _cells(*arrays: str) -> Callable[[MjModel, int], int]:
     return lambda model, index: math.prod(_grid(*arrays)(model, index))
 
 
-def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
+def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[MjModel, int], int]:
     """Return a function for the size of packed data without a count: up to the next address, or the end."""
 
-    def number(model: Model, index: int) -> int:
+    def number(model: MjModel, index: int) -> int:
         first = int(getattr(model, own)[index])
         starts = [int(each) for array in addresses for each in getattr(model, array)]
         return min([each for each in starts if each > first], default=int(getattr(model, size))) - first
@@ -76,7 +79,7 @@ def _plastic(own: str) -> Run:
     return Run(own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"))
 
 
-def _of_elements(numbers: Mapping[int, int]) -> Callable[[Model, int], int]:
+def _of_elements(numbers: Mapping[int, int]) -> Callable[[MjModel, int], int]:
     return lambda model, index: int(model.flex_elemnum[index]) * numbers[int(model.flex_dim[index])]
 
 
@@ -137,13 +140,13 @@ VECTORS: Mapping[str, tuple[str, str]] = {
 """The vectors of `mjData` that users address: the kind of their elements, and their length in `mjModel`."""
 
 
-def span(model: Model, vector: str, index: int) -> range:
+def span(model: MjModel, vector: str, index: int) -> range:
     """Return the addresses of an element in a vector of its kind; empty if it has none."""
     kind, size = VECTORS[vector]
     return RUNS[kind][size].rows(model, index)
 
 
-def rows_of(model: Model, kind: str, array: str, index: int) -> range:
+def rows_of(model: MjModel, kind: str, array: str, index: int) -> range:
     """Return the rows of an element in an array of `mjModel` named after its kind or state.
 
     Most arrays have one row for each element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_`
@@ -184,7 +187,7 @@ def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
     return tuple(found)
 
 
-def runs(model: Model, kind: str, index: int) -> Iterator[tuple[str, Array]]:
+def runs(model: MjModel, kind: str, index: int) -> Iterator[tuple[str, Array]]:
     """Yield the data of one element by array, (n,) or (n, width), in a fixed order; `links` has its references."""
     if kind == "joint" and int(model.jnt_type[index]) == FREE:
         return  # its numbers are the pose of its body
@@ -202,7 +205,7 @@ def runs(model: Model, kind: str, index: int) -> Iterator[tuple[str, Array]]:
         yield name, _without_references(model, index, name, numbers=numbers[rows.start : rows.stop])
 
 
-def _without_references(model: Model, index: int, name: str, numbers: Array) -> Array:
+def _without_references(model: MjModel, index: int, name: str, numbers: Array) -> Array:
     """Return the data with 0 instead of each id, because `links` has the ids."""
     ids: Any = ()
     if name == "wrap_prm":

@@ -9,12 +9,14 @@ import ctypes
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import ENUMS, with_trait
 
-Model: TypeAlias = Any
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
+
 """A compiled ``mujoco.MjModel``; untyped, because only ``mjcompose.mujoco`` may import MuJoCo."""
 
 
@@ -71,12 +73,12 @@ HOLDERS: dict[str, str] = {"body": "body_parentid", **ON_BODIES}
 """The same with bodies themselves, which are on their parents."""
 
 
-def holder(model: Model, kind: str, index: int) -> int:
+def holder(model: MjModel, kind: str, index: int) -> int:
     """Return the body of an element of one of the `HOLDERS`; the body of the world is the world."""
     return int(getattr(model, HOLDERS[kind])[index])
 
 
-def names(model: Model, kind: str) -> list[str]:
+def names(model: MjModel, kind: str) -> list[str]:
     """Return the names of a kind's elements by id, with `""` for unnamed elements; invalid UTF-8 is replaced."""
     starts = getattr(model, KINDS[kind].addresses)
     count = len(starts)
@@ -86,7 +88,7 @@ def names(model: Model, kind: str) -> list[str]:
     return text.decode("utf-8", "replace").split("\0", count)[:count]
 
 
-def all_names(model: Model) -> dict[str, list[str]]:
+def all_names(model: MjModel) -> dict[str, list[str]]:
     """Return the names of all elements by kind."""
     return {kind: names(model, kind) for kind in KINDS}
 
@@ -94,7 +96,7 @@ def all_names(model: Model) -> dict[str, list[str]]:
 class NameTable:
     """The names of a model's elements, by kind and in the order of their ids; unnamed elements are ``""``."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: MjModel) -> None:
         self.model = model
         self.kept: dict[Hashable, Any] = {}  # values that others derive from these names
         self.names: dict[str, list[str]] = {}
@@ -119,7 +121,7 @@ class NameTable:
 
 
 @lru_cache(maxsize=2)
-def name_table(model: Model) -> NameTable:
+def name_table(model: MjModel) -> NameTable:
     """Return the names of a compiled model. Each part of a composition needs the names of the whole."""
     return NameTable(model)
 
@@ -279,14 +281,14 @@ def save_digits(mujoco: Any, count: int = 17) -> None:
     raise ValueError("this version of MuJoCo saves rounded numbers only")
 
 
-def sizes(model: Any) -> dict[str, int]:
+def sizes(model: MjModel) -> dict[str, int]:
     """Return all integer sizes of the model; `nactuator` falls back to `nu`, which is the same in older versions."""
     values = {name: getattr(model, name) for name in dir(model) if name.startswith("n")}
     found = {name: value for name, value in values.items() if isinstance(value, int)}
     return {**found, "nactuator": found.get("nactuator", found["nu"])}
 
 
-def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
+def arrays(wanted: list[str], model: MjModel, data: MjData | None) -> dict[str, Any]:
     """Return the requested arrays that this version has; a size is an array with one number, a text its bytes."""
     import numpy
 
@@ -304,7 +306,7 @@ def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
 _PLACES = ("qpos", "mocap_pos", "mocap_quat")
 
 
-def place(mujoco: Any, model: Any, data: Any) -> None:
+def place(mujoco: Any, model: MjModel, data: MjData) -> None:
     """Compute positions, and contacts if memory allows: 10,000 bodies need 200 MB, but MuJoCo 4.0 reserves 16 MB."""
     try:
         mujoco.mj_forward(model, data)

@@ -23,7 +23,10 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 LOG_FILE = "MUJOCO_LOG.TXT"
 _LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
@@ -115,7 +118,7 @@ def _spec(request: dict[str, Any], mujoco: Any) -> Any:
     return mujoco.MjSpec.from_file(str(path))
 
 
-def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:
+def _described(request: dict[str, Any], mujoco: Any, model: MjModel) -> dict[str, Any]:
     from mjcompose.mujoco import attributes
     from mjcompose.mujoco.index import index
 
@@ -167,7 +170,7 @@ def _computing(seconds: float) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def _forward(model: Any, mujoco: Any, seconds: float) -> tuple[Any, str | None]:
+def _forward(model: MjModel, mujoco: Any, seconds: float) -> tuple[Any, str | None]:
     """Run mj_forward at the reference configuration; return the data, and the error if there is one."""
     import numpy
 

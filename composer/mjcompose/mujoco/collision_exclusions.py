@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.addresses import Run, counted
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 ADJACENT = "adjacent"
 TOUCHING = "touching"
@@ -28,7 +31,7 @@ _geoms, _joints = (Run(f"body_{of}adr", counted(f"body_{of}num")).rows for of in
 Pair = tuple[int, int]
 
 
-def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any]]:
+def touching(mujoco: Any, model: MjModel, prefixes: list[str]) -> list[dict[str, Any]]:
     """Return the pairs of bodies of different parts that touch or overlap; runs under `mjcompose.mujoco.engine.call`.
 
     This checks the reference configuration and all keys. `prefixes` are the prefixes of the parts. Freely floating
@@ -46,23 +49,23 @@ def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any
     return list(found.values())
 
 
-def _part(model: Any, body: int, prefixes: list[str]) -> str:
+def _part(model: MjModel, body: int, prefixes: list[str]) -> str:
     name = _named(model, body)
     return max((each for each in prefixes if name.startswith(each)), key=len, default="")
 
 
-def _floats(mujoco: Any, model: Any, pair: Pair) -> bool:
+def _floats(mujoco: Any, model: MjModel, pair: Pair) -> bool:
     """Return whether only a free joint connects the two bodies."""
     roots = {int(model.body_rootid[body]) for body in pair}
     return len(roots) == 2 and any(_is_free(mujoco, model, root) for root in roots)
 
 
-def _let_collide(mujoco: Any, model: Any) -> None:
+def _let_collide(mujoco: Any, model: MjModel) -> None:
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     model.opt.disableflags &= ~off
 
 
-def _keys(mujoco: Any, model: Any) -> Iterator[tuple[str, Any]]:
+def _keys(mujoco: Any, model: MjModel) -> Iterator[tuple[str, Any]]:
     for key in range(-1, model.nkey):
         data = mujoco.MjData(model)
         if key >= 0:
@@ -70,18 +73,18 @@ def _keys(mujoco: Any, model: Any) -> Iterator[tuple[str, Any]]:
         yield "the reference configuration" if key < 0 else f"the key `{model.key(key).name}`", data
 
 
-def _in_words(model: Any, pair: Pair) -> dict[str, Any]:
+def _in_words(model: MjModel, pair: Pair) -> dict[str, Any]:
     names = [model.body(body).name for body in pair]
     rows = zip(names, pair, strict=True)
     called = [f"`{name}`" if name else f"a body in `{_named(model, body)}`" for name, body in rows]
     return {"bodies": names, "called": called}
 
 
-def _named(model: Any, body: int) -> str:
+def _named(model: MjModel, body: int) -> str:
     return str(model.body(next((each for each in _chain(model, body) if model.body(each).name), 0)).name)
 
 
-def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> dict[str, Any]:
+def needless(mujoco: Any, model: MjModel, asked: dict[str, int]) -> dict[str, Any]:
     """Return the pairs of bodies that MuJoCo checks unnecessarily; runs under `mjcompose.mujoco.engine.call`.
 
     A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
@@ -128,7 +131,7 @@ class Branches:
     Every body adds its own values to its parent's sum, so the sum of a branch is a difference.
     """
 
-    def __init__(self, mujoco: Any, model: Any) -> None:
+    def __init__(self, mujoco: Any, model: MjModel) -> None:
         self.model = model
         self.carriers = _carriers(model.body_parentid)
         joints = mujoco.mjtJoint
@@ -230,14 +233,14 @@ def _carriers(parents: np.ndarray) -> np.ndarray:
     return carriers
 
 
-def _up_to(model: Any, body: int, carrier: int) -> Iterator[int]:
+def _up_to(model: MjModel, body: int, carrier: int) -> Iterator[int]:
     """Yield a body and the bodies that carry it, up to `carrier`, which is left out."""
     while body != carrier:
         yield body
         body = int(model.body_parentid[body])
 
 
-def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
+def _checked(mujoco: Any, model: MjModel) -> Iterator[Pair]:
     """The pairs of bodies, without the world, whose geoms MuJoCo checks after the filters of `mj_collision`."""
     types = {
         body: [(int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])) for geom in _geoms(model, body)]
@@ -262,7 +265,7 @@ def _checked(mujoco: Any, model: Any) -> Iterator[Pair]:
                 yield one, other
 
 
-def _touched(mujoco: Any, model: Any, data: Any, explicit: Collection[frozenset[int]] = ()) -> dict[Pair, None]:
+def _touched(mujoco: Any, model: MjModel, data: MjData, explicit: Collection[frozenset[int]] = ()) -> dict[Pair, None]:
     """Return the pairs of bodies that touch, except by two geoms that are an `explicit` pair."""
     # Without the constraints of `mj_fwdPosition`: many contacts at once would exceed MuJoCo's memory for them.
     for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_flex, mujoco.mj_collision):
@@ -276,7 +279,7 @@ def _touched(mujoco: Any, model: Any, data: Any, explicit: Collection[frozenset[
     return found
 
 
-def _moved(mujoco: Any, model: Any) -> set[int]:
+def _moved(mujoco: Any, model: MjModel) -> set[int]:
     """Return the joints that actuators move, themselves or through equalities."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
@@ -304,7 +307,7 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
     return moved
 
 
-def _between(model: Any, pair: Pair) -> Iterator[int]:
+def _between(model: MjModel, pair: Pair) -> Iterator[int]:
     """Yield the joints that move one of two bodies against the other."""
     one, other = (set(_chain(model, body)) for body in pair)
     return (joint for body in sorted(one ^ other) for joint in _joints(model, body))
@@ -316,7 +319,7 @@ class _Search:
     `unsearched` has the pairs for which there were no poses left.
     """
 
-    def __init__(self, mujoco: Any, model: Any, seed: int, branches: Branches) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, seed: int, branches: Branches) -> None:
         self.mujoco = mujoco
         self.model = model
         self.branches = branches
@@ -410,22 +413,22 @@ class _Search:
         return [(a, b) for a, b in every if types[a] & affinities[b] or types[b] & affinities[a]]
 
 
-def _ends(model: Any, joint: int) -> tuple[float, float]:
+def _ends(model: MjModel, joint: int) -> tuple[float, float]:
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-np.pi, np.pi)
     return float(low), float(high)
 
 
-def _is_free(mujoco: Any, model: Any, body: int) -> bool:
+def _is_free(mujoco: Any, model: MjModel, body: int) -> bool:
     return any(int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body))
 
 
-def _chain(model: Any, body: int) -> Iterator[int]:
+def _chain(model: MjModel, body: int) -> Iterator[int]:
     while body:
         yield body
         body = int(model.body_parentid[body])
 
 
-def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
+def _poses(mujoco: Any, model: MjModel, count: int, seed: int) -> Iterator[Any]:
     random = np.random.Generator(np.random.PCG64(seed))
     data = mujoco.MjData(model)
     kinds = mujoco.mjtJoint

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from collections.abc import Collection, Iterator
 from enum import StrEnum
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,12 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose, rotate
 from mjcompose.mujoco.addresses import RUNS, runs, span
 from mjcompose.mujoco.arrays import FREE, ROUNDING, Treatment, with_trait
-from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Value
 from mjcompose.mujoco.references import DOF, Array, arrays, same_width, unequal
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Pairs = list[tuple[int, int]]
 """The ids of elements in both models."""
@@ -166,7 +169,7 @@ _OF_THE_PLACE = with_trait("path") | {"paths", "npaths", "nbuffer"}
 """File paths at compilation, and the memory for them, which are not part of the model itself."""
 
 
-def unequal_attributes(a: Model, b: Model) -> Iterator[tuple[str, Any, Any]]:
+def unequal_attributes(a: MjModel, b: MjModel) -> Iterator[tuple[str, Any, Any]]:
     """Yield the attributes of `mjModel` that differ, including `opt.timestep` and the like, with both values.
 
     NaN equals NaN. Both models must come from the same MuJoCo: an attribute that only the first model has counts as
@@ -190,7 +193,7 @@ def _unequal(prefix: str, mine: Any, theirs: Any) -> Iterator[tuple[str, Any, An
                 yield prefix + name, value, other
 
 
-def option_differences(alone: Model, composed: Model) -> list[Difference]:
+def option_differences(alone: MjModel, composed: MjModel) -> list[Difference]:
     """Return the settings of `opt` and `vis` that differ. They do not change a part, but its author wrote them."""
     found = _settings("option", alone.opt, composed.opt)
     for group in _VISUAL:
@@ -198,7 +201,7 @@ def option_differences(alone: Model, composed: Model) -> list[Difference]:
     return found
 
 
-def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
+def statistic_differences(alone: MjModel, composed: MjModel) -> list[Difference]:
     """Return the numbers of `stat` that differ, written or computed."""
     return _settings("statistic", alone.stat, composed.stat)
 
@@ -365,16 +368,16 @@ def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pos
         yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
 
 
-def _entry(model: Model, vector: str, key: int, index: int) -> Array:
+def _entry(model: MjModel, vector: str, key: int, index: int) -> Array:
     return _cut(model, vector, key, rows=span(model, vector, index))
 
 
-def _cut(model: Model, vector: str, key: int, rows: range) -> Array:
+def _cut(model: MjModel, vector: str, key: int, rows: range) -> Array:
     numbers: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
     return numbers
 
 
-def _mocap(model: Model, key: int, body: int) -> Array:
+def _mocap(model: MjModel, key: int, body: int) -> Array:
     at = int(model.body_mocapid[body])
     pos = model.key_mpos[key, 3 * at : 3 * at + 3]
     quat = model.key_mquat[key, 4 * at : 4 * at + 4]
@@ -407,7 +410,7 @@ def _moved(state: Array, other: Array, transform: Pose) -> tuple[Array, Array]:
 _MOCAP = {"mpos": 3, "mquat": 4}
 
 
-def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]:
+def key_rows(mujoco: Any, whole: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
     """Compile bare models, and describe them and the keys of the whole model.
 
     `asked` has the texts of the bare models (the last one is for the whole model), the first letter of the names that
@@ -443,7 +446,7 @@ def key_rows(mujoco: Any, whole: Model, asked: dict[str, Any]) -> dict[str, Any]
     return {"bare": bare, "keys": described["keys"], "reference": reference, "held": held}
 
 
-def _described(model: Model) -> dict[str, Any]:
+def _described(model: MjModel) -> dict[str, Any]:
     """Return the holders of numbers by vector, as name, name of the body, number on the body and rows; and the keys."""
     names = NameTable(model).names
     joints = [
@@ -462,7 +465,7 @@ def _described(model: Model) -> dict[str, Any]:
     return {"holders": holders, "keys": keys}
 
 
-def _mocaps(model: Model) -> list[int]:
+def _mocaps(model: MjModel) -> list[int]:
     return [int(at) for at in np.argsort(model.body_mocapid, kind="stable") if model.body_mocapid[at] >= 0]
 
 

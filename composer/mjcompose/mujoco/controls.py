@@ -13,14 +13,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.addresses import RUNS, rows_of, span
 from mjcompose.mujoco.arrays import ANGLE, JOINT_TYPES, LENGTH
-from mjcompose.mujoco.attributes import Model, names
+from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 FIXED = 0
 NO_BIAS = 0
@@ -35,12 +38,12 @@ GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
 """By tag and attribute: the arrays that store it, with column and sign."""
 
 
-def is_by_plugin(model: Model, actuator: int) -> bool:
+def is_by_plugin(model: MjModel, actuator: int) -> bool:
     """Return whether a plugin computes the force. MuJoCo 4.0 then stores the gain 1 and no bias."""
     return len(model.actuator_plugin) > 0 and int(model.actuator_plugin[actuator]) >= 0
 
 
-def servo(model: Model, actuator: int) -> dict[str, float] | None:
+def servo(model: MjModel, actuator: int) -> dict[str, float] | None:
     """Return the gains by name: `gain` of a motor, `kp` and `kv` of a position servo, `kv` of a velocity servo.
 
     Return None for any other actuator. `kp` is in N/m or N·m/rad, `kv` in N·s/m or N·m·s/rad if the gear is 1.
@@ -114,7 +117,7 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
     return FORCES[about] if form is None else form.format(about)
 
 
-def of_transmission(model: Model, row: int) -> str | None:
+def of_transmission(model: MjModel, row: int) -> str | None:
     """Return the unit of an actuator's length: its coordinate's, unless a gear scales it."""
     kind = int(model.actuator_trntype[row])
     target = int(model.actuator_trnid[row, 0])
@@ -126,7 +129,7 @@ def of_transmission(model: Model, row: int) -> str | None:
     return LENGTH if kind == ON_TENDON else None
 
 
-def of_control(model: Model, mujoco: Any, row: int) -> str | None:
+def of_control(model: MjModel, mujoco: Any, row: int) -> str | None:
     """Return the unit of an actuator's only control: a position or velocity of a servo, a force, an activation."""
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
@@ -147,7 +150,7 @@ _MOST = 10**9
 _WARNINGS = (("QPOS", "qpos", "position"), ("QVEL", "qvel", "velocity"), ("QACC", "qvel", "acceleration"))
 
 
-def steps_in(model: Model, seconds: float) -> int:
+def steps_in(model: MjModel, seconds: float) -> int:
     """Return the number of steps for a time: at least one, and at most `_MOST`."""
     timestep = float(model.opt.timestep)
     return max(1, round(seconds / timestep)) if timestep * _MOST > seconds else _MOST
@@ -156,7 +159,7 @@ def steps_in(model: Model, seconds: float) -> int:
 class Divergence:
     """Reads the warnings that MuJoCo has counted since the simulation began."""
 
-    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData) -> None:
         self.model = model
         kinds = mujoco.mjtWarning
         self._warnings = {row: data.warning[int(getattr(kinds, f"mjWARN_BAD{row[0]}"))] for row in _WARNINGS}
@@ -174,7 +177,9 @@ class Divergence:
         return f"NaN or a huge {word} in {where}"
 
 
-def advance(mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf) -> str | None:
+def advance(
+    mujoco: Any, model: MjModel, data: MjData, end: float, begun: float = 0.0, most: float = math.inf
+) -> str | None:
     """Step until `end` s after `begun`, for at most `most` s of real time. Return the reason if it stops early."""
     if not model.opt.timestep > 0:
         return "the timestep of the model is 0, so no time passes"
@@ -197,7 +202,7 @@ _POSITION = 1  # the first bit of `actuator_ctrlspec`
 _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a voltage, or a form of rotation
 
 
-def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
+def hold(mujoco: Any, model: MjModel, question: dict[str, Any]) -> dict[str, Any]:
     """Return controls and activations that hold the pose of the key `key`; runs under `mjcompose.mujoco.engine.call`.
 
     `forces` are the addresses of the controls that balance the forces on the model there, next to the forces of all
@@ -229,7 +234,7 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
 class _Law:
     """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
 
-    def __init__(self, mujoco: Any, model: Any, data: Any, index: int) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData, index: int) -> None:
         gains = mujoco.mjtGain
         biases = mujoco.mjtBias
         dynamics = mujoco.mjtDyn
@@ -287,7 +292,7 @@ class _Law:
             act[self.states[-1]] = value
 
 
-def _rest(model: Any, data: Any, laws: list[_Law]) -> None:
+def _rest(model: MjModel, data: MjData, laws: list[_Law]) -> None:
     """Write the controls and activations into `data` at which the actuators give no force."""
     ctrl: list[float | None] = [None] * model.nu
     act: list[float | None] = [None] * model.na
@@ -299,14 +304,14 @@ def _rest(model: Any, data: Any, laws: list[_Law]) -> None:
                 now[at] = value
 
 
-def moment_arms(mujoco: Any, model: Model, data: Any) -> np.ndarray:
+def moment_arms(mujoco: Any, model: MjModel, data: MjData) -> np.ndarray:
     """Return the moment arms of the first output of each actuator (m, or 1), shape (actuators, nv)."""
     found = _moments(mujoco, model, data)
     first = getattr(model, "actuator_outadr", None)
     return found if first is None else found[first]
 
 
-def sparse_arms(model: Model, data: Any) -> list[dict[int, float]]:
+def sparse_arms(model: MjModel, data: MjData) -> list[dict[int, float]]:
     """Return the moment arms of the first output of each actuator (m, or 1) by dof, without zeros."""
     outputs = getattr(model, "actuator_outadr", None)
     rows = range(len(data.moment_rownnz)) if outputs is None else outputs.tolist()
@@ -318,7 +323,7 @@ def sparse_arms(model: Model, data: Any) -> list[dict[int, float]]:
     return [{columns[at]: values[at] for at in inside if values[at]} for inside in places]
 
 
-def _moments(mujoco: Any, model: Model, data: Any) -> np.ndarray:
+def _moments(mujoco: Any, model: MjModel, data: MjData) -> np.ndarray:
     """Return the moment arms of all outputs, shape (outputs, nv)."""
     found = np.zeros((len(data.moment_rownnz), model.nv))
     moments = data.actuator_moment.ravel()
@@ -327,7 +332,7 @@ def _moments(mujoco: Any, model: Model, data: Any) -> np.ndarray:
     return found
 
 
-def _forces_of_others(mujoco: Any, model: Any, data: Any, balancing: list[_Law]) -> np.ndarray:
+def _forces_of_others(mujoco: Any, model: MjModel, data: MjData, balancing: list[_Law]) -> np.ndarray:
     """Return the forces on all dofs of the actuators that do not balance, at the controls of `data`."""
     mujoco.mj_fwdVelocity(model, data)
     mujoco.mj_fwdActuation(model, data)
@@ -338,7 +343,7 @@ def _forces_of_others(mujoco: Any, model: Any, data: Any, balancing: list[_Law])
     return np.asarray(_moments(mujoco, model, data).T @ forces)
 
 
-def _balance(mujoco: Any, model: Any, data: Any, balancing: list[_Law], count: int) -> tuple[np.ndarray, float]:
+def _balance(mujoco: Any, model: MjModel, data: MjData, balancing: list[_Law], count: int) -> tuple[np.ndarray, float]:
     """Return the actuator forces that balance the dofs that they move, and the remaining force."""
     others = _forces_of_others(mujoco, model, data, balancing)
     mujoco.mj_inverse(model, data)

@@ -11,8 +11,11 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 _COUNTS = {
     "body": "nbody",
@@ -63,7 +66,7 @@ def main() -> None:
     json.dump(said, sys.stdout)
 
 
-def _arrays(model: Any, numpy: Any) -> Iterator[tuple[str, Any]]:
+def _arrays(model: MjModel, numpy: Any) -> Iterator[tuple[str, Any]]:
     for name in dir(model):
         if name.startswith("_") or name in ("names", "paths", "text_data", "signature"):
             continue
@@ -87,7 +90,7 @@ def _members(prefix: str, struct: Any, numpy: Any) -> Iterator[tuple[str, Any]]:
             yield prefix + "." + name, array
 
 
-def _names(model: Any, mujoco: Any) -> dict[str, Any]:
+def _names(model: MjModel, mujoco: Any) -> dict[str, Any]:
     found = {}
     for kind, counts in _COUNTS.items():
         several = counts if isinstance(counts, tuple) else (counts,)
@@ -98,7 +101,7 @@ def _names(model: Any, mujoco: Any) -> dict[str, Any]:
     return found
 
 
-def _words(model: Any, mujoco: Any) -> dict[str, Any]:
+def _words(model: MjModel, mujoco: Any) -> dict[str, Any]:
     """Flags and kinds by their names, because their numbers differ between versions."""
     found: dict[str, Any] = {"flags": {}}
     off = int(model.opt.disableflags)
@@ -122,7 +125,7 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
     return found
 
 
-def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
+def _marks(model: MjModel, mujoco: Any, saved: str) -> list[list[int] | None]:
     """The color of the random marks of each texture, or None for a texture without marks; only the text has it."""
     mujoco.mj_saveLastXML(saved, model)
     parser = ElementTree.XMLParser(encoding="utf-8")  # nosec B314  # MuJoCo wrote the text, without a document type
@@ -166,7 +169,7 @@ _LIFT = 0.05
 _MOST_STEPS = 1_000_000
 
 
-def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+def _motion(mujoco: Any, model: MjModel, asked: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     """Return the arrays of all trials, and note their names; none if the key does not exist."""
     arrays: dict[str, Any] = {}
     said["keys"] = [_name(mujoco, model, "KEY", number=n) for n in range(model.nkey)]
@@ -191,11 +194,11 @@ def _motion(mujoco: Any, model: Any, asked: dict[str, Any], said: dict[str, Any]
     return arrays
 
 
-def _name(mujoco: Any, model: Any, kind: str, number: int) -> str:
+def _name(mujoco: Any, model: MjModel, kind: str, number: int) -> str:
     return str(mujoco.mj_id2name(model, getattr(mujoco.mjtObj, "mjOBJ_" + kind).value, number) or f"#{number}")
 
 
-def _trials(mujoco: Any, model: Any, asked: dict[str, Any], keys: list[str]) -> Iterator[tuple[str, Any]]:
+def _trials(mujoco: Any, model: MjModel, asked: dict[str, Any], keys: list[str]) -> Iterator[tuple[str, Any]]:
     """Yield each trial with its start: settle from the reference, hold a key, a step of all controls, or a drop."""
     start = keys.index(asked["key"]) if asked["key"] in keys else 0
     flags = int(model.opt.disableflags)
@@ -221,7 +224,7 @@ def _trials(mujoco: Any, model: Any, asked: dict[str, Any], keys: list[str]) -> 
         model.opt.disableflags = flags
 
 
-def _frames(mujoco: Any, model: Any, data: Any, seconds: float) -> Iterator[int]:
+def _frames(mujoco: Any, model: MjModel, data: MjData, seconds: float) -> Iterator[int]:
     steps = min(max(1, round(seconds / model.opt.timestep)), _MOST_STEPS)
     mujoco.mj_kinematics(model, data)
     for frame in range(_FRAMES):

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mjcompose.mujoco.attributes import Model, names
+from mjcompose.mujoco.attributes import names
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 LEAST_CONDIM = (1, 4, 6)
 """By number of `friction`: the least `condim` of a contact that uses it."""
 
 
-def thresholds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[list[list[dict[str, Any]]]]:
+def thresholds(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> list[list[list[dict[str, Any]]]]:
     """Return for each geom of each entry the thresholds by partner. Runs under `mjcompose.mujoco.engine.call`.
 
     `asked` has the `entries`, each geom with its `place` and the `number` of its friction, and the places of all geoms
@@ -30,7 +33,7 @@ def thresholds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[list[li
 
 
 def _of_geom(
-    mujoco: Any, model: Model, collisions: _Collisions, asked: Mapping[str, Any], drawn: set[int | None]
+    mujoco: Any, model: MjModel, collisions: _Collisions, asked: Mapping[str, Any], drawn: set[int | None]
 ) -> Iterator[dict[str, Any]]:
     geom = _id(mujoco, model, asked["place"])
     if geom is None:
@@ -56,7 +59,7 @@ def _of_geom(
         }
 
 
-def _id(mujoco: Any, model: Model, place: Sequence[Any]) -> int | None:
+def _id(mujoco: Any, model: MjModel, place: Sequence[Any]) -> int | None:
     """Return the number of a geom by its name, or by its body and its number there; None if it cannot be found."""
     name, body, number = place
     if name:
@@ -68,14 +71,14 @@ def _id(mujoco: Any, model: Model, place: Sequence[Any]) -> int | None:
     return int(model.body_geomadr[holder]) + int(number)
 
 
-def _body(model: Model, geom: int) -> str:
+def _body(model: MjModel, geom: int) -> str:
     return names(model, "body")[int(model.geom_bodyid[geom])] or "a body without a name"
 
 
 class _Collisions:
     """The pairs of geoms that MuJoCo may put into contact, without explicit pairs, whose friction is their own."""
 
-    def __init__(self, mujoco: Any, model: Model) -> None:
+    def __init__(self, mujoco: Any, model: MjModel) -> None:
         self.model = model
         self.weld = np.asarray(model.body_weldid)[model.geom_bodyid]
         parents = np.asarray(model.body_parentid)

@@ -12,7 +12,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco import controls as units
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BY_WORD, HINGE, JOINT_TYPES, LENGTH, words
-from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, holder, names
+from mjcompose.mujoco.attributes import KINDS, ON_BODIES, NameTable, holder, names
 from mjcompose.mujoco.controls import AFFINE, is_by_plugin
 from mjcompose.mujoco.references import ON_JOINTS, links
 from mjcompose.tree.classes import through_frames
@@ -21,6 +21,8 @@ from mjcompose.tree.select import WORLD_SECTION, kind_of, naming_attribute
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
+
+    from mjcompose.mujoco.model_types import MjModel
 
 
 Range: TypeAlias = tuple[float, float]
@@ -163,7 +165,7 @@ def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
-def index(model: Model, mujoco: Any) -> Index:
+def index(model: MjModel, mujoco: Any) -> Index:
     """Return the index of a compiled model. Runs in the child process, too, and imports no MuJoCo."""
     bodies = names(model, "body")
     keys = (Keyframe(name, float(time)) for name, time in zip(names(model, "key"), model.key_time, strict=True))
@@ -177,7 +179,7 @@ def index(model: Model, mujoco: Any) -> Index:
     )
 
 
-def _joints(model: Model, bodies: list[str]) -> Iterator[Joint]:
+def _joints(model: MjModel, bodies: list[str]) -> Iterator[Joint]:
     for row, name in enumerate(names(model, "joint")):
         qpos = span(model, "qpos", row)
         dofs = span(model, "qvel", row)
@@ -194,7 +196,7 @@ def _joints(model: Model, bodies: list[str]) -> Iterator[Joint]:
         )
 
 
-def _actuators(model: Model, mujoco: Any) -> Iterator[Actuator]:
+def _actuators(model: MjModel, mujoco: Any) -> Iterator[Actuator]:
     limited = model.actuator_ctrllimited
     bounds = model.actuator_ctrlrange
     for row, name in enumerate(names(model, "actuator")):
@@ -214,7 +216,7 @@ def _actuators(model: Model, mujoco: Any) -> Iterator[Actuator]:
         )
 
 
-def _stiffness(model: Model, row: int) -> float:
+def _stiffness(model: MjModel, row: int) -> float:
     """Return the stiffness that a servo gives a hinge through its gear, in N·m/rad; 0 for any other actuator."""
     target = int(model.actuator_trnid[row, 0])
     if int(model.actuator_trntype[row]) not in ON_JOINTS or int(model.jnt_type[target]) != HINGE:
@@ -229,7 +231,7 @@ def _bounds(pair: Any) -> Range:
     return float(pair[0]), float(pair[1])
 
 
-def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
+def _sensors(model: MjModel, mujoco: Any) -> Iterator[Sensor]:
     tags = words(mujoco, "sensor_type")
     for row, name in enumerate(names(model, "sensor")):
         tag = tags.get(int(model.sensor_type[row]), "unknown")
@@ -247,7 +249,7 @@ def _sensors(model: Model, mujoco: Any) -> Iterator[Sensor]:
         yield Sensor(name, tag, address, size=len(data), unit=unit, cutoff=cutoff if cutoff > 0 else None)
 
 
-def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
+def _cameras(model: MjModel, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
     for row, name in enumerate(names(model, "camera")):
         width, height = map(int, model.cam_resolution[row])
         is_flat = int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
@@ -261,7 +263,7 @@ VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 """The vectors of a keyframe."""
 
 
-def addresses(mujoco: Any, model: Model, _: object) -> dict[str, Any]:
+def addresses(mujoco: Any, model: MjModel, _: object) -> dict[str, Any]:
     """Return the index with sizes and the numbers of keyframes; runs under `mjcompose.mujoco.engine.call`."""
     keys = [
         {name: getattr(model, f"key_{name}")[row].ravel().tolist() for name in VECTORS} for row in range(model.nkey)

@@ -12,13 +12,16 @@ import re
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
 from mjcompose.mujoco.addresses import Run, counted, runs
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder, name_table
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, NameTable, holder, name_table
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
 
@@ -69,7 +72,7 @@ def distinguishes(link: Link) -> bool:
     return link.kind != "plugin" and link.world in (World.WORLD, World.KEPT) and link.field != "jnt_actuatorid"
 
 
-def raw(model: Model, kind: str, index: int) -> Hashable:
+def raw(model: MjModel, kind: str, index: int) -> Hashable:
     """Return the references of an element of the composition, comparable with the translated references of the part."""
     return _comparable(kind, ((each.kind, each.index) for each in links(model, kind, index) if distinguishes(each)))
 
@@ -78,13 +81,13 @@ def _comparable(kind: str, targets: Iterable[tuple[str, int]]) -> Hashable:
     return tuple(sorted(targets) if kind in UNORDERED else targets)
 
 
-def values(model: Model, kind: str, index: int) -> Hashable:
+def values(model: MjModel, kind: str, index: int) -> Hashable:
     """Return all values of an element, without its place and references."""
     data = tuple((name, array.tobytes()) for name, array in runs(model, kind, index) if kind != "flex")
     return row_key(model, kind, index), data
 
 
-def shape(model: Model, kind: str, index: int) -> Hashable:
+def shape(model: MjModel, kind: str, index: int) -> Hashable:
     """Return the traits of an element that rarely change: its type, or a body's joints and the number of its geoms."""
     if kind == "body":
         joints = Run("body_jntadr", counted("body_jntnum")).rows(model, index)
@@ -115,7 +118,7 @@ class Mount(Struct):
     @classmethod
     def of(
         cls,
-        composed: Model,
+        composed: MjModel,
         *,
         site: str | None = None,
         body: str | None = None,
@@ -136,7 +139,7 @@ class Mount(Struct):
         return self.body if isinstance(self.body, int) else roster.ids["body"][self.body]
 
 
-def pose_of(model: Model, kind: str, index: int) -> Pose:
+def pose_of(model: MjModel, kind: str, index: int) -> Pose:
     """Return the pose of an element in its body."""
     arrays = KINDS[kind].arrays
     x, y, z = getattr(model, f"{arrays}_pos")[index].tolist()
@@ -361,7 +364,7 @@ def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
     return on_body
 
 
-def presence_differences(matching: Correspondence, others: Sequence[tuple[str, Model]] | None) -> list[Difference]:
+def presence_differences(matching: Correspondence, others: Sequence[tuple[str, MjModel]] | None) -> list[Difference]:
     """Return missing elements and, with ``others``, extra elements. ``keyframes`` handles keys."""
     tables = [(prefix, NameTable(model)) for prefix, model in others or ()]
     found: list[Difference] = []

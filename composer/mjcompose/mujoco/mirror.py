@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE
 from mjcompose.mujoco.attributes import names
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 _NEAR = 1e-3
 """The allowed distance of a body from its mirror image, in meters; also the relative error of forces."""
@@ -217,12 +220,12 @@ class _Mirror:
         return found
 
 
-def _strain(data: Any) -> float:
+def _strain(data: MjData) -> float:
     """Return the largest violation of an equality constraint."""
     return float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0))
 
 
-def _at(model: Any, vector: str, index: int) -> slice:
+def _at(model: MjModel, vector: str, index: int) -> slice:
     found = span(model, vector, index)
     return slice(found.start, found.stop)
 

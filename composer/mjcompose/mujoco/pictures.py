@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from mjcompose.mujoco.attributes import holder, names, place
 from mjcompose.mujoco.controls import advance
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
 from mjcompose.mujoco.solids import SIGNS, box_corners
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 Link = tuple[Any, Any]
 _AROUND = 0.1  # how much of the model is around a point
@@ -25,7 +28,7 @@ _PLACES = {"site": "site_xpos", "body": "xpos", "joint": "xanchor", "geom": "geo
 _SHOWN_GROUPS = 3
 
 
-def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = None) -> Any:
+def corners(mujoco: Any, model: MjModel, data: MjData, some: Sequence[int] | None = None) -> Any:
     """Return the corners of the boxes around all drawn geoms, or only `some`; the ground counts only if it is alone."""
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)] if some is None else some
     plane = int(mujoco.mjtGeom.mjGEOM_PLANE)
@@ -46,13 +49,13 @@ def corners(mujoco: Any, model: Any, data: Any, some: Sequence[int] | None = Non
     return points[np.isfinite(points).all(axis=1)]
 
 
-def _is_drawn(model: Any, geom: int) -> bool:
+def _is_drawn(model: MjModel, geom: int) -> bool:
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
 
 
-def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
+def points_of(mujoco: Any, model: MjModel, data: MjData, kind: str, name: str) -> Any:
     """Return the points around an element, for a camera; for a body, also the points around the bodies on it."""
     at = names(model, kind).index(name)
     geoms = [at] if kind == "geom" else []
@@ -70,7 +73,7 @@ def points_of(mujoco: Any, model: Any, data: Any, kind: str, name: str) -> Any:
     return getattr(data, _PLACES[kind])[at] + reach * np.array(SIGNS)
 
 
-def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
+def explode(mujoco: Any, model: MjModel, data: MjData) -> list[Link]:
     """Move the parts (bodies with one prefix, or each body) away from the bodies below; return lines to those."""
     prefixes = [name.rpartition("/")[0] for name in names(model, "body")]
     is_whole = not any(prefixes)
@@ -116,7 +119,9 @@ def explode(mujoco: Any, model: Any, data: Any) -> list[Link]:
     return links
 
 
-def decorate(mujoco: Any, model: Any, data: Any, scene: Any, links: Iterable[Link], labels: Iterable[str]) -> None:
+def decorate(
+    mujoco: Any, model: MjModel, data: MjData, scene: Any, links: Iterable[Link], labels: Iterable[str]
+) -> None:
     """Add lines, and the names of elements of some kinds, to a scene."""
     kinds = mujoco.mjtGeom
     for start, end in links:
@@ -201,7 +206,7 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float, subjec
 
 
 @contextmanager
-def prepared(model: Any, distance: float = 0.0) -> Iterator[None]:
+def prepared(model: MjModel, distance: float = 0.0) -> Iterator[None]:
     """Make a model visible from that distance for the block, and restore it afterwards."""
     headlight = model.vis.headlight
     limits = model.vis.global_
@@ -223,13 +228,13 @@ def prepared(model: Any, distance: float = 0.0) -> Iterator[None]:
             color[:] = kept_colors[name]
 
 
-def is_lit(model: Any) -> bool:
+def is_lit(model: MjModel) -> bool:
     """Return whether a light of the model is on."""
     shining = model.light_diffuse.any(axis=1) | model.light_ambient.any(axis=1)
     return bool((model.light_active.astype(bool) & shining).any())
 
 
-def has_sky(mujoco: Any, model: Any) -> bool:
+def has_sky(mujoco: Any, model: MjModel) -> bool:
     """Return whether the model has a skybox."""
     return bool((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX).any())
 
@@ -268,7 +273,7 @@ class Look(Struct):
 class Stage:
     """A model with its data and a renderer of its own. Raises `NoOpenGL` if that is not available."""
 
-    def __init__(self, mujoco: Any, model: Any, key: str | int | None, look: Look) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, key: str | int | None, look: Look) -> None:
         self.mujoco = mujoco
         self.model = model
         self.look = look
@@ -387,7 +392,7 @@ class _StoppedError(Exception):
     """The simulation cannot continue, with the reason."""
 
 
-def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
+def draw(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Write a file, and return an empty answer or the fault. Runs under `mjcompose.mujoco.engine.call`.
 
     ``asked`` has the fields of `mjcompose.tools.view.render.Wish` and ``out``, whose suffix is `.png`,

@@ -8,12 +8,15 @@ import shutil
 import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from mjcompose.mujoco.film import png
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 _FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -66,7 +69,7 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
 
 
 def _replaced(
-    mujoco: Any, path: Path, model: Any, files: dict[str, bytes], bodies: Mapping[str, Iterable[int]], out: Path
+    mujoco: Any, path: Path, model: MjModel, files: dict[str, bytes], bodies: Mapping[str, Iterable[int]], out: Path
 ) -> Path | None:
     """Write the model with the files that do not change the physics; return None if there are none."""
     text = path.read_text(encoding="utf-8")
@@ -90,7 +93,7 @@ def _replaced(
     return None
 
 
-def _weighed(text: str, model: Any, bodies: Iterable[int]) -> str:
+def _weighed(text: str, model: MjModel, bodies: Iterable[int]) -> str:
     """Return MJCF in which these bodies have the mass and inertia that their geoms give them."""
     for body in bodies:
         values = {"pos": model.body_ipos, "quat": model.body_iquat, "diaginertia": model.body_inertia}

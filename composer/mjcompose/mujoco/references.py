@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from enum import StrEnum
 from functools import cache
-from typing import cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import Treatment, about
-from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model
+from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Array = NDArray[np.generic]
 
@@ -32,7 +35,7 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
     return {word: tuple(names) for word, names in found.items()}
 
 
-def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Treatment]]:
+def arrays(model: MjModel, kind: str) -> Iterator[tuple[str, Array, Treatment]]:
     """Yield the arrays of one kind with one row for each element (or dof), sorted by name, and their comparison.
 
     The shapes are (n,) or (n, width). An array of data whose length happens to be the number of elements is included.
@@ -46,7 +49,7 @@ def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Treatment]]:
             yield name, array, known.single if is_single else known.treatment
 
 
-def row_key(model: Model, kind: str, index: int) -> bytes:
+def row_key(model: MjModel, kind: str, index: int) -> bytes:
     """Return the plain values of one element as bytes, without its place and references."""
     return b"".join(
         array[index].tobytes()
@@ -101,7 +104,7 @@ class Link(Struct):
     world: World = World.WORLD
 
 
-def links(model: Model, kind: str, index: int) -> list[Link]:
+def links(model: MjModel, kind: str, index: int) -> list[Link]:
     """Return the references of one element, always the same fields in the same order.
 
     A material has one reference for each role of a texture, and an actuator has one for each id in `actuator_trnid`
@@ -111,12 +114,12 @@ def links(model: Model, kind: str, index: int) -> list[Link]:
     return [link for reader in _READERS.get(kind, ()) for link in reader(model, index)]
 
 
-Reader = Callable[[Model, int], Iterator[Link]]
+Reader: TypeAlias = "Callable[[MjModel, int], Iterator[Link]]"
 
 
 def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
 
-    def read(model: Model, index: int) -> Iterator[Link]:
+    def read(model: MjModel, index: int) -> Iterator[Link]:
         if (values := getattr(model, array, None)) is not None:
             yield Link(array, kind, int(values[index]), world=world)
 
@@ -127,7 +130,7 @@ def _run(array: str, kind: str, rows: str) -> Reader:
     """Return a reader of the ids in several rows; the parts that are pinned to the world may name either world."""
     world = World.EITHER if kind == "body" else World.WORLD
 
-    def read(model: Model, index: int) -> Iterator[Link]:
+    def read(model: MjModel, index: int) -> Iterator[Link]:
         start, count = (int(getattr(model, f"{rows}{each}")[index]) for each in ("adr", "num"))
         for place, target in enumerate(getattr(model, array)[start : start + count].tolist()):
             yield Link(f"{array}[{place}]", kind, target, world=world)
@@ -135,7 +138,7 @@ def _run(array: str, kind: str, rows: str) -> Reader:
     return read
 
 
-def _parent(model: Model, index: int) -> Iterator[Link]:
+def _parent(model: MjModel, index: int) -> Iterator[Link]:
     # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
     return _row("body_parentid", "body", World.EITHER if twists_a_rod(model, index) else World.MOUNT)(model, index)
 
@@ -145,19 +148,19 @@ _MESH = 7
 _SDF = 8
 
 
-def _shape(model: Model, index: int) -> Iterator[Link]:
+def _shape(model: MjModel, index: int) -> Iterator[Link]:
     # MuJoCo 3 leaves the meaningless mesh id in primitives that were fitted to a mesh.
     shape = int(model.geom_type[index])
     data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
     yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
 
 
-def _textures(model: Model, index: int) -> Iterator[Link]:
+def _textures(model: MjModel, index: int) -> Iterator[Link]:
     for role, texture in enumerate(model.mat_texid[index].tolist()):
         yield Link(f"mat_texid[{role}]", "texture", texture)
 
 
-def _twists(model: Model, index: int) -> Iterator[Link]:
+def _twists(model: MjModel, index: int) -> Iterator[Link]:
     if (rows := bending(model, index)) is not None:
         for place in twists(rows):
             yield Link(f"flex_bending[{place}]", "joint", int(rows[place]))
@@ -180,7 +183,7 @@ def twists(bending: Array) -> list[int]:
     return [at + _TWIST for at in range(1, len(rows), BEND) if rows[at + _NO_VERTEX] == -1]
 
 
-def bending(model: Model, index: int) -> Array | None:
+def bending(model: MjModel, index: int) -> Array | None:
     """Return the bends of a flex if it is a rod, else None."""
     addresses = getattr(model, "flex_bendingadr", None)
     if addresses is None or model.flex_dim[index] != 1 or addresses[index] < 0:
@@ -190,7 +193,7 @@ def bending(model: Model, index: int) -> Array | None:
     return rows
 
 
-def twists_a_rod(model: Model, body: int) -> bool:
+def twists_a_rod(model: MjModel, body: int) -> bool:
     """Return whether a rod is twisted in a body."""
     if not model.nflex or model.body_parentid[body] or model.body_jntnum[body] != 1:
         return False
@@ -200,7 +203,7 @@ def twists_a_rod(model: Model, body: int) -> bool:
     return any(int(rows[at]) in (joint, joint + 1) for rows in rods for at in twists(rows))
 
 
-def _flex_materials(model: Model, index: int) -> Iterator[Link]:
+def _flex_materials(model: MjModel, index: int) -> Iterator[Link]:
     """Yield the materials of a flex and, since MuJoCo 4, of its elements."""
     several = len(model.flex_matid) == model.nflexelem
     return (_run("flex_matid", "material", "flex_elem") if several else _row("flex_matid", "material"))(model, index)
@@ -213,7 +216,7 @@ WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
 
 
-def _path(model: Model, index: int) -> Iterator[Link]:
+def _path(model: MjModel, index: int) -> Iterator[Link]:
     first = int(model.tendon_adr[index])
     for place in range(int(model.tendon_num[index])):
         at = first + place
@@ -228,7 +231,7 @@ def _path(model: Model, index: int) -> Iterator[Link]:
 _CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "geom"}
 
 
-def _equality(model: Model, index: int) -> Iterator[Link]:
+def _equality(model: MjModel, index: int) -> Iterator[Link]:
     by_type = _CONSTRAINED.get(int(model.eq_type[index]))
     kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
     for array in ("eq_obj1id", "eq_obj2id"):
@@ -239,11 +242,11 @@ def _two(kind: str, *ids: int) -> Iterator[Link]:
     return (Link(f"{kind}{place}", kind, target) for place, target in enumerate(sorted(ids), 1))
 
 
-def _pair(model: Model, index: int) -> Iterator[Link]:
+def _pair(model: MjModel, index: int) -> Iterator[Link]:
     return _two("geom", int(model.pair_geom1[index]), int(model.pair_geom2[index]))
 
 
-def _exclude(model: Model, index: int) -> Iterator[Link]:
+def _exclude(model: MjModel, index: int) -> Iterator[Link]:
     signature = int(model.exclude_signature[index])
     return _two("body", signature >> 16, signature & 0xFFFF)
 
@@ -263,7 +266,7 @@ _ROTATION = 6
 """The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
 
 
-def _transmission(model: Model, index: int) -> Iterator[Link]:
+def _transmission(model: MjModel, index: int) -> Iterator[Link]:
     transmission = int(model.actuator_trntype[index])
     targets = _TARGETS.get(transmission, ())
     if transmission == _ROTATION:
@@ -272,13 +275,13 @@ def _transmission(model: Model, index: int) -> Iterator[Link]:
         yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
 
 
-def _sensor(model: Model, index: int) -> Iterator[Link]:
+def _sensor(model: MjModel, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
         if (kind := OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))) is not None:
             yield from _row(array, kind, World.KEPT)(model, index)
 
 
-def _tuple(model: Model, index: int) -> Iterator[Link]:
+def _tuple(model: MjModel, index: int) -> Iterator[Link]:
     first = int(model.tuple_adr[index])
     for place in range(int(model.tuple_size[index])):
         if (kind := OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))) is not None:

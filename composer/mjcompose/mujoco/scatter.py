@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable
 from functools import partial
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat, multiply, normali
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.controls import Divergence, steps_in
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 _TRIES = 600
 _ROUNDS = 6
@@ -38,7 +41,7 @@ EDGE = "edge"
 COPY = "copy"
 
 
-def scatter(mujoco: Any, model: Any, asked: dict[str, Any]) -> dict[str, Any]:
+def scatter(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
     """Return the `poses` of the copies of each group in the world, and where their bodies `began`, or a `fault`.
 
     Runs under `mjcompose.mujoco.engine.call`. Each of the `groups` has `bodies`, a surface `over` by kind and name, a
@@ -72,7 +75,7 @@ def _listed(pose: Pose) -> list[list[float]]:
 class _Scattering:
     """A model whose copies are free bodies, far away until they have a place."""
 
-    def __init__(self, mujoco: Any, model: Any, groups: list[list[int]]) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, groups: list[list[int]]) -> None:
         self.mujoco = mujoco
         self.model = model
         self.groups = groups
@@ -248,7 +251,7 @@ class _Scattering:
 class _Surface:
     """A geom or a site that copies lie on: its bounds in the world, and its height above the ground."""
 
-    def __init__(self, mujoco: Any, model: Any, data: Any, kind: str, name: str) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData, kind: str, name: str) -> None:
         self.mujoco = mujoco
         self.model = model
         self.data = data
@@ -309,11 +312,11 @@ def _are_near(one: Pose, other: Pose) -> bool:
     return math.dist(one.pos, other.pos) < _STILL[0] and 2 * chord < _STILL[1]
 
 
-def _called(model: Any, geom: int) -> str:
+def _called(model: MjModel, geom: int) -> str:
     return str(model.geom(geom).name or model.body(int(model.geom_bodyid[geom])).name or "world")
 
 
-def _support(model: Any, data: Any, geom: int) -> Any:
+def _support(model: MjModel, data: MjData, geom: int) -> Any:
     """Return the farthest point of a geom in each direction, `(directions, 3)`."""
     kind = int(model.geom_type[geom])
     size = model.geom_size[geom]

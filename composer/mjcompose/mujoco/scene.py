@@ -7,13 +7,16 @@ import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import KINDS, NameTable, names, place
 from mjcompose.mujoco.film import png
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 _DIGITS = 24
 
@@ -80,7 +83,7 @@ COLUMNS: dict[str, dict[str, str]] = {
 """A kind's names are added as `name`; every column is one flat list."""
 
 
-def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
+def columns(model: MjModel) -> dict[str, dict[str, list[Any]]]:
     """Return the columns of every kind."""
     table = NameTable(model)
     found = {
@@ -211,7 +214,7 @@ def _rows(number: int, values: Any, first: Any, count: Any) -> Any:
     return values[int(first[number]) : int(first[number]) + int(count[number])]
 
 
-def _mesh(model: Any, number: int, blobs: Blobs) -> str:
+def _mesh(model: MjModel, number: int, blobs: Blobs) -> str:
     """Return the hash of the bytes of a mesh, which `encoded` describes."""
     rows = partial(_rows, number)
     corners = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
@@ -231,7 +234,7 @@ def _mesh(model: Any, number: int, blobs: Blobs) -> str:
     )
 
 
-def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
+def height_fields(model: MjModel, blobs: Blobs) -> list[dict[str, Any]]:
     """Return each height field: rows times columns of uint16; 65535 is its full height."""
     found = []
     for number in range(model.nhfield):
@@ -250,7 +253,7 @@ _KINDS = ("2d", "cube", "skybox")
 _COLOR_ROLES = (1, 8)  # mjTEXROLE_RGB and mjTEXROLE_RGBA
 
 
-def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
+def textures(model: MjModel, blobs: Blobs) -> list[dict[str, Any]]:
     """Return each texture; the faces of a cube are below each other: right, left, up, down, front, back."""
     found = []
     run = RUNS["texture"]["ntexdata"]
@@ -270,13 +273,13 @@ def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
     return found
 
 
-def of_materials(model: Any) -> list[int]:
+def of_materials(model: MjModel) -> list[int]:
     """Return the texture for the color of each material, -1 for none."""
     roles: Any = np.asarray(model.mat_texid).reshape(model.nmat, -1) if model.nmat else []
     return [next((int(row[role]) for role in _COLOR_ROLES if row[role] >= 0), -1) for row in roles]
 
 
-def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+def _skin(model: MjModel, number: int, blobs: Blobs) -> dict[str, Any]:
     """Return a skin: its bones, and bytes with vertices, triangles, and for each bone its vertices and weights."""
     rows = partial(_rows, number)
     corners = rows(model.skin_vert, model.skin_vertadr, model.skin_vertnum)
@@ -315,7 +318,7 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     }
 
 
-def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+def _flex(model: MjModel, data: MjData, number: int, blobs: Blobs) -> dict[str, Any]:
     """Return a flex at rest: its vertices in the frames of their bodies, and the drawn parts.
 
     `shell` are triangles: the elements of a two-dimensional flex, the surface of a three-dimensional one. A
@@ -353,7 +356,7 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     }
 
 
-def wraps(model: Any) -> dict[str, list[Any]]:
+def wraps(model: MjModel) -> dict[str, list[Any]]:
     """Return the path of spatial tendons: sites, geoms, pulleys and joints, and their parameters."""
     parameters = [float(each) for each in model.wrap_prm]
     return {"type": short(model.wrap_type), "object": short(model.wrap_objid), "parameter": parameters}
@@ -363,7 +366,7 @@ _MOST_CONTACTS = 500
 _PULLEY = -2  # the value of `wrap_obj` for a pulley, which cuts a tendon's path
 
 
-def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
+def poses(mujoco: Any, model: MjModel, data: MjData) -> Iterator[dict[str, Any]]:
     """Yield the answer of `seen` at the reference configuration, to which `data` returns, and at each keyframe."""
     for key in (None, *range(model.nkey)):
         if key is not None:
@@ -374,7 +377,7 @@ def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
     place(mujoco, model, data)
 
 
-def seen(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
+def seen(mujoco: Any, model: MjModel, data: MjData) -> dict[str, Any]:
     """Return contacts (geoms, -1 for a flex; position, normal, force on the second), tendon paths and sensors."""
     contacts = []
     for number in range(min(int(data.ncon), _MOST_CONTACTS)):
@@ -391,7 +394,7 @@ def _rounded(values: Any) -> list[float]:
     return [float(f"{each:.5g}") for each in np.nan_to_num(values).tolist()]
 
 
-def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
+def pull(mujoco: Any, model: MjModel, data: MjData, asked: Mapping[str, Any]) -> None:
     """Pull a ``body`` at its point ``at``, in its frame, to the point ``to``, with a spring and a damper.
 
     Both fit the body's weight and the model's `visual/map` stiffness. Any other request does nothing.
@@ -412,7 +415,7 @@ def pull(mujoco: Any, model: Any, data: Any, asked: Mapping[str, Any]) -> None:
     data.xfrc_applied[body] = [*force, *np.cross(at - data.xipos[body], force)]
 
 
-def look(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
+def look(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Return the answer of `seen` at ``qpos`` and ``ctrl``, at rest; runs under `mjcompose.mujoco.engine.call`."""
     data = mujoco.MjData(model)
     for name in ("qpos", "ctrl"):
@@ -422,7 +425,7 @@ def look(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     return seen(mujoco, model, data)
 
 
-def _ways(data: Any) -> list[list[float]]:
+def _ways(data: MjData) -> list[list[float]]:
     points = data.wrap_xpos.reshape(-1, 3)
     objects = data.wrap_obj.ravel()
     found = []
@@ -440,7 +443,7 @@ FORMAT = 1
 FILE = "scene.json"
 
 
-def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
+def describe(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Write `scene.json` and its blobs into ``folder``; runs under `mjcompose.mujoco.engine.call`.
 
     The answer's `blobs` are all blobs that it refers to; blobs in ``known`` are not written again. Lengths are in
@@ -468,7 +471,7 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
     return {"blobs": list(blobs.used)}
 
 
-def _look(model: Any) -> dict[str, Any]:
+def _look(model: MjModel) -> dict[str, Any]:
     settings = model.vis.global_
     light = model.vis.headlight
     return {

@@ -8,14 +8,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import accumulate
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.controls import AFFINE, FIXED, NO_BIAS, is_by_plugin, sparse_arms
 from mjcompose.mujoco.references import ON_JOINTS
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _GROWS = 1e-3
 _LEAST = 1e-6
@@ -34,7 +36,7 @@ class Mode(Struct):
 class Servos:
     """The springs and dampers that act on each degree of freedom, linear around the state of `data`."""
 
-    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: Any) -> None:
         self.mujoco = mujoco
         self.model = model
         self.data = data

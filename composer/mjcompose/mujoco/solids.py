@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.addresses import RUNS
-from mjcompose.mujoco.attributes import Model
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 _ROUNDING = 1e-6
 _ENDLESS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
@@ -30,7 +32,7 @@ class Volume(Struct):
         return Volume(self.least + other.least, self.most + other.most)
 
 
-def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
+def box_corners(data: MjData, geom: int, *, center: Any, half: Any) -> Any:
     """Return the corners of a box around a geom in the world (m), (8, 3); `center` and `half` are in its frame."""
     import numpy as np
 
@@ -40,7 +42,7 @@ def box_corners(data: Any, geom: int, *, center: Any, half: Any) -> Any:
 class WeldedGeoms:
     """The geoms of bodies that are fixed to each other. Their common values are computed once."""
 
-    def __init__(self, mujoco: Any, model: Model, data: Any, geoms: list[int]) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData, geoms: list[int]) -> None:
         self.mujoco = mujoco
         self.model = model
         self.data = data
@@ -100,7 +102,7 @@ class WeldedGeoms:
 class Shapes:
     """The geoms of bodies at their places in the reference configuration."""
 
-    def __init__(self, mujoco: Any, model: Model) -> None:
+    def __init__(self, mujoco: Any, model: MjModel) -> None:
         import numpy as np
 
         self.mujoco = mujoco
@@ -125,7 +127,7 @@ class Shapes:
         return self._own.get(body, [])
 
 
-def largest_volume(mujoco: Any, model: Model, geoms: list[int]) -> Volume:
+def largest_volume(mujoco: Any, model: MjModel, geoms: list[int]) -> Volume:
     """Return the volume of the largest group of geoms in m³, because visual geoms repeat collision geoms."""
     groups: dict[int, Volume] = {}
     for geom in geoms:
@@ -169,7 +171,7 @@ def faults(shapes: Shapes, body: int, gyration: float, outside: float) -> Iterat
         )
 
 
-def volume(mujoco: Any, model: Any, geom: int) -> Volume:
+def volume(mujoco: Any, model: MjModel, geom: int) -> Volume:
     """Return the volume of a geom in m³. A mesh with holes is only known to have at most the volume of its box."""
     kinds = mujoco.mjtGeom
     kind = int(model.geom_type[geom])
@@ -189,7 +191,7 @@ def volume(mujoco: Any, model: Any, geom: int) -> Volume:
     return Volume(0.0, box) if known is None else Volume(known, known)
 
 
-def _enclosed(model: Any, mesh: int) -> float | None:
+def _enclosed(model: MjModel, mesh: int) -> float | None:
     """Return the volume inside a closed surface in m³, or None if it has holes."""
     import numpy as np
 

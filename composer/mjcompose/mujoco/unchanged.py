@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,11 +18,14 @@ from mjcompose.base.rotation import Pose, multiply, rotate
 from mjcompose.mujoco import arrays, match
 from mjcompose.mujoco.addresses import RUNS, rows_of, span
 from mjcompose.mujoco.arrays import DERIVED_ROUNDING, HULL, MEASURED, PLACED, ROUNDING, SLIDE, Treatment, about
-from mjcompose.mujoco.attributes import HOLDERS, KINDS, Model, NameTable, holder, name_table
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, NameTable, holder, name_table
 from mjcompose.mujoco.compare import Keys, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.match import ABSENT, Correspondence, Coupling, Difference, Mount, pose_of
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
 _POSED = ("body", "geom", "site", "camera")
@@ -115,7 +118,7 @@ _SCALE = 3
 _LEAST = 1e-15  # mjMINVAL
 
 
-def _with_force(alone: Model, composed: Model, array: str, pair: tuple[int, int]) -> Array:
+def _with_force(alone: MjModel, composed: MjModel, array: str, pair: tuple[int, int]) -> Array:
     """Return the parameters of an actuator as they should be in the composition, for a muscle with its peak force.
 
     A negative force stands for `scale` / `acc0` in MuJoCo 4.0, which depends on the bodies around.
@@ -131,7 +134,7 @@ def _with_force(alone: Model, composed: Model, array: str, pair: tuple[int, int]
     return expected
 
 
-def _peak_force(model: Model, parameters: Array, actuator: int) -> float:
+def _peak_force(model: MjModel, parameters: Array, actuator: int) -> float:
     if parameters[_FORCE] >= 0:
         return float(parameters[_FORCE])
     output = rows_of(model, "actuator", "actuator_acc0", index=actuator).start
@@ -338,17 +341,17 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
 _CLOSE = 1e-6
 
 
-def same_by_inertia(alone: Model, composed: Model, joint: int, target: int, *, array: str) -> bool:
+def same_by_inertia(alone: MjModel, composed: MjModel, joint: int, target: int, *, array: str) -> bool:
     """Return whether stiffness or damping times inverse inertia is the same; `springdamper` depends on it."""
 
-    def ratio(model: Model, of: int) -> float:
+    def ratio(model: MjModel, of: int) -> float:
         row = of if array == "jnt_stiffness" else model.jnt_dofadr[of]
         return float(getattr(model, array)[row]) * float(model.dof_invweight0[span(model, "qvel", of)].mean())
 
     return math.isclose(ratio(alone, joint), ratio(composed, target), rel_tol=_CLOSE)
 
 
-def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
+def same_dampratio(alone: MjModel, composed: MjModel, actuator: int, target: int) -> bool:
     """Return whether a position servo has the same damping ratio in both models.
 
     Return False if the ratio is unknown. MuJoCo 4 takes the inertia from the inverse weight at the joint or tendon,
@@ -364,12 +367,12 @@ def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) ->
     return any(a is not None and b is not None and math.isclose(a, b, rel_tol=_CLOSE) for a, b in ratios)
 
 
-def _is_damped_servo(model: Model, actuator: int) -> bool:
+def _is_damped_servo(model: MjModel, actuator: int) -> bool:
     gains = servo(model, actuator) or {}
     return gains.get("kp", 0) > 0 and gains.get("kv", 0) > 0
 
 
-def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
+def _ratios(model: MjModel, actuator: int) -> tuple[float | None, float | None]:
     """Return the damping ratio of a servo by the inverse weight and by the mass matrix; each is None if unknown."""
     gains = servo(model, actuator) or {}
     stiffness = gains["kp"]
@@ -390,7 +393,7 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     return by_weight, by_mass
 
 
-def _inertia_along(model: Model, tendon: int) -> float:
+def _inertia_along(model: MjModel, tendon: int) -> float:
     """Return the inertia that a fixed tendon moves; 0 for a spatial tendon, whose moments the model does not store."""
     inertia = 0.0
     for at in RUNS["tendon"]["nwrap"].rows(model, tendon):
@@ -403,15 +406,15 @@ def _inertia_along(model: Model, tendon: int) -> float:
 
 
 def compare(
-    alone: Model,
-    composed: Model,
+    alone: MjModel,
+    composed: MjModel,
     *,
     prefix: str = "",
     hung_on: Mount | None = None,
     renamed: Mapping[str, Mapping[str, str]] | None = None,
     keys: Keys = Keys.MERGE,
     roots_in_keys: Roots = Roots.MOVED,
-    others: Sequence[tuple[str, Model]] | None = None,
+    others: Sequence[tuple[str, MjModel]] | None = None,
     ignore: Collection[str] = (),
     replaced_keys: Collection[str] = (),
     tolerance: float = 0.0,

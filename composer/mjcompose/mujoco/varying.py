@@ -8,14 +8,17 @@ from __future__ import annotations
 import ctypes
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.mujoco.addresses import RUNS
-from mjcompose.mujoco.attributes import KIND_OF, KINDS, TAGS, Model, NameTable, array_of, attributes
+from mjcompose.mujoco.attributes import KIND_OF, KINDS, TAGS, NameTable, array_of, attributes
 from mjcompose.mujoco.references import unequal
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _ATTRIBUTES = {array_of(tag, attribute): attribute for tag in TAGS for attribute in attributes(tag)}
 _OWNERS = {"opt": "option", "stat": "statistic"}
@@ -36,7 +39,7 @@ class Whose(NamedTuple):
     attribute: str
 
 
-def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
+def whose(model: MjModel, array: str, index: Iterable[int]) -> list[Whose]:
     """Return the owner of each number of an array, by its flat index."""
     owner, _, field = array.rpartition(".")
     value = np.asarray(value_of(model, array))
@@ -58,13 +61,13 @@ def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
     return found
 
 
-def owners(model: Model, array: str) -> tuple[str, Rows]:
+def owners(model: MjModel, array: str) -> tuple[str, Rows]:
     """Return the kind of element that an array is about, and the owner of each row; none if that is unknown."""
     kind = KIND_OF.get(array.split("_", 1)[0], "")
     return kind, rows_of_size(model, kind, len(value_of(model, array))) if kind else {}
 
 
-def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
+def rows_of_size(model: MjModel, kind: str, rows: int) -> Rows:
     """Return the owner of each row, for an array with this many rows about elements of a kind."""
     count = len(getattr(model, KINDS[kind].addresses))
     if rows == count:
@@ -93,13 +96,13 @@ _PADDED = 64
 class Differences:
     """The differences from the nominal model in this many worlds: by array, the numbers that differ in any world."""
 
-    def __init__(self, model: Model, worlds: int) -> None:
+    def __init__(self, model: MjModel, worlds: int) -> None:
         self.worlds = worlds
         self.nominal = {name: flat(model, name).copy() for name in arrays(model)}
         self.index: dict[str, Numbers] = {}
         self.values: dict[str, Numbers] = {}
 
-    def take(self, world: int, model: Model, count: int = 1) -> None:
+    def take(self, world: int, model: MjModel, count: int = 1) -> None:
         """Record a model with arrays of the same sizes for `count` worlds from this one."""
         for name, nominal in self.nominal.items():
             now = flat(model, name)
@@ -145,7 +148,7 @@ class Recorder:
     numbers of `stat` are elsewhere.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: MjModel) -> None:
         self.worlds = 0
         self._model = model
         places = {name: _span(model, name) for name in arrays(model) if "." not in name}
@@ -256,17 +259,17 @@ class Recorder:
         return self._numbers(self._model.opt), *(each.tobytes() for each in self._options)
 
 
-def _means(model: Model) -> tuple[float, float]:
+def _means(model: MjModel) -> tuple[float, float]:
     return model.stat.meaninertia, model.stat.meanmass
 
 
-def _span(model: Model, name: str) -> tuple[int, int]:
+def _span(model: MjModel, name: str) -> tuple[int, int]:
     array = getattr(model, name)
     first = array.__array_interface__["data"][0]
     return first, first + array.nbytes
 
 
-def arrays(model: Model) -> Iterator[str]:
+def arrays(model: MjModel) -> Iterator[str]:
     """Yield all arrays of a model, its options, and the numbers of `stat` that follow from masses."""
     for holder, start, kinds in ((model, "", np.ndarray), (model.opt, "opt.", np.ndarray | float | int)):
         for name in dir(holder):
@@ -275,19 +278,19 @@ def arrays(model: Model) -> Iterator[str]:
     yield from MEANS
 
 
-def value_of(model: Model, name: str) -> Any:
+def value_of(model: MjModel, name: str) -> Any:
     """Return an array of a model, or an array or number of its `opt.` or `stat.`. Raises AttributeError."""
     return operator.attrgetter(name)(model)
 
 
-def flat(model: Model, name: str) -> Numbers:
+def flat(model: MjModel, name: str) -> Numbers:
     """Return a flattened array: a view of the model's memory, or a copy of a single number."""
     value = value_of(model, name)
     numbers: Numbers = value.reshape(-1) if isinstance(value, np.ndarray) else np.array([value])
     return numbers
 
 
-def put(model: Model, name: str, numbers: Numbers) -> None:
+def put(model: MjModel, name: str, numbers: Numbers) -> None:
     """Write a whole array."""
     value = value_of(model, name)
     if isinstance(value, np.ndarray):
@@ -297,7 +300,7 @@ def put(model: Model, name: str, numbers: Numbers) -> None:
         setattr(getattr(model, owner), field, numbers[0].item())
 
 
-def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
+def stored(model: MjModel, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
     """Return the entries of an `.npz` file by key.
 
     For every array NAME there are `NAME/index`, the numbers' places in the flattened array, `(numbers,)`, and

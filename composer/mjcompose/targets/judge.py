@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.targets.readers.shared import facts as programs
 from mjcompose.targets.target import Loss
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Facts = dict[str, Any]
 SECONDS = 0.2
@@ -79,13 +82,13 @@ class Difference(Struct):
     message: str
 
 
-def asked_of(mujoco: Any, model: Any, count: int) -> Facts:
+def asked_of(mujoco: Any, model: MjModel, count: int) -> Facts:
     """Return the questions for a consumer. It is called by `mjcompose.mujoco.engine.call`."""
     asked = questions(model, count)
     return asked | drives_of(mujoco, model, asked)
 
 
-def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
+def judged(mujoco: Any, model: MjModel, question: Facts) -> list[str]:
     """Return the differences between the `facts` and the model without the `losses`, in words.
 
     It is called by `mjcompose.mujoco.engine.call`.
@@ -94,19 +97,19 @@ def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
     return [each.message for each in differences(mujoco, model, **question)]
 
 
-def motion_of(mujoco: Any, model: Any, question: Facts) -> Facts:
+def motion_of(mujoco: Any, model: MjModel, question: Facts) -> Facts:
     """Return the end of the motion, without the losses of a target; called by `mjcompose.mujoco.engine.call`."""
     losses = [Loss(**each) for each in question["losses"]] + _unmoved(model, question["without"])
     found: Facts = facts_of(mujoco, model, question["asked"], losses=losses).get("motion", {})
     return found
 
 
-def _unmoved(model: Any, without: Iterable[str]) -> list[Loss]:
+def _unmoved(model: MjModel, without: Iterable[str]) -> list[Loss]:
     """Return the losses of a program that moves all joints without some features."""
     return [Loss(name, "joint", number, tag="joint", name="") for name in without for number in range(model.njnt)]
 
 
-def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
+def questions(model: MjModel, count: int = 50, seed: int = 1) -> Facts:
     """Return the questions for consumers: `count` random `poses`, and the `seconds` of a motion from a pose, `home`.
 
     A pose has `joints`, a list of numbers (rad, m) by joint name, and `free`, a position (m) and a quaternion
@@ -156,7 +159,7 @@ _NONE = 0
 _AFFINE = 1  # mjBIAS_NONE, mjBIAS_AFFINE, and also mjGAIN_FIXED, mjDYN_NONE, mjTRN_JOINT
 
 
-def drives_of(mujoco: Any, model: Any, asked: Facts) -> Facts:
+def drives_of(mujoco: Any, model: MjModel, asked: Facts) -> Facts:
     """Return the `drives`, motors and servos of joints by name, with their full and their eased controls.
 
     Full control is the upper end of its range. A motion under full control may be so violent that each integrator makes
@@ -185,7 +188,7 @@ def drives_of(mujoco: Any, model: Any, asked: Facts) -> Facts:
     return found
 
 
-def _drive(model: Any, number: int) -> Facts | None:
+def _drive(model: MjModel, number: int) -> Facts | None:
     """Return the joint and the input of a motor or a servo of a hinge or a slide, or None for other actuators."""
     joint = int(model.actuator_trnid[number][0])
     words = ("trntype", "dyntype", "gaintype")
@@ -208,7 +211,7 @@ def _drive(model: Any, number: int) -> Facts | None:
     return {"joint": name, "input": "velocity"} if gain and bias == [0, 0, -gain] else None
 
 
-def _controls(model: Any, number: int, word: str, home: Facts, share: float = 1.0) -> Facts:
+def _controls(model: MjModel, number: int, word: str, home: Facts, share: float = 1.0) -> Facts:
     """Return a share of the full control from the pose `home` on, and the same at the joint."""
     gear = float(model.actuator_gear[number][0])
     gain = float(model.actuator_gainprm[number][0])
@@ -224,7 +227,7 @@ def _controls(model: Any, number: int, word: str, home: Facts, share: float = 1.
 
 
 def _driven(
-    mujoco: Any, model: Any, asked: Facts, *, halved: bool = False
+    mujoco: Any, model: MjModel, asked: Facts, *, halved: bool = False
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return the forces of the joints at home under full controls, and where they end under eased ones."""
     only = programs.with_drives(model, asked["drives"])
@@ -255,7 +258,7 @@ def without_lost(asked: Facts, losses: Iterable[Loss]) -> Facts:
     return {**asked, "drives": drives}
 
 
-def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ()) -> Facts:
+def facts_of(mujoco: Any, model: MjModel, asked: Facts, losses: Sequence[Loss] = ()) -> Facts:
     """Return the facts of a compiled model, as consumers write them, with the end of the motion after the losses."""
 
     def placed(rows: Any) -> Any:
@@ -284,7 +287,7 @@ def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ())
     return found
 
 
-def _erased(model: Any, losses: Sequence[Loss]) -> Any:
+def _erased(model: MjModel, losses: Sequence[Loss]) -> Any:
     """Return a copy of the model in which lost elements do nothing."""
     model = copy.copy(model)
     for loss in losses:
@@ -306,7 +309,7 @@ _KIND_OF = {"dof": "joint", "jnt": "joint", "body": "body", "tendon": "tendon", 
 
 
 def differences(
-    mujoco: Any, model: Any, facts: Facts, asked: Facts, losses: Sequence[Loss] = (), *, single: bool
+    mujoco: Any, model: MjModel, facts: Facts, asked: Facts, losses: Sequence[Loss] = (), *, single: bool
 ) -> Iterator[Difference]:
     """Yield the differences between a consumer's reading and the model. Losses do not count.
 
@@ -390,7 +393,7 @@ def _close(read: Any, mine: Any, tolerance: float) -> bool:
     return bool(read == mine)
 
 
-def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]) -> Iterator[Difference]:
+def _shapes(model: MjModel, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]) -> Iterator[Difference]:
     left = dict(mine)
     for loss in losses:
         if loss.feature == "shapes" and loss.kind == "geom":
@@ -404,7 +407,7 @@ def _shapes(model: Any, mine: dict[str, int], read: dict[str, int], losses: Iter
             yield Difference("shapes", "geom", kind, message=message)
 
 
-def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator[Difference]:
+def _masses(mujoco: Any, model: MjModel, facts: Facts, tolerance: float) -> Iterator[Difference]:
     composite = bool(facts.get("composite"))
     for body in range(1, model.nbody):
         name = model.body(body).name
@@ -427,7 +430,7 @@ def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator
             yield Difference("inertia", "body", name, message=message)
 
 
-def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[float, Any, Any]:
+def _composite(mujoco: Any, model: MjModel, body: int, parts: list[int]) -> tuple[float, Any, Any]:
     """Return mass (kg), center (m), shape (3,), and inertia about it (kg·m²), shape (3, 3), of a body and its parts.
 
     Center and inertia are in the frame of the body.

@@ -11,7 +11,7 @@ import posixpath
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lxml import etree
@@ -27,6 +27,9 @@ from mjcompose.tree.files import file_attributes, join, stem
 from mjcompose.tree.grammar import GRAMMAR, number_text
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.values import items, parse_real
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 def text(values: Any) -> str:
@@ -180,7 +183,7 @@ _GONE = (
 _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
-def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
+def write_meshes(root: Node, model: MjModel, names: list[str]) -> dict[str, bytes]:
     """Make each mesh name its file, and return the files by path. `names` are the names of the compiled meshes."""
     ids = {name: number for number, name in enumerate(names)}
     files: dict[str, bytes] = {}
@@ -203,11 +206,11 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
     return files
 
 
-def obj(model: Any, number: int) -> bytes:
+def obj(model: MjModel, number: int) -> bytes:
     return ("\n".join(_lines(model, number)) + "\n").encode()
 
 
-def _lines(model: Any, number: int) -> Iterator[str]:
+def _lines(model: MjModel, number: int) -> Iterator[str]:
     def rows(name: str) -> Any:
         start = getattr(model, f"mesh_{name}adr")[number]
         return getattr(model, f"mesh_{name}")[start : start + getattr(model, f"mesh_{name}num")[number]].tolist()
@@ -287,7 +290,7 @@ Elements = Mapping[str, Sequence[Node]]
 _MESHES = ("mesh", "sdf")
 
 
-def write_values(mujoco: Any, model: Any, elements: Elements) -> None:
+def write_values(mujoco: Any, model: MjModel, elements: Elements) -> None:
     """Write the compiled values of everything in the body tree."""
     for number, body in enumerate(elements["body"]):
         if number:
@@ -324,7 +327,7 @@ def _place(element: Node, pos: Any, quat: Any) -> None:
     element.set("quat", text(quat))
 
 
-def _inertia(model: Any, number: int, body: Node) -> None:
+def _inertia(model: MjModel, number: int, body: Node) -> None:
     for old in list(body.iterchildren("inertial")):
         body.remove(old)
     # MuJoCo 4.0 gives a body without one the `pos` of the body as its center of mass.
@@ -337,7 +340,7 @@ def _inertia(model: Any, number: int, body: Node) -> None:
 _SPINNING = ("hinge", "slide")
 
 
-def _joint(model: Any, number: int, joint: Node) -> None:
+def _joint(model: MjModel, number: int, joint: Node) -> None:
     joint.set("pos", text(model.jnt_pos[number]))
     limited = bool(model.jnt_limited[number])
     joint.set("limited", "true" if limited else "false")
@@ -375,7 +378,7 @@ def _shape(element: Node, shape: str, size: Any) -> None:
 _GEOM = ("contype", "conaffinity", "condim", "friction", "group")
 
 
-def _geom(model: Any, number: int, geom: Node) -> None:
+def _geom(model: MjModel, number: int, geom: Node) -> None:
     for name in _GEOM:
         geom.set(name, text(getattr(model, f"geom_{name}")[number]))
     for name in ("mass", "density", "shellinertia"):
@@ -442,7 +445,7 @@ def plain(mujoco: Any, path: Path) -> Draft:
     return Draft(mujoco, model, root, files=files, elements=elements)
 
 
-def _materials(model: Any, elements: dict[str, list[Node]], names: NameTable) -> None:
+def _materials(model: MjModel, elements: dict[str, list[Node]], names: NameTable) -> None:
     """Write the material of each geom and site.
 
     MuJoCo 4.0 does not save `material=""`, which undoes the material of a class.

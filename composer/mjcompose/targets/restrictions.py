@@ -6,7 +6,7 @@ Options of the solver are reported only if they differ from MuJoCo's defaults, b
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lxml import etree
@@ -15,6 +15,9 @@ from lxml.etree import _Element as Node
 from mjcompose.targets.plain import simple_actuators, text
 from mjcompose.targets.same import Pose, about, back, joined, pose, quat, shifted
 from mjcompose.targets.target import Draft, Limit, Outcome
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 NAME = "world_root"
 _EMPTY = {"mass": "0", "pos": "0 0 0", "quat": "1 0 0 0", "diaginertia": "0 0 0"}
@@ -380,7 +383,7 @@ def _carried(draft: Draft) -> None:
             joint.set("actuatorfrclimited", "true")
 
 
-def greatest_force(model: Any, joint: int) -> float | None:
+def greatest_force(model: MjModel, joint: int) -> float | None:
     """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit; None without."""
     limits = [float(np.abs(model.jnt_actfrcrange[joint]).max())] if model.jnt_actfrclimited[joint] else []
     drives = np.flatnonzero((model.actuator_trntype == _JOINT) & (model.actuator_trnid[:, 0] == joint)).tolist()
@@ -390,7 +393,7 @@ def greatest_force(model: Any, joint: int) -> float | None:
     return min(limits, default=None)
 
 
-def _greatest(model: Any, actuator: int) -> float | None:
+def _greatest(model: MjModel, actuator: int) -> float | None:
     """Return the greatest force of an actuator at its joint: by its range, or of a motor by its control's range."""
     ends = np.array([-np.inf, np.inf])
     if model.actuator_forcelimited[actuator]:
@@ -487,7 +490,7 @@ def _gravity(draft: Draft) -> None:
         draft.lose("gravity", option, f"set it to {shown} in the program", what="gravity")
 
 
-def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> list[str]:
+def _changed(model: MjModel, plain: Any, number: int, names: Collection[str], kind: str) -> list[str]:
     values = {name: (getattr(model, f"{kind}_{name}")[number], getattr(plain, f"{kind}_{name}")[0]) for name in names}
     return [name for name, (mine, default) in values.items() if not np.array_equal(mine, default)]
 

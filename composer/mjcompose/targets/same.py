@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from mjcompose.mujoco.arrays import REWRITTEN, with_trait
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.compare import unequal_attributes
 from mjcompose.targets.readers.shared.facts import rotation
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Pose = tuple[Any, Any]
 """Position, shape (3,), and rotation matrix, shape (3, 3)."""
@@ -79,7 +82,7 @@ _FIXED = 0  # mjTENDON_FIXED
 _NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps the bias that its class gives to positions
 
 
-def differences(model: Any, again: Any) -> Iterator[str]:
+def differences(model: MjModel, again: Any) -> Iterator[str]:
     """Yield the differences of the model that was read back, in words with the names of the arrays."""
     for name, before, after in unequal_attributes(model, again):
         if name.startswith(_OF_MESH_FRAMES) or name in _REWRITTEN:
@@ -105,7 +108,7 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
     return bool(np.isclose(before, after, rtol=0, atol=TOLERANCE * scale, equal_nan=True).all())
 
 
-def _rows(model: Any, name: str) -> Any:
+def _rows(model: MjModel, name: str) -> Any:
     """Return the rows of an array that have a meaning: for example, fixed tendons have no looks."""
     kind = name.partition("_")[0]
     if name in _POSES:
@@ -115,7 +118,7 @@ def _rows(model: Any, name: str) -> Any:
     return model.tendon_type != _FIXED if name in _LOOKS else slice(None)
 
 
-def _where(model: Any, name: str, before: Any, after: Any) -> str:
+def _where(model: MjModel, name: str, before: Any, after: Any) -> str:
     if getattr(before, "shape", None) != getattr(after, "shape", None):
         return f" has another length: {np.size(before)}, not {np.size(after)}"
     if not np.shape(before):
@@ -128,7 +131,7 @@ def _where(model: Any, name: str, before: Any, after: Any) -> str:
     return f", row {row}: {after[row]}, not {before[row]}"
 
 
-def _surfaces(kind: str, model: Any, again: Any) -> Iterator[str]:
+def _surfaces(kind: str, model: MjModel, again: Any) -> Iterator[str]:
     table = NameTable(model)
     for number in np.flatnonzero(np.isin(getattr(model, f"{kind}_type"), _MESHES)).tolist():
         if getattr(model, f"{kind}_dataid")[number] < 0:
@@ -145,7 +148,7 @@ def _surfaces(kind: str, model: Any, again: Any) -> Iterator[str]:
                 yield f"{called} is up to {float(np.abs(before - after).max()):g} off"
 
 
-def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]:
+def _surface(kind: str, model: MjModel, number: int) -> dict[tuple[str, float], Any]:
     """Return data at the corners of a mesh's faces in the frame of its body, by name and tolerance.
 
     Each array has the shape (n, 3), or (n, 2) for texture coordinates.

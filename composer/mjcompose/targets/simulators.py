@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.arrays import words
 from mjcompose.targets.restrictions import NO_SOFT
 from mjcompose.targets.target import OPTION, Draft, Limit, Outcome, Refusal
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 Missing = tuple[str, str, Collection[str], str]
 """An array of the compiled model, its enumeration, those members that the simulator lacks, and the effect."""
@@ -25,7 +28,7 @@ def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: s
     A member that the running MuJoCo does not have is ignored.
     """
 
-    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    def flagged(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
         for array, enum, names, why in missing:
             members = getattr(mujoco, enum).__members__
             lacking = [int(members[name]) for name in names if name in members]
@@ -39,7 +42,7 @@ def refused_elements(
 ) -> Limit:
     """Return a limit that refuses a model with an element that `flagged` finds."""
 
-    def refuses(mujoco: Any, model: Any) -> Iterator[Refusal]:
+    def refuses(mujoco: Any, model: MjModel) -> Iterator[Refusal]:
         for number, why in flagged(mujoco, model):
             yield Refusal(kind, number, why, help=help)
 
@@ -61,7 +64,7 @@ def refused_options(
     `together` finds values that are refused only in combination with something else; its numbers have no meaning.
     """
 
-    def flagged(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    def flagged(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
         for field, enum, names in enums:
             members = getattr(mujoco, enum).__members__
             value = int(getattr(model.opt, field))
@@ -76,14 +79,14 @@ def refused_options(
     return refused_elements("options", OPTION, flagged, help="write another one in the section `option` of the recipe")
 
 
-def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
+def is_enabled(mujoco: Any, model: MjModel, flag: str) -> bool:
     """Whether a flag is on that is off by default; some versions of MuJoCo do not have it."""
     bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
     return bit is not None and bool(int(model.opt.enableflags) & int(bit))
 
 
 def with_plugins(kind: str) -> Flagged:
-    def flagged(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+    def flagged(_mujoco: object, model: MjModel) -> Iterator[tuple[int, str]]:
         for number in np.flatnonzero(getattr(model, f"{kind}_plugin") >= 0).tolist():
             yield number, f"a plugin computes this {kind}"
 
@@ -102,7 +105,7 @@ _KNOWN = frozenset(
 )
 
 
-def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _unknown_pairs(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     shapes = words(mujoco, "geom_type")
     reported = set()
     pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
@@ -114,7 +117,7 @@ def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield pair[0], f"MJX cannot compute contacts of a {one} with a {other}"
 
 
-def colliding(model: Any) -> Iterator[tuple[int, int]]:
+def colliding(model: MjModel) -> Iterator[tuple[int, int]]:
     """Yield the pairs of geoms that may touch by MuJoCo's filters: bits, bodies, parents and excludes."""
     excluded = set(model.exclude_signature.tolist())
     welded = model.body_weldid.tolist()
@@ -207,7 +210,7 @@ MJX_SENSORS = refused_members(
 )
 
 
-def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _medium(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     option = model.opt
     has_medium = option.density > 0 or option.viscosity > 0 or option.wind.any()
     if has_medium and option.integrator == int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
@@ -225,12 +228,12 @@ MJX_OPTIONS = refused_options(
 _NO_MARGIN = "MJX has no margin for contacts with meshes and height fields"
 
 
-def _has_mesh(mujoco: Any, model: Any, geoms: tuple[int, int]) -> bool:
+def _has_mesh(mujoco: Any, model: MjModel, geoms: tuple[int, int]) -> bool:
     shapes = words(mujoco, "geom_type")
     return any(shapes[int(model.geom_type[geom])] in ("mesh", "hfield") for geom in geoms)
 
 
-def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _margins(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield a geom with a margin from each pair that may touch and that has a mesh or a height field."""
     reported = set()
     for pair in colliding(model):
@@ -240,7 +243,7 @@ def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield geom, _NO_MARGIN
 
 
-def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _pair_margins(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
     for number, geoms in enumerate(pairs):
         if model.pair_margin[number] and _has_mesh(mujoco, model, geoms):
@@ -251,7 +254,7 @@ MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, help="writ
 MJX_MARGINS = refused_elements("margins", "geom", _margins, help="write `set: {margin: 0}`")
 
 
-def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _contact_sensors(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield the contact sensors that MJX does not support: of sites, bodies or subtrees, and sums of forces."""
     kinds = mujoco.mjtObj
     contact = getattr(mujoco.mjtSensor, "mjSENS_CONTACT", None)
@@ -272,7 +275,7 @@ MJX_CONTACT_SENSORS = refused_elements(
 )
 
 
-def _flexes_mjx(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+def _flexes_mjx(_mujoco: object, model: MjModel) -> Iterator[tuple[int, str]]:
     return ((number, "MJX has no flexes") for number in range(model.nflex))
 
 
@@ -302,7 +305,7 @@ WARP_EQUALITY = refused_members(
 )
 
 
-def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _options(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield options that MuJoCo Warp refuses in combination with other options."""
     option = model.opt
     sleeps = is_enabled(mujoco, model, "sleep")
@@ -317,7 +320,7 @@ def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
         yield 0, "MuJoCo Warp has no flag `sleep` with equality constraints of flexes"
 
 
-def _simple(mujoco: Any, model: Any, flex: int) -> bool:
+def _simple(mujoco: Any, model: MjModel, flex: int) -> bool:
     """Whether each vertex of a flex is in the world or on a body of its own, with the three slides of a flexcomp."""
     first = int(model.flex_vertadr[flex])
     for holder in set(model.flex_vertbodyid[first : first + int(model.flex_vertnum[flex])].tolist()):
@@ -347,7 +350,7 @@ WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("
 WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), help=_OUT)
 
 
-def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _sleepers(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield the bodies that set `sleep` themselves; otherwise the compiler chooses `auto_…`."""
     policies = getattr(mujoco, "mjtSleepPolicy", None)
     if policies is not None:
@@ -359,7 +362,7 @@ def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 WARP_SLEEP = refused_elements("sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=Outcome.REFUSED)
 
 
-def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _flexes_warp(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield the flexes that it refuses: quadratic and rigid flexes, and flexes with some kinds of contacts."""
     nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
     interpolated, rigid, internal, passive = (
@@ -389,7 +392,7 @@ def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield number, f"MuJoCo Warp has no {lacking}"
 
 
-def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _beside_flexes(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield the shapes that MuJoCo Warp refuses in a model with flexes, even if they touch none."""
     if model.nflex:
         for word in ("sdf", "hfield"):
@@ -398,7 +401,7 @@ def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
                 yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
 
 
-def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _velocities(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """The contact sensors with `linvel` or `angvel` in a model with flexes."""
     fields = getattr(mujoco, "mjtConDataField", None)
     if fields is None or not model.nflex:

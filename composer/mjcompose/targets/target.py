@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import StrEnum
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -13,6 +13,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.tree.files import file_attributes
 from mjcompose.tree.xml_text import write
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 class Outcome(StrEnum):
@@ -119,7 +122,7 @@ class Draft(Struct, frozen=False):
     """
 
     mujoco: Any
-    model: Any
+    model: MjModel
     root: Node
     files: dict[str, bytes]
     elements: Mapping[str, Sequence[Node]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lxml import etree
@@ -15,6 +15,9 @@ from mjcompose.targets.plain import simple_actuators, text
 from mjcompose.targets.restrictions import greatest_force
 from mjcompose.targets.same import Pose, about, joined, pose, shifted
 from mjcompose.targets.target import Draft, Outcome
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 def origin(of: Pose) -> Node:
@@ -72,7 +75,7 @@ def massless(name: str, *, moves: bool = False) -> Node:
     return found
 
 
-def _inertial(model: Any, body: int) -> Node:
+def _inertial(model: MjModel, body: int) -> Node:
     found = etree.Element("inertial")
     found.append(origin(shifted(model.body_ipos[body])))
     etree.SubElement(found, "mass", value=text(model.body_mass[body]))
@@ -357,7 +360,7 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     }
 
 
-def _is_floating(model: Any) -> bool:
+def _is_floating(model: MjModel) -> bool:
     """Return whether the only body in the world moves freely: it is the root of the URDF, and there is no world."""
     if model.nbody < 2 or (model.body_parentid[2:] == 0).any() or model.body_jntnum[1] != 1:
         return False

@@ -21,7 +21,7 @@ from mjcompose.language.assign import MASS
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.addresses import rows_of
 from mjcompose.mujoco.arrays import FREE
-from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
+from mjcompose.mujoco.attributes import ON_BODIES, TAGS, array_of, attributes
 from mjcompose.mujoco.controls import GAINS
 from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
 from mjcompose.mujoco.references import unequal
@@ -35,6 +35,7 @@ from mjcompose.verify.compile import WHOLE
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
@@ -171,7 +172,7 @@ _CLOSE = 1e-9
 """Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
 
 
-def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def resolve_addresses(mujoco: Any, model: MjModel, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
 
     Runs under `mjcompose.mujoco.engine.call`. Each question has `tag`, `family`, `name` or `place`, `attribute`, and
@@ -181,7 +182,7 @@ def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) ->
     return [_resolved(mujoco, model, each) for each in asked]
 
 
-def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
+def _resolved(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
     tag = asked["tag"]
     family = asked["family"]
     attribute = asked["attribute"]
@@ -210,7 +211,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
     return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
 
 
-def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
+def _id(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> int | str:
     family = asked["family"]
     name = asked["name"]
     place = asked["place"]
@@ -278,7 +279,7 @@ Place = tuple[str, int]
 _BLOCK = 1024
 
 
-def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
+def compute_worlds(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> list[str]:
     """Write all numbers that differ in some world to `out`; return the arrays. `draws` is `(worlds, columns)`."""
     draws = np.load(asked["draws"], allow_pickle=False)
     columns = asked["columns"]
@@ -299,7 +300,7 @@ def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str
 
 
 def _drawn(
-    model: Model,
+    model: MjModel,
     columns: list[dict[str, Any]],
     following: list[tuple[Place, list[Place]]],
     rows: Numbers,
@@ -339,7 +340,7 @@ def _drawn(
         yield found.view(dtype), memory, np.stack([values[place] for place in places], axis=1)
 
 
-def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
+def compare_world(mujoco: Any, nominal: MjModel, sample: MjModel, asked: dict[str, Any]) -> list[str]:
     """Return the arrays in which `world` of the file `out` differs from a built sample; runs under `engine.call`."""
     before = {name: flat(nominal, name).copy() for name in arrays(nominal)}
     with np.load(asked["out"], allow_pickle=False) as stored:
@@ -356,7 +357,7 @@ def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, A
 class DerivedValues:
     """The values that the compiler computes but mj_setConst does not, unless the model sets them."""
 
-    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData) -> None:
         self._mujoco = mujoco
         self._model = model
         self._data = data
@@ -391,11 +392,11 @@ class DerivedValues:
         return lengths
 
 
-def _mean_inertia(model: Model) -> float:
+def _mean_inertia(model: MjModel) -> float:
     return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
 
 
-def _mean_mass(model: Model) -> float:
+def _mean_mass(model: MjModel) -> float:
     return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
 
 
@@ -403,7 +404,7 @@ _OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
 _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
 
 
-def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
+def _following(model: MjModel, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
     """Yield numbers that the compiler copies from a body's pose but mj_setConst does not, even for free joints."""
     every = [(target["array"], *target["index"]) for column in columns for target in column["targets"]]
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
@@ -417,7 +418,7 @@ def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Pl
                 yield (array, body * width + component), targets
 
 
-def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
+def _of_free_joint(model: MjModel, body: int, component: int) -> Iterator[Place]:
     joint = model.body_jntadr[body]
     if joint < 0 or model.jnt_type[joint] != FREE:
         return
@@ -430,14 +431,14 @@ def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
             yield "key_qpos", key * model.nq + first + component
 
 
-def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+def _of_inertial_frame(model: MjModel, body: int, array: str, component: int) -> Iterator[Place]:
     """Yield the number of the inertial frame: MuJoCo gives a massless body its own pose as the inertial frame."""
     name = _OF_INERTIA[array]
     if model.body_mass[body] == 0 and (getattr(model, name)[body] == getattr(model, array)[body]).all():
         yield name, body * getattr(model, name).shape[1] + component
 
 
-def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+def _of_mocap(model: MjModel, body: int, array: str, component: int) -> Iterator[Place]:
     if (mocap := int(model.body_mocapid[body])) < 0:
         return
     name = _OF_KEYS[array]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.shapes import SIZE
 from mjcompose.plan.plan import PlacedModel, Plan
 from mjcompose.sources.reference import Source
@@ -18,6 +18,9 @@ from mjcompose.tree.classes import given
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
 from mjcompose.verify.compile import WHOLE
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _HEAVY = 1000.0
 """In kg. Water has a density of 1000 kg/m³, the density that MuJoCo takes, so this is a cubic meter."""
@@ -69,7 +72,7 @@ def _body_weighed_by(geom: Node, model: Unit) -> str | None:
     return str(body.get("name") or "") or None
 
 
-def masses(_mujoco: object, model: Model, bodies: Sequence[str]) -> list[float | None]:
+def masses(_mujoco: object, model: MjModel, bodies: Sequence[str]) -> list[float | None]:
     """Return the masses of bodies by name, None without a body; runs under `mjcompose.mujoco.engine.call`."""
     numbers = {model.body(number).name: number for number in range(model.nbody)}
     return [float(model.body_mass[numbers[body]]) if body in numbers else None for body in bodies]

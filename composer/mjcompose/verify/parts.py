@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -21,7 +21,7 @@ from mjcompose.link.measure import folder_of, measure_with
 from mjcompose.link.subtree import take_from_excerpt, take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
-from mjcompose.mujoco.attributes import DERIVED, Model, NameTable, name_table
+from mjcompose.mujoco.attributes import DERIVED, NameTable, name_table
 from mjcompose.mujoco.compare import Keys
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
@@ -33,6 +33,9 @@ from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import model_of_mesh
 from mjcompose.tree.xml_text import write
 from mjcompose.verify.compile import WHOLE
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 class Incomparable(Exception):
@@ -161,7 +164,7 @@ def _unreadable(sink: Sink) -> Incomparable:
 
 
 def compare_part(
-    _mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]
+    _mujoco: object, alone: MjModel, composed: MjModel, question: Mapping[str, Any]
 ) -> list[dict[str, Any]] | None:
     """Return the differences of a part as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
@@ -185,7 +188,7 @@ def compare_part(
 _PLACED = ("body", "pose", "key_prefix", "welded", "renamed", "keys")
 
 
-def _free(alone: Model, prefix: str) -> frozenset[str]:
+def _free(alone: MjModel, prefix: str) -> frozenset[str]:
     """Return the names of free joints and their bodies in the composition; `#` for unnamed joints and bodies."""
     roster = NameTable(alone)
     free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE]

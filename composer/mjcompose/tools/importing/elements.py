@@ -13,7 +13,7 @@ from dataclasses import field
 from functools import partial
 from itertools import count
 from pathlib import PurePosixPath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml.etree import _Element as Node
 
@@ -23,7 +23,7 @@ from mjcompose.contrast.changes import Change, Value
 from mjcompose.contrast.models import Values, references
 from mjcompose.link.numbers import read, read_pose
 from mjcompose.mujoco.arrays import about
-from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
 from mjcompose.text.faults import word
 from mjcompose.tools.importing.search import Instance
@@ -32,6 +32,9 @@ from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.files import Settings
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 from mjcompose.tree.unit import Unit
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 def flow(values: dict[str, str]) -> str:
@@ -281,7 +284,7 @@ class Likeness(Struct):
     counts: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
 
-def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+def unchanged(mujoco: Any, alone: MjModel, merged: MjModel, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a `Likeness` as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
     ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for names that are not just

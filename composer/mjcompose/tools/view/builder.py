@@ -11,7 +11,7 @@ from dataclasses import field, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Event, Lock, RLock, Thread
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Mark, mark_of, read_regular
@@ -27,6 +27,9 @@ from mjcompose.text.node import texts
 from mjcompose.tools.view.page import Asked, choices, described
 from mjcompose.tools.view.render import check_given
 from mjcompose.tools.view.targets import Targets, movable
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 POLL_SECONDS = 0.15
 _SETTLE_SECONDS = 0.02
@@ -216,7 +219,7 @@ _MOST_SECONDS = 0.2  # for one frame: a model that takes longer plays slowly
 State = dict[str, Any]
 
 
-def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
+def advance(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> State:
     """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
 
     If it `stopped`, the answer has the reason. Missing values come from the keyframe ``key``, or from the reference

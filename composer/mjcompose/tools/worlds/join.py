@@ -9,7 +9,7 @@ from dataclasses import field
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from mjcompose.bundle.listing import SIZES
 from mjcompose.bundle.staging import write_folder
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.arrays import with_trait
-from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, names
+from mjcompose.mujoco.attributes import KINDS, ON_BODIES, NameTable, names
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, arrays, flat
 from mjcompose.pipeline.cache.builder import BuildResult, Maker
@@ -29,6 +29,11 @@ from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Loaded, load, load_many
 from mjcompose.tools.worlds.names import failure
 from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, model_sha256, read
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from mjcompose.mujoco.model_types import MjModel
 
 CODE = "not-a-world"
 _HFIELD = 1
@@ -47,7 +52,7 @@ class Part(Struct):
 class Tree(Struct, frozen=False):
     """A model as named bodies; `own` has the elements on each body, and `children` has its child bodies."""
 
-    model: Model
+    model: MjModel
     name: str
     table: NameTable = field(init=False)
     own: dict[str, Hashable] = field(init=False, default_factory=dict)
@@ -90,7 +95,7 @@ class Tree(Struct, frozen=False):
         model = self.model
         if shape == _HFIELD:
             first = model.hfield_adr[asset]
-            data = model.hfield_data
+            data: NDArray[np.float32] = model.hfield_data
             count = model.hfield_nrow[asset] * model.hfield_ncol[asset]
         elif shape == _MESH:
             first = model.mesh_vertadr[asset]
@@ -251,7 +256,7 @@ class Joining(Struct, frozen=False):
         )
 
 
-def unlike(first: Model, other: Model) -> list[str] | None:
+def unlike(first: MjModel, other: MjModel) -> list[str] | None:
     """Return the reason that a model is a different one, or None if only numbers differ."""
     why = []
     for kind in KINDS:

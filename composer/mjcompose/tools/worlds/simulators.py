@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mujoco as mujoco_module
 import numpy as np
@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
-from mjcompose.mujoco.attributes import Model, NameTable
+from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import OPTION, Refusal
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Worlds, with_numbers
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any:
@@ -131,11 +134,11 @@ def _posed(worlds: Worlds, kind: str) -> list[int]:
     return sorted(found)
 
 
-def _is_fixed(model: Model, body: int) -> bool:
+def _is_fixed(model: MjModel, body: int) -> bool:
     return int(model.body_weldid[body]) == 0 and int(model.body_mocapid[model.body_rootid[body]]) < 0
 
 
-def _has_fixed_geoms(model: Model, body: int) -> bool:
+def _has_fixed_geoms(model: MjModel, body: int) -> bool:
     """Return whether a fixed body or a fixed body below it has geoms."""
     for holder in set(model.geom_bodyid.tolist()):
         while holder > body and _is_fixed(model, holder):
@@ -285,7 +288,9 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         numbers[rows, columns] = values.to(numbers.device)
 
 
-def _places(worlds: Worlds, name: str, entity: str | None, scene: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places(
+    worlds: Worlds, name: str, entity: str | None, scene: MjModel
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the numbers of an array that a scene takes, and their indices there. Raises LoadError."""
     index = worlds.arrays[name].index
     if entity is None:
@@ -323,14 +328,14 @@ class Simulator(Struct):
     """`target` is its name in the table of targets, and `put_model` is its own function for a `mujoco.MjModel`."""
 
     target: str
-    put_model: Callable[[Model], Any]
+    put_model: Callable[[MjModel], Any]
 
     @property
     def name(self) -> str:
         """Return its name in sentences: `MuJoCo Warp`."""
         return TARGETS[self.target].title
 
-    def take(self, worlds: Worlds, model: Model) -> Any:
+    def take(self, worlds: Worlds, model: MjModel) -> Any:
         """Return the simulator's own model of the nominal model of these worlds, or of another one of these worlds.
 
         Raises LoadError for a model that it does not take. The simulator decides; `build --target` knows the same
@@ -345,7 +350,7 @@ class Simulator(Struct):
             note = Note(f"{package} says: {' '.join(str(error).split()) or type(error).__name__}")
             raise LoadError(list(self._refused(worlds, model, note))) from error
 
-    def _refused(self, worlds: Worlds, model: Model, note: Note) -> Iterator[Diagnostic]:
+    def _refused(self, worlds: Worlds, model: MjModel, note: Note) -> Iterator[Diagnostic]:
         """Yield an error for each known reason, or one error with the words of the simulator."""
         found: dict[tuple[str, str], list[Refusal]] = {}
         for limit in TARGETS[self.target].limits:
@@ -415,7 +420,7 @@ def _listed(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _otherwise(worlds: Worlds) -> Model:
+def _otherwise(worlds: Worlds) -> MjModel:
     """Return a model in which each varying number is the largest of the values that are not nominal."""
     largest = {}
     for name, varying in worlds.arrays.items():

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from mjcompose.bundle.read import read
 from mjcompose.bundle.staging import write_folder
 from mjcompose.mujoco.addresses import VECTORS
 from mjcompose.mujoco.arrays import Treatment, about
-from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
@@ -30,6 +30,9 @@ from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
 from mjcompose.verify.draws import are_close
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 class Placed(Struct):
@@ -191,14 +194,14 @@ def _label(group: Group, groups: Sequence[Group]) -> str:
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
 
 
-def _models(group: Group) -> Iterator[Model]:
+def _models(group: Group) -> Iterator[MjModel]:
     nominal = group.first.loaded.model
     varying = dict(group.varying())
     for place in range(len(group.worlds)):
         yield with_numbers(nominal, {name: (own.index, own.values[place]) for name, own in varying.items()})
 
 
-def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: Sequence[str]) -> Model:
+def _world(mujoco: object, union: MjModel, mapped: Mapped, model: MjModel, unused: Sequence[str]) -> MjModel:
     made = copy.copy(union)
     for name in numbers(union):
         if hasattr(model, name):
@@ -217,7 +220,7 @@ def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: S
     return made
 
 
-def _check(mapped: Mapped, made: Model, model: Model, name: str) -> None:
+def _check(mapped: Mapped, made: MjModel, model: MjModel, name: str) -> None:
     """Check that MuJoCo computes the same for the union in a world as for the model. Raises LoadError."""
     different = []
     for array in (*numbers(model), *derived(model)):
@@ -242,7 +245,7 @@ _ALONE = "build these cells separately with `--pick`"
 _OTHER_LINKS = ("tendon_matid", "tendon_actuatorid")
 
 
-def references(model: Model, kind: str, number: int) -> References:
+def references(model: MjModel, kind: str, number: int) -> References:
     """Return the kind and number of each element that one acts on. Raises LoadError for an unknown transmission."""
     if kind == "actuator" and (transmission := int(model.actuator_trntype[number])) not in _TRANSMISSIONS:
         message = f"an actuator with a transmission of type {transmission} cannot be in a union"
@@ -253,14 +256,14 @@ def references(model: Model, kind: str, number: int) -> References:
                 yield link.kind, link.index
 
 
-def words(model: Model, kind: str, number: int, label: Label) -> str:
+def words(model: MjModel, kind: str, number: int, label: Label) -> str:
     """Return an element's type and references: `equality 1 body a body b`."""
     of_type = {"actuator": "actuator_trntype", "equality": "eq_type", "sensor": "sensor_type"}.get(kind)
     head = f"{kind} {int(getattr(model, of_type)[number])}" if of_type else kind
     return " ".join([head, *(f"{of} {label(of, each)}" for of, each in references(model, kind, number))])
 
 
-def referring_bodies(model: Model, kind: str, number: int) -> Iterator[int]:
+def referring_bodies(model: MjModel, kind: str, number: int) -> Iterator[int]:
     for of, each in references(model, kind, number):
         if of == "body":
             yield each
@@ -283,7 +286,7 @@ _NOT_NUMBERS = {Treatment.SKIPPED, Treatment.PRESENT, Treatment.LINKED, Treatmen
 class Mapped:
     """Maps the numbers of a model to a union; `prefix_of` has the prefix of each body of its parts."""
 
-    def __init__(self, union: Model, model: Model, name: str, prefix_of: Mapping[str, str]) -> None:
+    def __init__(self, union: MjModel, model: MjModel, name: str, prefix_of: Mapping[str, str]) -> None:
         self.union = union
         self.model = model
         self.name = name
@@ -361,7 +364,7 @@ class Mapped:
             self._pairs[array] = (to[:, None] * width + columns).ravel(), (of[:, None] * other + columns).ravel()
         return self._pairs[array]
 
-    def put_keys(self, made: Model, model: Model) -> None:
+    def put_keys(self, made: MjModel, model: MjModel) -> None:
         """Write the keys of a model into the union's keys of the same name. Raises LoadError for others."""
         for number, places in enumerate(self.places["key"]):
             for array, (kind, size) in _KEYS.items():
@@ -385,7 +388,7 @@ class Mapped:
         return pairs[:, 0], pairs[:, 1]
 
 
-def numbers(model: Model) -> Iterator[str]:
+def numbers(model: MjModel) -> Iterator[str]:
     """Yield the arrays with properties of elements, as opposed to addresses and references."""
     for name in dir(model):
         array = getattr(model, name) if not name.startswith("_") else None
@@ -395,14 +398,14 @@ def numbers(model: Model) -> Iterator[str]:
             yield name
 
 
-def derived(model: Model) -> Iterator[str]:
+def derived(model: MjModel) -> Iterator[str]:
     """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleeping depends on all children."""
     for name in dir(model):
         if about(name).treatment in (Treatment.SUBTREE, Treatment.DERIVED) and name != "dof_length":
             yield name
 
 
-def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray, Any]]:
+def silenced(union: MjModel, bodies: Iterable[str]) -> list[tuple[str, np.ndarray, Any]]:
     """Return the values that deactivate these bodies in a union: array, flat indices, value."""
     table = NameTable(union)
     at = np.array(sorted(table.ids["body"][name] for name in bodies), np.int64)

@@ -11,7 +11,7 @@ from dataclasses import field, replace
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,13 @@ from mjcompose.bundle.bundle import DRAWS, WORLDS, OutputError, path_of_bundle
 from mjcompose.bundle.manifest import Manifest
 from mjcompose.bundle.read import ReadError, read as read_bundle
 from mjcompose.bundle.staging import staged_file
-from mjcompose.mujoco.attributes import Model
 from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Model as LoadModel, load as load_bundle
 from mjcompose.tools.worlds.names import Index, failure
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 _TABLES = frozenset({DRAWS, WORLDS, "samples.csv"})
 
@@ -127,7 +129,7 @@ def check_installed() -> Any:
     return pyarrow
 
 
-def write_parquet(path: Path, model: Model, table: Table) -> None:
+def write_parquet(path: Path, model: MjModel, table: Table) -> None:
     """Write a table with columns such as `geom_friction pads/left friction[0]`.
 
     The schema has the array and index of each column.
@@ -178,7 +180,7 @@ _TABLE_FILE_ABOUT = "about.json"
 
 
 def write(
-    path: str | PathLike[str], model: Model, table: Table, option: str | None = None, *, inputs: tuple[Path, ...] = ()
+    path: str | PathLike[str], model: MjModel, table: Table, option: str | None = None, *, inputs: tuple[Path, ...] = ()
 ) -> None:
     """Write a table completely or not at all: as Parquet if the name says so, else as `.npz`. Raises OutputError."""
     path = Path(path)
@@ -219,7 +221,7 @@ def read(content: bytes) -> Table:
     return of_about(about, arrays, **given)
 
 
-def with_numbers(model: Model, numbers: Mapping[str, tuple[NDArray[np.int64], NDArray[Any]]]) -> Model:
+def with_numbers(model: MjModel, numbers: Mapping[str, tuple[NDArray[np.int64], NDArray[Any]]]) -> MjModel:
     """Return a copy of a model with these numbers: by array, their flat indices and values."""
     model = copy.copy(model)
     for name, (index, values) in numbers.items():

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, field
 from functools import cache, cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
@@ -14,11 +14,14 @@ from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
 from mjcompose.language.check import MODULES
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
-from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, Model, NameTable, array_of, holder, name_table
+from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, NameTable, array_of, holder, name_table
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.name_order import NameOrder
 from mjcompose.tree.pattern import BadPattern, fitter, is_pattern, literals_of, paths_of
 from mjcompose.tree.values import is_in_degrees
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
 
 
 def failed(
@@ -87,7 +90,7 @@ class Scope:
     """
 
     mujoco: Any
-    model: Model
+    model: MjModel
     prefix: str = ""
     others: Sequence[str] = ()
     separator: str = "/"
@@ -417,7 +420,7 @@ def like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
 CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", {}, "check", modules=MODULES)
 
 
-def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
+def ask(mujoco: Any, model: MjModel, question: dict[str, Any]) -> dict[str, Any]:
     """Return the findings and values of the check `kind` on `asked` in a `scope`; runs under `engine.call`."""
     scope = Scope(mujoco, model, **question["scope"])
     try:

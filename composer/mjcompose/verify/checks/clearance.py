@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -12,6 +12,9 @@ from mjcompose.base.report import with_rest
 from mjcompose.language.check import Check
 from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 from mjcompose.verify.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData
 
 _GLOB = Annotated[str, Name("geom", "body", glob=True)]
 _SIDE = Annotated[tuple[_GLOB, ...], Items(1, single=True)]
@@ -124,7 +127,7 @@ def _line(scope: Scope, pair: Pair, where: str, distance: float, least: float) -
     return f"{one} and {other}{where} are {_measure(distance, least)} apart"
 
 
-def _touching(scope: Scope, data: Any, least: float) -> Iterator[tuple[Pair, float]]:
+def _touching(scope: Scope, data: MjData, least: float) -> Iterator[tuple[Pair, float]]:
     """Yield the pairs nearer than `least`, or touching, even if options of the model disable contacts."""
     mujoco = scope.mujoco
     option = scope.model.opt
@@ -159,7 +162,7 @@ def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
     return list(geoms)
 
 
-def _apart(scope: Scope, data: Any, sides: Sequence[Sequence[int]], least: float) -> Iterator[tuple[Pair, float]]:
+def _apart(scope: Scope, data: MjData, sides: Sequence[Sequence[int]], least: float) -> Iterator[tuple[Pair, float]]:
     """Yield the pairs of geoms of the two sides that are on different bodies, with their distance up to `least`."""
     import numpy as np
 

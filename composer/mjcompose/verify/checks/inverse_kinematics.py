@@ -7,13 +7,15 @@ ball joint is not a box: of 19 targets that two ball joints reach with one of th
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mjcompose.mujoco.addresses import span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
-from mjcompose.mujoco.attributes import Model
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 STARTS = 32
 _STEPS = 150
@@ -36,7 +38,7 @@ class Solver:
     stay closed, and the joints that they move follow. `tolerance` is in meters.
     """
 
-    def __init__(self, mujoco: Any, model: Model, data: Any, site: int, target: Any, tolerance: float) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, data: MjData, site: int, target: Any, tolerance: float) -> None:
         self.mujoco = mujoco
         self.model = model
         self.data = data

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -10,6 +10,9 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.language.check import Check
 from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
 from mjcompose.verify.checks.check import SOLVED, Scope, beside, failed
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData
 
 
 class Reachable(Check):
@@ -57,7 +60,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     return [failed(message, f"within {asked['tolerance']:g} m", f"{nearest} m", "target", more=more)]
 
 
-def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:
+def _in_the_world(scope: Scope, data: MjData, target: list[float], frame: dict[str, Any]) -> Any:
     """Convert a point from the recipe's world, whose pose in the model is `frame`, to the model's."""
     import numpy as np
 

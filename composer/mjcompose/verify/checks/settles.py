@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -11,6 +11,9 @@ from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.scalars import Name, Positive, Unit
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.verify.checks.check import SOLVED, Scope, beside, failed
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjData, MjModel
 
 
 class Near(CheckPart):
@@ -87,7 +90,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     return [failed(message, f"at most {limit:g} {unit}", f"{speed} {unit}", "max_speed")]
 
 
-def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
+def _near(scope: Scope, data: MjData, asked: dict[str, Any]) -> list[Fault]:
     """Report joints that end far from their position in a keyframe."""
     import numpy as np
 
@@ -113,7 +116,7 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
     return [failed(message, f"at most {near['within']:g} {unit}", f"{off} {unit}", "near", "within")]
 
 
-def _unit(model: Any, dof: int, joint: int) -> str:
+def _unit(model: MjModel, dof: int, joint: int) -> str:
     from mjcompose.mujoco.addresses import span
 
     return JOINT_TYPES[int(model.jnt_type[joint])].velocity_units[dof - span(model, "qvel", joint).start]
