@@ -42,12 +42,18 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def _python(heading: str) -> str:
-    """Return the Python blocks of a section as one module; `from __future__` stands once, at its top."""
+    """Return the Python blocks of a section as one module.
+
+    `from __future__` stands once, at its top, and nothing imports the form of a check or verb, which is in the module.
+    """
     section = PAGE.partition(f"## {heading}\n")[2].partition("\n## ")[0]
     future = "from __future__ import annotations\n"
     blocks = re.findall(r"^```python\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
     assert blocks
-    return future + "\n".join(blocks).replace(future, "")
+    module = "\n".join(blocks).replace(future, "")
+    return future + re.sub(
+        r"^from mjcompose\.language\.(verbs|checks)\.\w+ import \w+\n", "", module, flags=re.MULTILINE
+    )
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +163,12 @@ def test_a_row_that_is_none_and_a_word_of_two_packages_are_told(installed: Path,
     done = _run_in(tmp_path, broken)("-m", "mjcompose", "plan", "cell.yaml")
     assert "cell.yaml:8:9: error[extension-broken]" in done.stderr and "mjcompose-lab 0.4.0" in done.stderr
     assert "Traceback" not in done.stderr
+    half = (
+        (broken / "mjcompose_lab" / "hide.py").read_text(encoding="utf-8").replace("def carry_out", "def carried_out")
+    )
+    (broken / "mjcompose_lab" / "hide.py").write_text(half, encoding="utf-8")
+    done = _run_in(tmp_path, broken)("-m", "mjcompose", "plan", "cell.yaml")
+    assert "its module has no function `carry_out`" in done.stderr and "Traceback" not in done.stderr
     other = tmp_path / "other"
     (other / "tall-1.0.dist-info").mkdir(parents=True)
     (other / "tall-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: tall\nVersion: 1.0\n")

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
@@ -46,12 +46,6 @@ class Extension:
     package: str
     version: str
     files: tuple[str, ...]
-
-
-def own_modules(group: str) -> Mapping[str, str]:
-    """Return our own modules of a group by word, as `mjcompose.homes` lists them; nothing else is imported."""
-    modules: Mapping[str, str] = import_module("mjcompose.homes").OWN[group]
-    return modules
 
 
 LOADED: dict[tuple[str, str], Extension] = {}
@@ -91,7 +85,8 @@ class Table(dict[str, Row]):
 
     `in` and `get` load nothing, so a recipe loads nothing by itself. `attribute` is the name of the row in the module
     of an extension, or empty if the entry point names the row itself. `kind` is the class of the row. Our rows may also
-    be `modules`, in which the row has the same name; `[]` imports the module.
+    be `modules`, in which the row has the same name; `[]` imports the module. If the row is the form of something, the
+    module of an extension has its effect, too: a function with one of the names in `effects`.
 
     >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
@@ -108,6 +103,7 @@ class Table(dict[str, Row]):
         *,
         kind: type | None = None,
         modules: Mapping[str, str] | None = None,
+        effects: Sequence[str] = (),
     ) -> None:
         super().__init__(rows)
         self.modules = modules or {}
@@ -115,6 +111,7 @@ class Table(dict[str, Row]):
         self._group = group
         self._attribute = attribute
         self._kind = kind
+        self._effects = effects
 
     def __contains__(self, word: object) -> bool:
         return super().__contains__(word) or word in self.modules
@@ -137,6 +134,9 @@ class Table(dict[str, Row]):
             what = f"`{self._attribute}` in its module" if self._attribute else "its object"
             expected = "a function" if self._kind is None else f"of the class `{self._kind.__name__}`"
             raise _broken(self._group, word, f"{what} is not {expected}")
+        if self._effects and not any(callable(getattr(loaded, name, None)) for name in self._effects):
+            names = " or ".join(f"`{name}`" for name in self._effects)
+            raise _broken(self._group, word, f"its module has no function {names}")
         called = getattr(row, "word", None) or getattr(row, "name", None)
         if self._group != "commands" and called not in (None, word):
             raise _broken(self._group, word, f"its row calls itself `{called}`")

@@ -80,7 +80,7 @@ def cost_of_selecting(selector: Selector, selection: Selection) -> float:
 def count_values(value: Any) -> int:
     """Return the number of values that an entry writes for each element.
 
-    >>> from mjcompose.compose.verbs.set import Set
+    >>> from mjcompose.language.verbs.set import Set
     >>> count_values({"set": Set.model_validate({"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]})})
     2
     """

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set as AbstractSet
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose import homes
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path, Span
+from mjcompose.base.extensions import Table, check_rows
 from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.checks import check_intervals
 from mjcompose.compose.editing import Count, Editing, count_values, select_counted
@@ -19,12 +21,12 @@ from mjcompose.compose.elements import ElementBuilder
 from mjcompose.compose.load import PartRequest
 from mjcompose.compose.randomize import draw_values
 from mjcompose.compose.values import Masses, UnusableValue
-from mjcompose.compose.verbs import set as set_verb
 from mjcompose.compose.verbs.remove import listed_kind, remove
-from mjcompose.compose.verbs.rename import Rename
 from mjcompose.compose.verbs.values import Entry
 from mjcompose.language.assign import flat
-from mjcompose.language.edit import Drop
+from mjcompose.language.edit import VERBS, Drop
+from mjcompose.language.verbs.rename import Rename
+from mjcompose.language.verbs.set import Set
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
 from mjcompose.link.linking import Linking, Request
@@ -40,6 +42,13 @@ from mjcompose.tree.unit import Key, PartKeys, Unit
 if TYPE_CHECKING:
     from mjcompose.compose.compose import Composer
     from mjcompose.compose.mesh_jobs import MeshWorkshop
+
+EFFECTS: Table[Callable[[Any, Entry, Path], None]] = Table("verbs", {}, "carry_out", modules=homes.VERBS)
+"""The effect of each verb on the selected elements. It gets the verb's form and its path.
+
+An effect raises `UnusableValue` after an error that it reported.
+"""
+check_rows("the effects of verbs in composer/mjcompose/homes.py", EFFECTS.own, VERBS.own)
 
 _SETTINGS = ("option", "size", "visual", "statistic")
 
@@ -87,7 +96,7 @@ def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) 
         editing.actuator_models.clear()
     try:
         for name, verb in entry.verbs.items():
-            verb.carry_out(work, (*entry.at, name))
+            EFFECTS[name](verb, work, (*entry.at, name))
         work.check()
     except UnusableValue:
         return None
@@ -169,7 +178,7 @@ def _carry_out(step: EditElements, editing: Editing, plan: Plan, composer: Compo
     editing.sink.has_named(step.span)
 
 
-def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
+def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: AbstractSet[Node]) -> dict[str, PartKeys]:
     """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
     def kept(key: Key) -> Key:
@@ -260,7 +269,7 @@ class ModelEdits(Struct):
         written: dict[tuple[Span, str, str], tuple[Any, Span]] = {}
         for step in self.plan.edits:
             verb = step.edit.verbs.get("set")
-            if step.span.turn is None or not isinstance(verb, set_verb.Set):
+            if step.span.turn is None or not isinstance(verb, Set):
                 continue
             selector = repr(replace(step.edit.select, at=()))
             for attribute, value in verb.written.items():

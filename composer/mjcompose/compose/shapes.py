@@ -31,7 +31,7 @@ from mjcompose.tree.files import written_path
 from mjcompose.tree.select import name_of, section_of
 
 if TYPE_CHECKING:
-    from mjcompose.compose.verbs.collision import Collision
+    from mjcompose.language.verbs.collision import Collision
 
 _NEUTRAL = {"scale": "1 1 1", "refpos": "0 0 0", "refquat": "1 0 0 0"}
 _FILE_NAME = re.compile(r"[^\w.+-]")

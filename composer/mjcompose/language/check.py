@@ -7,14 +7,15 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from mjcompose import homes
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.extensions import Table, own_modules
+from mjcompose.base.extensions import Table
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import Turns, When
 
-MODULES = own_modules("checks")
+MODULES = homes.CHECKS
 """The module of each check: its form and its executor. A recipe imports those that it writes."""
 SEVERITY = "severity"
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, PrivateAttr
 
-from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.base.extensions import Table, check_rows, own_modules
+from mjcompose.base.diagnostic import Fault, Note
+from mjcompose.base.extensions import Table, check_rows
 from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
@@ -43,7 +43,7 @@ class For:
 
 
 class Verb(Model):
-    """A change that an entry of `edit` makes to each selected element.
+    """The form of a change that an entry of `edit` makes to each selected element. `compose/verbs` has the effect.
 
     A verb that `reshapes` makes, removes or moves elements, after which a part cannot be compared with its source. A
     verb that is `alone` cannot be combined with other verbs. `values` is the kind of definition of its values in the
@@ -54,17 +54,12 @@ class Verb(Model):
     alone: ClassVar[bool] = False
     values: ClassVar[str | None] = None
 
-    def carry_out(self, entry: Any, at: Path) -> None:
-        """Apply the verb to the selected elements; `at` is its path. Raises Unusable after a reported error.
-
-        `entry` is an `Entry` of `compose.verbs.values`.
-        """
-        raise NotImplementedError
-
     def words(self) -> str:
+        """Return the change as a plan says it."""
         raise NotImplementedError
 
     def changes(self, tag: str | None) -> Changed:
+        """Return the attributes that change, with the tags of their elements; the selector has this tag."""
         return ()
 
 
@@ -78,11 +73,41 @@ def listed(values: Mapping[str, Any]) -> str:
     return f" with {', '.join(given)}" if given else ""
 
 
-_MODULES = own_modules("verbs")
-VERBS: Table[type[Verb]] = Table("verbs", {}, "VERB", kind=Verb, modules=_MODULES)
+def with_settings(method: str, settings: Any) -> str:
+    """Return the method and its settings as in plans and manifests.
+
+    >>> with_settings("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
+    'decompose (parts 8, threshold 0.05, seed 1)'
+    """
+    if isinstance(settings, str):
+        return f"{method} {settings}"
+    written = [f"{name} {shown(value)}" for name, value in settings.items() if value is not None]
+    return f"{method} ({', '.join(written)})" if written else method
+
+
+_OWN = (
+    "set",
+    "scale",
+    "simplify",
+    "collision",
+    "inertia",
+    "convert",
+    "datasheet",
+    "move",
+    "rename",
+    "remove",
+)
+VERBS: Table[type[Verb]] = Table(
+    "verbs",
+    {},
+    "VERB",
+    kind=Verb,
+    modules={word: f"mjcompose.language.verbs.{word}" for word in _OWN},
+    effects=("carry_out",),
+)
 """All verbs, in the order in which an entry carries them out and `fmt` writes them: the form of each value.
 
-One of ours is imported when a recipe writes it, like one of another package.
+One of ours is imported when a recipe writes it, like one of another package. `mjcompose.homes` has the effects.
 """
 
 

@@ -14,9 +14,9 @@ from mjcompose.base.rotation import Pose
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
-from mjcompose.language.edit import Drop, Edit
+from mjcompose.language.edit import Drop, Edit, with_settings
 from mjcompose.language.recipe import Order
-from mjcompose.language.value import attribute_and_index, shown
+from mjcompose.language.value import attribute_and_index
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.plan.steps import (
     AddedPlace,
@@ -114,7 +114,7 @@ class GeneratedShapes(Struct):
 
     @property
     def how(self) -> str:
-        return in_words(self.method, self.wanted)
+        return with_settings(self.method, self.wanted)
 
     @property
     def words(self) -> str:
@@ -212,18 +212,6 @@ class PartRecord(Struct):
 def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> list[PartRecord]:
     """Return the record of a part, or all records of a nested recipe; with None all of them."""
     return [each for each in members if part is None or each.part == part or each.part.startswith(part + separator)]
-
-
-def in_words(method: str, wanted: Any) -> str:
-    """Return the method and its settings as in plans and manifests.
-
-    >>> in_words("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
-    'decompose (parts 8, threshold 0.05, seed 1)'
-    """
-    if isinstance(wanted, str):
-        return f"{method} {wanted}"
-    written = [f"{name} {shown(value)}" for name, value in wanted.items() if value is not None]
-    return f"{method} ({', '.join(written)})" if written else method
 
 
 MESH_VERBS = frozenset({"collision", "simplify"})

@@ -53,7 +53,7 @@ class Entry(Model):
 class Late(Model):
     """A section that is imported when it is written."""
 
-    fields: Annotated[Any, Lazy("mjcompose.compose.verbs.move:Move")] = None
+    fields: Annotated[Any, Lazy("mjcompose.language.verbs.move:Move")] = None
     """what is drawn"""
     entries: Annotated[tuple[Entry, ...], Items()] = ()
     """what is done"""

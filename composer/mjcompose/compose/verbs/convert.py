@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, NoReturn
+from typing import Any, NoReturn
 
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
 from mjcompose.compose.editing import Editing, is_limited_by_range
 from mjcompose.compose.elements import pose_number
 from mjcompose.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.compose.verbs.values import Entry
-from mjcompose.language.assign import Checker
-from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.element_schema import attribute_schema
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings
-from mjcompose.language.forms.model import IT, WHOLE
-from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import kind_of, read_value
+from mjcompose.language.value import read_value
+from mjcompose.language.verbs.convert import FROM, Convert
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import part_keys
@@ -57,108 +50,23 @@ _INSTEAD = {
 _UNSAID = ("actrange", "actearly", "actdim")
 
 
-_KINDS = ("general", "motor", "pid", "position", "velocity")
-FROM = "from-"
-_TO = "to"
-_KIND: Schema = {"enum": [*_KINDS], "description": "the new kind of actuator"}
-
-
-class _Conversion(ByGrammar):
-    """A kind of actuator in `to`, with its attributes, each a value or `from-ATTRIBUTE`."""
-
-    def schema(self) -> Schema:
-        found: list[Schema] = []
-        for kind in _KINDS:
-            attributes = GRAMMAR.element(f"actuator/{kind}").attributes.values()
-            given = {each.name: _or_taken(attribute_schema(each, kind)) for each in attributes if each.name != "name"}
-            target: Schema = {"properties": {_TO: {"const": kind}}, "required": [_TO]}
-            found.append({"if": target, "then": {"properties": {_TO: _KIND, **given}, "additionalProperties": False}})
-        return {"type": "object", "properties": {_TO: _KIND}, "required": [_TO], "allOf": found}
-
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> dict[str, Any]:
-        if not isinstance(value, dict) or not value:
-            message = f"{IT} expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
-            faults.append(Fault("wrong-type", message, help="write `convert: {to: motor}`"))
-            return {}
-        faults += _attribute_faults(value, settings.bare_angles) if value.get(_TO) in _KINDS else [_no_target(value)]
-        return dict(value)
-
-
-def _attribute_faults(value: Mapping[str, Any], bare_angles: bool) -> list[Fault]:
-    faults: list[Fault] = []
-    checker = Checker(bare_angles, faults)
-    to = str(value[_TO])
-    kind = GRAMMAR.element(f"actuator/{to}")
-    for name, item in value.items():
-        if name == _TO:
-            continue
-        if name not in kind.attributes or name == "name":
-            faults.append(unknown_attribute(name, to, (kind,), at=(name,)))
-        elif isinstance(item, str) and item.startswith(FROM):
-            if item.removeprefix(FROM) not in GRAMMAR.element("actuator/general").attributes:
-                help = "write for instance `ctrlrange: from-forcerange`"
-                message = f"`{item}` names no attribute of an actuator"
-                faults.append(Fault("unknown-attribute", message, (name,), help=help))
-        else:
-            checker.value("set", [(to, kind.attributes[name])], None, value=item, tag=to, at=(name,))
-    return faults
-
-
-def _no_target(value: Mapping[str, Any]) -> Fault:
-    known = ", ".join(f"`{name}`" for name in _KINDS)
-    if _TO not in value:
-        return Fault("missing-key", f"{IT} lacks `to`", key=True, help=f"write `to:` and one of {known}", lacks=_TO)
-    to = str(value[_TO])
-    near = closest(to, _KINDS)
-    return Fault(
-        "wrong-keyword",
-        f"an actuator cannot be converted to {kind_of(value[_TO])}",
-        (_TO,),
-        notes=(exists_note("kind", _KINDS, to),),
-        help=f"write `to: {near[0]}`" if near else None,
-        fix=renaming(to, _KINDS),
-    )
-
-
-def _or_taken(schema: Schema) -> Schema:
-    taken: Schema = {"type": "string", "pattern": f"^{FROM}"}
-    about = {key: each for key, each in schema.items() if key == "description"}
-    return {"anyOf": [{key: each for key, each in schema.items() if key not in about}, taken], **about}
-
-
-class Convert(Verb):
-    """another kind of actuator, and its attributes"""
-
-    rules: ClassVar = (For("actuator/", what="for actuators, and `{tag}` is not an actuator"),)
-    reshapes: ClassVar = True
-
-    written: Annotated[dict[str, Any], _Conversion()] = Field(alias=WHOLE)
-    """the kind, and its attributes"""
-
-    @property
-    def to(self) -> str:
-        return str(self.written[_TO])
-
-    def words(self) -> str:
-        return f"convert to {self.to}{listed({name: each for name, each in self.written.items() if name != _TO})}"
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        editing = entry.editing
-        found = entry.found
-        to = self.to
-        written = self.written
-        models = _models(editing, found)
-        lost: dict[str, list[str]] = {}
-        for index, node in enumerate(found):
-            if (model := models.get(node)) is None:
-                message = f"{editing.called(node)} cannot be converted: MuJoCo does not describe its behavior"
-                report_unusable(editing, node, Fault("not-supported", message, at), it="it")
-            given = _given(editing, node, index, to=to, model=model, written=written, at=at)
-            was = editing.called(node)
-            for loss in _converted(editing, node, to, model=model, given=given, at=at):
-                lost.setdefault(loss, []).append(was)
-        if lost:
-            _report(editing, to, lost, at=at)
+def carry_out(verb: Convert, entry: Entry, at: Path) -> None:
+    editing = entry.editing
+    found = entry.found
+    to = verb.to
+    written = verb.written
+    models = _models(editing, found)
+    lost: dict[str, list[str]] = {}
+    for index, node in enumerate(found):
+        if (model := models.get(node)) is None:
+            message = f"{editing.called(node)} cannot be converted: MuJoCo does not describe its behavior"
+            report_unusable(editing, node, Fault("not-supported", message, at), it="it")
+        given = _given(editing, node, index, to=to, model=model, written=written, at=at)
+        was = editing.called(node)
+        for loss in _converted(editing, node, to, model=model, given=given, at=at):
+            lost.setdefault(loss, []).append(was)
+    if lost:
+        _report(editing, to, lost, at=at)
 
 
 def _models(editing: Editing, found: list[Node]) -> dict[Node, ActuatorModel]:
@@ -644,6 +552,3 @@ def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) 
     notes = [Note(f"lost: {loss}{few[loss] * (len(names) != count)}") for loss, names in lost.items()]
     message = f"{what} cannot do everything that {'it' if count == 1 else 'they'} did as `{to}`"
     editing.sink.warning("convert-loss", message, editing.span(at), notes=notes)
-
-
-VERB = Convert

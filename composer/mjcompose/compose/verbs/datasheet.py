@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, NoReturn
+from typing import Any, NoReturn
 
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
@@ -14,11 +13,8 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.compose.editing import Editing, is_limited_by_range
 from mjcompose.compose.values import UnusableValue, report_unusable
 from mjcompose.compose.verbs.values import SET, Change, Entry
-from mjcompose.language.assign import Changed
 from mjcompose.language.datasheets import SHEETS, Sheet, library
-from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.model import Exclusive
-from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
+from mjcompose.language.verbs.datasheet import Datasheet
 from mjcompose.link import numbers
 from mjcompose.link.delays import samples_in, time_step
 from mjcompose.link.key_layout import joint_type
@@ -28,67 +24,28 @@ _SERVOS = ("position", "velocity")
 _PLAIN = ("motor",)
 
 
-_CHANGED = (
-    *(("actuator", name) for name in "kp kv dampratio forcerange forcelimited delay nsample".split()),
-    *(("joint", name) for name in ("armature", "frictionloss", "damping")),
-)
-
-
-class Datasheet(Verb):
-    """the torque, gains and armature of a motor, from its data sheet"""
-
-    rules: ClassVar = (
-        For(
-            "actuator/",
-            what="for actuators, and `{tag}` is not an actuator",
-            help="select the actuator of the joint: `select: {actuator: NAME}`",
-        ),
-        Exclusive("bandwidth", "error"),
-    )
-    example: ClassVar = "{model: NAME, bandwidth: 5}"
-
-    model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
-    """a data sheet of the section `datasheets`, or one that comes with mjcompose"""
-    bandwidth: Annotated[Positive, Unit("Hz")] | None = None
-    """the bandwidth, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
-    error: Annotated[Positive, Unit("rad")] | None = None
-    """the error in rad at which the motor gives its greatest torque, instead of `bandwidth`"""
-    damping_ratio: NotNegative | None = None
-    """the damping ratio, with `bandwidth`; by default 1"""
-    inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
-    """the inertia of the load, without the armature, in kg·m², with `bandwidth`"""
-    effort: Literal["peak", "rated"] = "peak"
-    """its peak or its rated torque"""
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        editing = entry.editing
-        sheet = _sheet(editing, self.model, (*at, "model"))
-        effort = sheet.effort
-        if self.effort == "rated":
-            if sheet.rated is None:
-                message = f"the data sheet of `{self.model}` has no rated torque"
-                editing.sink.error("missing-key", message, editing.span((*at, "effort")), help="leave `effort` out")
-                raise UnusableValue
-            effort = sheet.rated
-        known = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
-        of_joint = {name: value for name, value in known.items() if value is not None}  # the others stay as they are
-        for index, node in enumerate(entry.found):
-            joint, gear = _joint(editing, node, at)
-            _without_other(editing, node, at)
-            change = Change(editing, SET, entry.masses)
-            change.carry_out(joint, index, of_joint, at=at)
-            drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=self, at=at)
-            change.carry_out(node, index, drive.values(), at=at)
-            if sheet.delay:
-                # The time step of the whole model is not known yet.
-                editing.linking.base.origins.delays[node] = str(node.get("nsample"))
-
-    def words(self) -> str:
-        written = {name: getattr(self, name) for name in self.key_names() if name in self.model_fields_set}
-        return f"datasheet {self.model}{listed({name: each for name, each in written.items() if name != 'model'})}"
-
-    def changes(self, tag: str | None) -> Changed:
-        return _CHANGED
+def carry_out(verb: Datasheet, entry: Entry, at: Path) -> None:
+    editing = entry.editing
+    sheet = _sheet(editing, verb.model, (*at, "model"))
+    effort = sheet.effort
+    if verb.effort == "rated":
+        if sheet.rated is None:
+            message = f"the data sheet of `{verb.model}` has no rated torque"
+            editing.sink.error("missing-key", message, editing.span((*at, "effort")), help="leave `effort` out")
+            raise UnusableValue
+        effort = sheet.rated
+    known = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
+    of_joint = {name: value for name, value in known.items() if value is not None}  # the others stay as they are
+    for index, node in enumerate(entry.found):
+        joint, gear = _joint(editing, node, at)
+        _without_other(editing, node, at)
+        change = Change(editing, SET, entry.masses)
+        change.carry_out(joint, index, of_joint, at=at)
+        drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=verb, at=at)
+        change.carry_out(node, index, drive.values(), at=at)
+        if sheet.delay:
+            # The time step of the whole model is not known yet.
+            editing.linking.base.origins.delays[node] = str(node.get("nsample"))
 
 
 def _sheet(editing: Editing, name: str, at: Path) -> Sheet:
@@ -191,6 +148,3 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
     message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
     help = "write `convert: {to: position}` next to it, or `to: motor`"
     report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
-
-
-VERB = Datasheet

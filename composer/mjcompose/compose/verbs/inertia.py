@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Annotated, ClassVar, Literal
 
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.sink import Sink
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, report_unusable
 from mjcompose.compose.verbs.values import Entry
-from mjcompose.language.assign import Changed
-from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.scalars import Positive, Unit, Whole
+from mjcompose.language.verbs.inertia import Inertia
 from mjcompose.link import numbers
 from mjcompose.link.inertia import INERTIA_RULES
 from mjcompose.link.linking import Linking
@@ -27,44 +23,25 @@ from mjcompose.tree.edit import replace
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
-class Inertia(Verb):
-    """mass and inertia from the geoms, at a density"""
-
-    rules: ClassVar = (For("body", what="for bodies, and `{tag}` is not a body", help="write `select: {body: NAME}`"),)
-    example: ClassVar = "{from: mesh, density: 1000}"
-
-    source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
-    """from the geoms that are meshes, or from all geoms of the body"""
-    density: Annotated[Positive, Unit("kg/m³")] = Field(examples=[1000])
-    """in kg/m³"""
-    group: Whole | None = None
-    """only from the geoms of this group"""
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        editing = entry.editing
-        found = entry.found
-        wanted = {body: _geoms(editing, body, self, at=at) for body in found}
-        for body, geoms in wanted.items():
-            _refuse_shells(editing, body, geoms, at=at)
-        entry.masses.settle(*INERTIA_RULES)
-        survey, there = _measured(editing, wanted, self.density, at=at)
-        for body in found:
-            rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
-            mass, pos, quat, moments = rows.values()
-            if mass is None or pos is None or quat is None or moments is None:
-                message = f"MuJoCo does not say what {editing.called(body)} weighs"
-                report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
-            if not mass[0] > 0:
-                message = f"the geoms of {editing.called(body)} have no volume"
-                help = "write its mass: `set: {mass: …}`"
-                report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
-            _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
-
-    def words(self) -> str:
-        return f"inertia from {self.source}{listed({'density': self.density, 'group': self.group})}"
-
-    def changes(self, tag: str | None) -> Changed:
-        return [("inertial", name) for name in ("mass", "pos", "quat", "diaginertia")]
+def carry_out(verb: Inertia, entry: Entry, at: Path) -> None:
+    editing = entry.editing
+    found = entry.found
+    wanted = {body: _geoms(editing, body, verb, at=at) for body in found}
+    for body, geoms in wanted.items():
+        _refuse_shells(editing, body, geoms, at=at)
+    entry.masses.settle(*INERTIA_RULES)
+    survey, there = _measured(editing, wanted, verb.density, at=at)
+    for body in found:
+        rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
+        mass, pos, quat, moments = rows.values()
+        if mass is None or pos is None or quat is None or moments is None:
+            message = f"MuJoCo does not say what {editing.called(body)} weighs"
+            report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
+        if not mass[0] > 0:
+            message = f"the geoms of {editing.called(body)} have no volume"
+            help = "write its mass: `set: {mass: …}`"
+            report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
 
 
 def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
@@ -164,6 +141,3 @@ def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
         geom.set("mass", "nan" if counts else "0")
         if counts:
             geom.set("density", numbers.text([density]))
-
-
-VERB = Inertia

@@ -2,79 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar
-
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.compose.verbs.values import SET, Change, Entry
-from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.model import Exclusive
-from mjcompose.language.forms.scalars import Attribute
-from mjcompose.language.placing import ORIENTATIONS, Frame, Place
-from mjcompose.language.select import kinds_of, unknown_attribute
+from mjcompose.language.placing import Frame
+from mjcompose.language.verbs.move import Move
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.tree.classes import MAIN, NESTED, childclass_of, through_frames
 from mjcompose.tree.cost import all_scaled_above
 from mjcompose.tree.edit import assign, unresolved
-from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.select import kind_of
 
-_IN_THE_TREE = {child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()}
 
-
-class Move(Verb):
-    """The new parent, a body or a frame, and the pose there."""
-
-    rules: ClassVar = (For(*_IN_THE_TREE, what="for the body tree, and `{tag}` is not in it"), Exclusive(*ORIENTATIONS))
-    example: ClassVar = "{to: NAME}"
-    reshapes: ClassVar = True
-
-    to: Place = Field(examples=["NAME"])
-    """a body, `world`, or `{frame: NAME}`"""
-    pos: Annotated[Any, Attribute("frame", "pos", computed=True)] = None
-    """`pos` in the frame of the new parent"""
-    quat: Annotated[Any, Attribute("frame", "quat", computed=True)] = None
-    """`quat` in the frame of the new parent"""
-    euler: Annotated[Any, Attribute("frame", "euler", computed=True)] = None
-    """`euler` in the frame of the new parent"""
-    axisangle: Annotated[Any, Attribute("frame", "axisangle", computed=True)] = None
-    """`axisangle` in the frame of the new parent"""
-    xyaxes: Annotated[Any, Attribute("frame", "xyaxes", computed=True)] = None
-    """`xyaxes` in the frame of the new parent"""
-    zaxis: Annotated[Any, Attribute("frame", "zaxis", computed=True)] = None
-    """`zaxis` in the frame of the new parent"""
-
-    @property
-    def pose(self) -> dict[str, Any]:
-        """The attributes that are written, in the order of the fields."""
-        given = {name: getattr(self, name) for name in ("pos", *ORIENTATIONS)}
-        return {name: value for name, value in given.items() if value is not None}
-
-    def contradictions(self, context: Settings) -> Iterator[Fault]:
-        tag = context.selected.tag if context.selected is not None else ""
-        kinds = kinds_of(tag) if tag else ()
-        if kinds:
-            for name in self.pose:
-                if not any(name in kind.attributes for kind in kinds):
-                    yield unknown_attribute(name, tag, kinds, at=(name,))
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        # Each element moves first: its pose is relative to the new parent.
-        for index, node in enumerate(entry.found):
-            _move(entry.editing, node, index, to=self.to, at=at)
-            if self.pose:
-                Change(entry.editing, SET, entry.masses).carry_out(node, index, self.pose, at=at)
-
-    def words(self) -> str:
-        place = f"the frame {self.to.frame}" if isinstance(self.to, Frame) else self.to
-        return f"move to {place}{listed(self.pose)}"
+def carry_out(verb: Move, entry: Entry, at: Path) -> None:
+    # Each element moves first: its pose is relative to the new parent.
+    for index, node in enumerate(entry.found):
+        _move(entry.editing, node, index, to=verb.to, at=at)
+        if verb.pose:
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, verb.pose, at=at)
 
 
 def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> None:
@@ -170,6 +119,3 @@ def _keep_class(editing: Editing, node: Node, target: Node) -> None:
     # `class="main"` means the top class even below a `childclass`.
     elif kind_of(node).takes_class and not node.get("class"):
         assign(editing, node, {"class": before or MAIN})
-
-
-VERB = Move

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
-
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.verbs.values import Entry
-from mjcompose.language.edit import Verb
-from mjcompose.language.forms.model import WHOLE
+from mjcompose.language.verbs.remove import Remove
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.tree.edit import Removal, is_section, unused_instances, whole
 from mjcompose.tree.names import declaration, is_list, word
@@ -20,20 +16,8 @@ from mjcompose.tree.select import kind_of, naming_attribute, section_of
 _SHOWN = 20
 
 
-class Remove(Verb):
-    """`true` removes it if nothing refers to it, `cascade` also removes everything that does"""
-
-    alone: ClassVar = True
-    reshapes: ClassVar = True
-
-    how: Literal[True, "cascade"] = Field(alias=WHOLE)
-    """`true` or `cascade`"""
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        entry.gone += remove(entry.editing, entry.found, cascade=self.how == "cascade", at=at)
-
-    def words(self) -> str:
-        return "remove" if self.how is True else "remove it, with everything that refers to it"
+def carry_out(verb: Remove, entry: Entry, at: Path) -> None:
+    entry.gone += remove(entry.editing, entry.found, cascade=verb.how == "cascade", at=at)
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
@@ -116,6 +100,3 @@ def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None
         help="write `remove: cascade` to remove the elements that refer to it, too",
         subjects=[name for _, node in removal.going for name in editing.subjects(node)],
     )
-
-
-VERB = Remove

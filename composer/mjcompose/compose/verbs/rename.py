@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path as PathlibPath
-from typing import Annotated
 
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.naming import odd_character
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, Values
 from mjcompose.compose.verbs.values import Entry
-from mjcompose.language.edit import Verb
-from mjcompose.language.forms.model import WHOLE
-from mjcompose.language.forms.scalars import Name
-from mjcompose.text.evaluate import Template
+from mjcompose.language.verbs.rename import Rename
 from mjcompose.text.node import locate
 from mjcompose.tree.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
 from mjcompose.tree.grammar import Attribute
@@ -49,55 +43,37 @@ def rename_in_skins(editing: Editing, names: Mapping[str, str], at: Path) -> Non
             files[files.index(use)] = use._replace(content=content, shared=False)
 
 
-class Rename(Verb):
-    """the new name, which every reference follows"""
-
-    name: Annotated[str, Name(computed=True, what="the new name", new=True)] = Field(
-        alias=WHOLE, examples=['"${name}_left"']
-    )
-    """the new name"""
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        # All names are decided before the first is written, so two can change places.
-        entry.check()  # messages name the elements as they are written
-        editing = entry.editing
-        named = enumerate(entry.found)
-        new = {node: _new_name(editing, node, index, written=self.name, at=at) for index, node in named}
-        _take_twists_along(editing, new)
-        _check_twists(editing, new, at)
-        _check(editing, new, at)
-        renaming = _renaming(editing, new)
-        for reference, name in renaming.unlistable():
-            user = reference.node
-            message = unlistable_message(reference, name, editing.called(user))
-            note = Note("the list is here", editing.span_of(user))
-            editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
-            raise UnusableValue
-        for node in new:
-            editing.forget(node)
-            editing.write(node, {_naming(node).name: at})
-        bodies = {str(node.get("name")): name for node, name in new.items() if node.tag == "body" and node.get("name")}
-        for node, name in new.items():
-            naming = _naming(node)
-            # You ask `explain` for the final name of an element, and it shows how the element got it.
-            if old := own_name(node, naming.name):
-                editing.making.origins.renamed.setdefault(node, []).append((old, name))
-            node.set(naming.name, name)
-        for node in new:
-            editing.note(node)
-        renaming.carry_out()
-        if bodies:
-            rename_in_skins(editing, bodies, at)
-
-    def words(self) -> str:
-        return f"rename to {self.name}"
-
-    def new_names(self) -> re.Pattern[str] | None:
-        """Return the names that it may give; None if it may give any name."""
-        pieces = Template.parse(self.name).pieces
-        if not any(isinstance(piece, str) for piece in pieces):
-            return None
-        return re.compile("".join(re.escape(piece) if isinstance(piece, str) else ".*" for piece in pieces))
+def carry_out(verb: Rename, entry: Entry, at: Path) -> None:
+    # All names are decided before the first is written, so two can change places.
+    entry.check()  # messages name the elements as they are written
+    editing = entry.editing
+    named = enumerate(entry.found)
+    new = {node: _new_name(editing, node, index, written=verb.name, at=at) for index, node in named}
+    _take_twists_along(editing, new)
+    _check_twists(editing, new, at)
+    _check(editing, new, at)
+    renaming = _renaming(editing, new)
+    for reference, name in renaming.unlistable():
+        user = reference.node
+        message = unlistable_message(reference, name, editing.called(user))
+        note = Note("the list is here", editing.span_of(user))
+        editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
+        raise UnusableValue
+    for node in new:
+        editing.forget(node)
+        editing.write(node, {_naming(node).name: at})
+    bodies = {str(node.get("name")): name for node, name in new.items() if node.tag == "body" and node.get("name")}
+    for node, name in new.items():
+        naming = _naming(node)
+        # You ask `explain` for the final name of an element, and it shows how the element got it.
+        if old := own_name(node, naming.name):
+            editing.making.origins.renamed.setdefault(node, []).append((old, name))
+        node.set(naming.name, name)
+    for node in new:
+        editing.note(node)
+    renaming.carry_out()
+    if bodies:
+        rename_in_skins(editing, bodies, at)
 
 
 def _naming(node: Node) -> Attribute:
@@ -207,6 +183,3 @@ def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
         if (old := own_name(node, naming.name)) is not None:
             names.append(NewName(editing, naming.declares, old, new=name))
     return Renaming.of(names)
-
-
-VERB = Rename

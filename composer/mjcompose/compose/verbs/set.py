@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar
+from typing import Any
 
 from lxml.etree import _Element as Node
-from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, report_unusable
 from mjcompose.compose.verbs.values import SET, Entry, change_all
-from mjcompose.language.assign import Changed, Values, changes_of, flat
-from mjcompose.language.edit import Verb
-from mjcompose.language.forms.model import WHOLE
 from mjcompose.language.fragment import report_clashing, report_missing
+from mjcompose.language.verbs.set import Set
 from mjcompose.tree.classes import chain
 from mjcompose.tree.edit import assign
 from mjcompose.tree.select import kind_of
@@ -25,29 +22,15 @@ from mjcompose.tree.select import kind_of
 _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 
 
-class Set(Verb):
-    """attributes and their new values; `friction[0]` is one number, null removes an attribute"""
-
-    values: ClassVar = "settable"
-
-    written: Annotated[dict[str, Any], Values("set")] = Field(alias=WHOLE)
-    """attributes and their new values"""
-
-    def carry_out(self, entry: Entry, at: Path) -> None:
-        going, values = _parted(self.written)
-        names = tuple(name for name, each in going.items() if each is None)
-        if names:  # required attributes that are then lacking are reported at the end of the entry
-            lacked = {node: _missing_attributes(entry.editing, node) for node in entry.found}
-            entry.checks.append(lambda: _report_newly_missing(entry.editing, lacked, names, at=at))
-        _remove(entry.editing, entry.found, going, at=at)
-        if values:
-            change_all(entry, SET, values, at=at)
-
-    def words(self) -> str:
-        return f"set {', '.join(f'{attribute} = {each}' for attribute, each in flat(self.written))}"
-
-    def changes(self, tag: str | None) -> Changed:
-        return changes_of(tag, self.written)
+def carry_out(verb: Set, entry: Entry, at: Path) -> None:
+    going, values = _parted(verb.written)
+    names = tuple(name for name, each in going.items() if each is None)
+    if names:  # required attributes that are then lacking are reported at the end of the entry
+        lacked = {node: _missing_attributes(entry.editing, node) for node in entry.found}
+        entry.checks.append(lambda: _report_newly_missing(entry.editing, lacked, names, at=at))
+    _remove(entry.editing, entry.found, going, at=at)
+    if values:
+        change_all(entry, SET, values, at=at)
 
 
 def _parted(written: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -117,6 +100,3 @@ def _report_newly_missing(
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:
     return any(step.lookup(str(node.tag), name) for step in chain(node, editing.classes))
-
-
-VERB = Set

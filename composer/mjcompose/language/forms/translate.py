@@ -162,7 +162,7 @@ def name_scopes(root: Any) -> dict[Path, Name]:
 def key_order(root: Any) -> dict[Path, list[str]]:
     """Return the keys of every mapping with fixed keys in the order in which `fmt` writes them.
 
-    >>> from mjcompose.compose.verbs.move import Move
+    >>> from mjcompose.language.verbs.move import Move
     >>> key_order(Move)[("to",)]
     ['frame']
     """
