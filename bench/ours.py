@@ -8,7 +8,7 @@ from pathlib import Path
 from lxml import etree
 from mjcompose.base.sink import Sink
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import AttachmentPlace, Linking, Measure, Part, Request
+from mjcompose.link.linking import AttachmentPlace, Linking, LinkRequest, ModelMeasure, Part
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.xml_text import write
@@ -24,11 +24,13 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     unit = parse_file(hand, sink)
     assert base is not None and unit is not None
     return _linked(
-        Linking(base, [Part(unit, "hand/", AttachmentPlace("site", site))], sink, Request(overridden_options=_SETTLED))
+        Linking(
+            base, [Part(unit, "hand/", AttachmentPlace("site", site))], sink, LinkRequest(overridden_options=_SETTLED)
+        )
     )
 
 
-def paired(base: Path, parts: Iterable[tuple[Path, str, AttachmentPlace]], measure: Measure) -> bytes | None:
+def paired(base: Path, parts: Iterable[tuple[Path, str, AttachmentPlace]], measure: ModelMeasure) -> bytes | None:
     """The text of a model with parts in their places; None where they cannot be joined.
 
     Where they disagree about an option the model's value stands, and the warnings say so.
@@ -39,7 +41,7 @@ def paired(base: Path, parts: Iterable[tuple[Path, str, AttachmentPlace]], measu
     if sink.has_errors:
         return None
     hung = [Part(unit, prefix, place) for unit, (_, prefix, place) in zip(others, parts, strict=True)]
-    linking = Linking(first, hung, sink, Request(separator="", conflict="warning"), measure)
+    linking = Linking(first, hung, sink, LinkRequest(separator="", conflict="warning"), measure)
     if not link(linking):
         return None
     finish(linking)
@@ -53,7 +55,7 @@ def copies(model: Path, count: int) -> bytes:
     assert unit is not None
     base = Unit(etree.Element("mujoco"), "", Path(), "world")
     parts = [Part(unit.copied() if number else unit, f"{number}/") for number in reversed(range(count))]
-    return _linked(Linking(base, parts, sink, Request(conflict="mujoco")))
+    return _linked(Linking(base, parts, sink, LinkRequest(conflict="mujoco")))
 
 
 def _linked(linking: Linking) -> bytes:

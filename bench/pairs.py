@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from mjcompose.link.linking import AttachmentPlace, Measure
+from mjcompose.link.linking import AttachmentPlace, ModelMeasure
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
@@ -63,7 +63,7 @@ class Measured:
 class _Remembered:
     """What MuJoCo says of the parts of one pair, in the order in which it is asked."""
 
-    measure: Measure
+    measure: ModelMeasure
     answers: list[Mapping[str, list[float]]] = field(default_factory=list)
     at: int = 0
 

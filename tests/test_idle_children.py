@@ -6,11 +6,11 @@ from pathlib import Path
 from subprocess import Popen
 
 import pytest
-from mjcompose.mujoco.engine import Limits, Request, Session
+from mjcompose.mujoco.engine import CompileRequest, RequestLimits, Session
 
 
 def _child(session: Session, folder: Path) -> Popen[str]:
-    assert session.ask(Request(folder, text="<mujoco/>"))[0]["ok"]
+    assert session.ask(CompileRequest(folder, text="<mujoco/>"))[0]["ok"]
     assert session._process is not None
     return session._process
 
@@ -18,7 +18,7 @@ def _child(session: Session, folder: Path) -> Popen[str]:
 def test_a_child_is_handed_on_to_who_would_start_one_like_it(tmp_path: Path) -> None:
     with Session() as session:
         first = _child(session, tmp_path)
-    with Session() as session, Session() as beside, Session(Limits(seconds=60)) as limited:
+    with Session() as session, Session() as beside, Session(RequestLimits(seconds=60)) as limited:
         assert _child(session, tmp_path) is first
         assert _child(beside, tmp_path) is not first
         assert _child(limited, tmp_path) is not first

@@ -10,7 +10,7 @@ from mjcompose.base import files
 from mjcompose.base.access import ALL
 from mjcompose.base.files import TooLarge, unsaved, unsaved_text, untrusted
 from mjcompose.base.sink import Sink
-from mjcompose.mujoco.engine import Request, Session
+from mjcompose.mujoco.engine import CompileRequest, Session
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import SourceError
@@ -52,7 +52,7 @@ def test_mujoco_does_not_work_in_a_folder_that_others_change(tmp_path: Path, mon
     tmp_path.chmod(0o777)
     monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     with Session() as session:
-        answer, _ = session.ask(Request(tmp_path))
+        answer, _ = session.ask(CompileRequest(tmp_path))
     assert answer["crash"] == "start" and "is not trusted" in answer["error"]
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import mjcompose
 import pytest
 from mjcompose import mjcf
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 GEOM = '<worldbody><geom size="1"/></worldbody>'
@@ -46,7 +46,7 @@ def test_a_build_is_logged_under_mjcompose(tmp_path: Path, caplog: pytest.LogCap
     recipe = "recipe: 1\nname: cell\nadd:\n  - to: world\n    geom: {size: [1]}\n"
     (tmp_path / "cell.yaml").write_text(recipe, encoding="utf-8")
     with caplog.at_level(logging.DEBUG, "mjcompose"):
-        build(Request(Path("cell.yaml"), verified=False), Context(folder=tmp_path, environment={}))
+        build(ModelRequest(Path("cell.yaml"), verified=False), Context(folder=tmp_path, environment={}))
     assert {each.name for each in caplog.records} == {"mjcompose"}
     messages = [each.getMessage() for each in caplog.records]
     assert "building `cell` from cell.yaml" in messages

@@ -12,7 +12,7 @@ from mjcompose.base.report import render
 from mjcompose.bundle.bundle import MANIFEST
 from mjcompose.bundle.manifest import Manifest, from_json
 from mjcompose.mujoco import engine
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """<mujoco>
@@ -81,7 +81,7 @@ def folder(tmp_path: Path) -> Path:
 
 def made(recipe: Path, session: engine.Session, cwd: Path, **more: Any) -> bytes:
     context = Context(folder=cwd)
-    built = build(Request(recipe, **more), context, session=session)
+    built = build(ModelRequest(recipe, **more), context, session=session)
     assert built is not None, "\n".join(map(render, context.sink.diagnostics))
     return built.bundle.files[MANIFEST]
 

@@ -3,22 +3,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.bundle.listing import Condition, ListingError, Row
+from mjcompose.bundle.listing import IndexRow, ListingError, RowCondition
 
 ROWS = [
-    Row(Path("a"), {"sample": 1, "friction[cube]": 0.5, "mass[left]": 1, "mass[right]": 2}),
-    Row(Path("b"), {"sample": 2, "friction[cube]": 1.5, "mass[left]": 3, "mass[right]": 4}),
+    IndexRow(Path("a"), {"sample": 1, "friction[cube]": 0.5, "mass[left]": 1, "mass[right]": 2}),
+    IndexRow(Path("b"), {"sample": 2, "friction[cube]": 1.5, "mass[left]": 3, "mass[right]": 4}),
 ]
 
 
 def test_a_field_that_was_drawn_for_one_element_goes_by_its_name() -> None:
-    condition = Condition("friction > 1 and sample == 2")
+    condition = RowCondition("friction > 1 and sample == 2")
     assert [condition.holds(row) for row in ROWS] == [False, True]
     condition.check()
 
 
 def test_a_field_that_was_drawn_for_several_is_no_number() -> None:
-    condition = Condition("mass > 1")
+    condition = RowCondition("mass > 1")
     assert not any(map(condition.holds, ROWS))
     with pytest.raises(ListingError) as caught:
         condition.check()

@@ -15,7 +15,7 @@ from mjcompose.bundle.manifest import (
     File,
     Input,
     Manifest,
-    Recipe,
+    RecipeFile,
     files_of,
     from_json,
     index_of,
@@ -24,19 +24,26 @@ from mjcompose.bundle.manifest import (
     to_json,
     with_manifest,
 )
-from mjcompose.mujoco.index import Actuator, Camera, Index, Joint, Keyframe, Sensor
+from mjcompose.mujoco.index import (
+    CompiledActuator,
+    CompiledCamera,
+    CompiledIndex,
+    CompiledJoint,
+    CompiledKeyframe,
+    CompiledSensor,
+)
 from pydantic import ValidationError
 
 BUNDLE = Bundle({"model.xml": b"<mujoco/>", "assets/a.obj": b"a"})
-INDEX = Index(
+INDEX = CompiledIndex(
     joints=(
-        Joint("turn", "hinge", 7, 1, 6, 1, True, (-1.5, 1.5), "link"),
-        Joint("", "free", 0, 7, 0, 6, False, (0, 0), "base"),
+        CompiledJoint("turn", "hinge", 7, 1, 6, 1, True, (-1.5, 1.5), "link"),
+        CompiledJoint("", "free", 0, 7, 0, 6, False, (0, 0), "base"),
     ),
-    actuators=(Actuator("a", 0, 1, -1, 0), Actuator("b", 1, 2, 0, 1)),
-    sensors=(Sensor("s", "framepos", 0, 3),),
-    keyframes=(Keyframe("home", 0),),
-    cameras=(Camera("eye", "world", 45, "deg", (4, 3)),),
+    actuators=(CompiledActuator("a", 0, 1, -1, 0), CompiledActuator("b", 1, 2, 0, 1)),
+    sensors=(CompiledSensor("s", "framepos", 0, 3),),
+    keyframes=(CompiledKeyframe("home", 0),),
+    cameras=(CompiledCamera("eye", "world", 45, "deg", (4, 3)),),
     bodies=("world", "base", "link"),
 )
 
@@ -47,7 +54,7 @@ def manifest() -> Manifest:
         description="two\nlines",
         mujoco="4.0.0",
         grammar="4.0",
-        recipe=Recipe(path="arm.yaml", sha256="0" * 64),
+        recipe=RecipeFile(path="arm.yaml", sha256="0" * 64),
         variants={"light": "dim"},
         params={"reach": 0.5, "label": "x", "offset": [0, 0, 1]},
         sample=3,

@@ -25,7 +25,7 @@ from mjcompose.bundle.write import (
     write_text,
 )
 from mjcompose.mujoco import convert, engine
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -259,7 +259,7 @@ def test_the_child_says_that_it_is_missing(tmp_path: Path) -> None:
 
 @needs_converter
 def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
-    built = build(Request(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
+    built = build(ModelRequest(ROOT / "recipes" / "demo.yaml"), Context(folder=tmp_path))
     assert built is not None
     heard: list[str] = []
     write(built.bundle, tmp_path / "demo.usdz", environment={}, warn=heard.append)
@@ -275,7 +275,7 @@ def test_the_demo_cell_is_exported_with_its_textures(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["cell.usdz", "cell.usda", "cell.usdc"])
 def test_the_same_model_is_the_same_bytes(tmp_path: Path, name: str) -> None:
     """With meshes that are there several times, which USD shares and numbers in an order of its own."""
-    built = build(Request(ROOT / "recipes" / "arm_gripper.yaml"), Context(folder=tmp_path))
+    built = build(ModelRequest(ROOT / "recipes" / "arm_gripper.yaml"), Context(folder=tmp_path))
     assert built is not None
     for folder in ("one", "two"):
         write(built.bundle, tmp_path / folder / name, environment={"SOURCE_DATE_EPOCH": "1700000000"})

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cli.shell import run
 from mjcompose.cli import about
-from mjcompose.cli.about import Finding, _store, _templates
+from mjcompose.cli.about import SetupFinding, _store, _templates
 from mjcompose.sources.blobs import put
 
 
@@ -47,20 +47,22 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
     [
         (
             {"ok": True, "confined": ["limits", "Landlock 7"], "value": {"write": False, "connect": False}},
-            Finding("templates", "confined by limits, Landlock 7"),
+            SetupFinding("templates", "confined by limits, Landlock 7"),
         ),
         (
             {"ok": True, "confined": [], "value": {"write": True, "connect": True}},
-            Finding("templates", "this system has no way to confine their process; it can write and connect", None),
+            SetupFinding(
+                "templates", "this system has no way to confine their process; it can write and connect", None
+            ),
         ),
         (
             {"ok": False, "error": "its process cannot be confined: seccomp", "crash": "unconfined"},
-            Finding("templates", "cannot be expanded: its process cannot be confined: seccomp", False),
+            SetupFinding("templates", "cannot be expanded: its process cannot be confined: seccomp", False),
         ),
     ],
 )
 def test_how_templates_are_confined_is_told(
-    monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: Finding
+    monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: SetupFinding
 ) -> None:
     monkeypatch.setattr(about, "call_confined", lambda *_, **__: answer)
     assert _templates() == found
@@ -69,7 +71,7 @@ def test_how_templates_are_confined_is_told(
 def test_the_store_is_measured_and_tried(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
     put(tmp_path / "store", "raw", "1" * 64, bytes(3_000_000))
-    assert _store() == Finding("store", f"{tmp_path / 'store'}, 3.0 MB")
+    assert _store() == SetupFinding("store", f"{tmp_path / 'store'}, 3.0 MB")
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "file"))
     found = _store()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from mjcompose.base.report import render
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
@@ -166,7 +166,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _build(recipe: Path) -> None:
     context = Context(environment={}, folder=recipe.parent)
-    built = build(Request(recipe, verified=False), context)
+    built = build(ModelRequest(recipe, verified=False), context)
     assert (built is None) == bool(context.sink.errors)
     for each in context.sink.diagnostics:
         told = render(each, lambda file: (recipe.parent / file).read_text(encoding="utf-8", errors="replace"))

@@ -10,7 +10,7 @@ from cli.shell import run
 from mjcompose.base.diagnostic import Span
 from mjcompose.mujoco.environments import Moved
 from mjcompose.tools.migrate import upgrade as module
-from mjcompose.tools.migrate.editing import Meaning, Step
+from mjcompose.tools.migrate.editing import Meaning, MigrationStep
 from mjcompose.tools.migrate.migrate import installed
 from mjcompose.tools.migrate.upgrade import Caused, Upgrade
 from pytest import MonkeyPatch
@@ -40,7 +40,7 @@ def test_differences_with_their_causes(folder: Path, monkeypatch: MonkeyPatch) -
         for name, amount in (("a", 1), ("b", 0.5), ("c", 0.1))
     ]
     caused = (
-        Caused(moved[0], (Step("gap", Span("m.xml", 3, 7), "wrote `gap`"),)),
+        Caused(moved[0], (MigrationStep("gap", Span("m.xml", 3, 7), "wrote `gap`"),)),
         Caused(moved[1], (), (Meaning("margins", "they add", Span("m.xml", 4, 5), None),)),
         Caused(moved[2]),
     )

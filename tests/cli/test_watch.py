@@ -13,7 +13,7 @@ import pytest
 from cli.shell import RECIPE, WRONG, environment, run
 from mjcompose.cli import run as runner
 from mjcompose.mujoco.engine import Session
-from mjcompose.tools.view.builder import Watch, marks
+from mjcompose.tools.view.builder import FileWatch, marks
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="interrupts with a POSIX signal")]
 
@@ -135,7 +135,7 @@ def test_an_interrupt_that_comes_with_the_start_of_the_watch_ends_it(
     rescued = threading.Event()
     plain_submit = ThreadPoolExecutor.submit
 
-    def rescue(watch: Watch) -> None:
+    def rescue(watch: FileWatch) -> None:
         rescued.set()
         watch.stop.set()
 

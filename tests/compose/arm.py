@@ -8,7 +8,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """\
@@ -133,7 +133,7 @@ class Case:
     def text(self, recipe: str) -> str:
         (self.folder / "recipe.yaml").write_text(recipe)
         self.context = Context(environment={}, folder=self.folder)
-        built = build(Request(self.folder / "recipe.yaml", verified=False), self.context)
+        built = build(ModelRequest(self.folder / "recipe.yaml", verified=False), self.context)
         assert built is not None, [each.message for each in self.context.sink.diagnostics]
         return built.bundle.files["model.xml"].decode()
 
@@ -150,7 +150,7 @@ class Case:
         """Place and code of every fault."""
         (self.folder / "recipe.yaml").write_text(f"recipe: 1\n{head}base: ./arm.xml\nedit:\n  - {edits}\n")
         self.context = Context(environment={}, folder=self.folder)
-        assert build(Request(self.folder / "recipe.yaml", verified=False), self.context) is None
+        assert build(ModelRequest(self.folder / "recipe.yaml", verified=False), self.context) is None
         return [f"{each.span.column} {each.code}" for each in self.context.sink.errors if each.span]
 
     @property

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from compose.arm import DEGREES, RADIANS, Case
 from lxml import etree
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 Compose = Callable[..., etree._Element | list[str]]
@@ -38,7 +38,7 @@ def compose(tmp_path: Path) -> Compose:
             (tmp_path / name.replace("__", ".")).write_text(text)
         (tmp_path / "recipe.yaml").write_text(recipe)
         context = Context(environment={}, folder=tmp_path)
-        built = build(Request(tmp_path / "recipe.yaml", verified=False), context)
+        built = build(ModelRequest(tmp_path / "recipe.yaml", verified=False), context)
         if built is None:
             return [
                 f"{each.span.file.removesuffix('.yaml').replace('recipe', '')}{each.span.line}:{each.span.column} {each.code}"

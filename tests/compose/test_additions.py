@@ -6,7 +6,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 BASE = """
@@ -45,7 +45,7 @@ def _built(folder: Path, setting: str, recipe: str) -> tuple[mujoco.MjModel, muj
     (folder / "base.xml").write_text(base)
     (folder / "recipe.yaml").write_text(recipe)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "recipe.yaml"), context)
+    done = build(ModelRequest(folder / "recipe.yaml"), context)
     assert done is not None, [each.message for each in context.sink.diagnostics]
     composed = mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
     return mujoco.MjModel.from_xml_string(base), composed

@@ -17,7 +17,7 @@ import pytest
 from mjcompose.bundle.write import write
 from mjcompose.link import bodies
 from mjcompose.link.linking import Part
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.plan.plan import IN_PLACE, PartRecord
 from mjcompose.sources.context import Context
 from sampling import without_meshes
@@ -44,7 +44,7 @@ def composed(folder: Path, recipe: str, **files: str) -> mujoco.MjModel:
     for name, text in {"part.xml": PART, "base.xml": BASE, "recipe.yaml": "recipe: 1\n" + recipe, **files}.items():
         (folder / name.replace("__", ".")).write_text(text)
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "recipe.yaml", verified=False), context)
+    built = build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
 
@@ -339,7 +339,7 @@ def test_sense_of_what_nothing_carries(tmp_path: Path, hung: str, code: str, wor
     (tmp_path / "base.xml").write_text(BASE)
     (tmp_path / "recipe.yaml").write_text(f"recipe: 1\nbase: ./base.xml\nattach:\n  {hung}\n")
     context = Context(environment={}, folder=tmp_path)
-    assert build(Request(tmp_path / "recipe.yaml"), context) is None
+    assert build(ModelRequest(tmp_path / "recipe.yaml"), context) is None
     assert any(each.code == code and words in each.message for each in context.sink.errors)
 
 
@@ -396,7 +396,7 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(plain_robots: Path,
     inner = f"  cell: {{model: ./cell.yaml, {pose}, {joint}sense: [force]}}\n"
     recipe.write_text(f"recipe: 1\nconflict: base\nbase: ./cell.yaml\nattach:\n{inner}")
     context = Context(environment={}, folder=tmp_path)
-    made = build(Request(recipe), context)
+    made = build(ModelRequest(recipe), context)
     assert made is not None, [each.message for each in context.sink.errors]
     write(made.bundle, tmp_path / "out", environment={})
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
@@ -424,7 +424,7 @@ def made(folder: Path, recipe: str) -> tuple[dict[str, PartRecord], mujoco.MjMod
     (folder / "inner.yaml").write_text(INNER)
     (folder / "r.yaml").write_text(f"recipe: 1\n{recipe}")
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "r.yaml", verified=False), context)
+    built = build(ModelRequest(folder / "r.yaml", verified=False), context)
     assert built is not None, context.sink.errors
     model = mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
     return {each.part: each for each in built.composed.members}, model
@@ -497,7 +497,7 @@ def models(folder: Path, part: str, recipe: str) -> mujoco.MjModel:
     (folder / "part.xml").write_text(part)
     (folder / "recipe.yaml").write_text(recipe)
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "recipe.yaml", verified=False), context)
+    built = build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     return mujoco.MjModel.from_xml_string(built.bundle.files["model.xml"].decode())
 

@@ -13,7 +13,7 @@ import mujoco
 import pytest
 from cases import Case
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ERRORS = Path(__file__).parents[1] / "errors"
@@ -26,7 +26,7 @@ def codes(folder: Path, written: str, source: str = LEGS) -> list[str]:
     (folder / "legs.xml").write_text(source)
     (folder / "recipe.yaml").write_text(f"recipe: 1\nangle: degree\nbase: ./legs.xml\n{written}\n")
     context = Context(environment={}, folder=folder)
-    build(Request(folder / "recipe.yaml", verified=False), context)
+    build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     return [each.code for each in context.sink.errors]
 
 
@@ -77,7 +77,7 @@ def built(folder: Path, part: str, more: str = "") -> list[Diagnostic]:
     recipe = "recipe: 1\nattach:\n  arm:\n    model: ./arm.xml\n    joint: {type: hinge}\n"
     (folder / "recipe.yaml").write_text(recipe + more)
     context = Context(environment={}, folder=folder)
-    build(Request(folder / "recipe.yaml", verified=False), context)
+    build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     return context.sink.errors
 
 

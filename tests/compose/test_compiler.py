@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mjcompose.bundle.write import write
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.plan.describe import as_data, describe
 from mjcompose.plan.planner import make_plan
 from mjcompose.plan.read import files_of_source
@@ -78,7 +78,7 @@ def lay(folder: Path, compiler: str = "") -> None:
 def built(folder: Path, recipe: str) -> tuple[Built | None, Context]:
     (folder / "recipe.yaml").write_text(f"recipe: 1\nallow: [license-missing]\n{recipe}\n", encoding="utf-8")
     context = Context(environment={}, folder=folder)
-    return build(Request(folder / "recipe.yaml"), context), context
+    return build(ModelRequest(folder / "recipe.yaml"), context), context
 
 
 def compiled(made: Built, folder: Path) -> mujoco.MjModel:

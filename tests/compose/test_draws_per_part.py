@@ -6,7 +6,7 @@ from pathlib import Path
 
 import mujoco
 from hypothesis import HealthCheck, given, settings, strategies as st
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 
 BRICK = """<mujoco><worldbody><body name="brick"><freejoint/><geom size=".1"/><geom size=".1" pos="0 0 .1"/>
@@ -25,7 +25,7 @@ def sample(folder: Path, fields: str, number: int = 1) -> Built:
     (folder / "brick.xml").write_text(BRICK)
     (folder / "r.yaml").write_text(HEAD + fields)
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "r.yaml", name=f"s{number}", sample=number), context)
+    built = build(ModelRequest(folder / "r.yaml", name=f"s{number}", sample=number), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     return built
 
@@ -107,7 +107,7 @@ def test_a_sample_may_have_another_model(tmp_path: Path) -> None:
     found = set()
     for number in range(1, 7):
         context = Context(environment={}, folder=tmp_path)
-        built = build(Request(tmp_path / "r.yaml", name=f"s{number}", sample=number), context)
+        built = build(ModelRequest(tmp_path / "r.yaml", name=f"s{number}", sample=number), context)
         assert built is not None
         found.add(model_of(built).body(1).name)
     assert found == {"thing/brick", "thing/ball"}

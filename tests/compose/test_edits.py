@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from compose.arm import DEGREES, Case, changed
 from mjcompose.compose.preview import preview_plan
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 
@@ -45,7 +45,7 @@ def test_what_is_dropped_is_listed(radian: Case) -> None:
 def test_drop_of_what_is_not_there(radian: Case) -> None:
     (radian.folder / "recipe.yaml").write_text("recipe: 1\nbase: {model: ./arm.xml, drop: [equality, camera]}\n")
     context = Context(environment={}, folder=radian.folder)
-    assert build(Request(radian.folder / "recipe.yaml", verified=False), context) is None
+    assert build(ModelRequest(radian.folder / "recipe.yaml", verified=False), context) is None
     assert [(each.code, each.span.column) for each in context.sink.errors if each.span] == [
         ("selector", 33),
         ("selector", 43),

@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 OLDER = mujoco.mj_versionString().startswith("3.")
@@ -37,7 +37,7 @@ def built(folder: Path, source: str, recipe: str) -> mujoco.MjModel | list[Diagn
     (folder / "m.xml").write_text(source)
     (folder / "r.yaml").write_text(recipe)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "r.yaml"), context)
+    done = build(ModelRequest(folder / "r.yaml"), context)
     if done is None:
         return list(context.sink.errors)
     return mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
@@ -123,7 +123,7 @@ def test_a_rod_whose_twists_are_elsewhere_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(raw(tmp_path))
     (tmp_path / "r.yaml").write_text("recipe: 1\nattach: {a: {model: ./m.xml, subtree: frame}}")
     context = Context(environment={}, folder=tmp_path)
-    done = build(Request(tmp_path / "r.yaml"), context)
+    done = build(ModelRequest(tmp_path / "r.yaml"), context)
     assert done is not None
     assert "subtree-cut" in [each.code for each in context.sink.diagnostics]
     assert b"<flex " not in done.bundle.files["model.xml"]

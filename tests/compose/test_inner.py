@@ -12,7 +12,7 @@ import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.bundle.write import write
 from mjcompose.pipeline.cache.inputs import Inputs
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.plan.describe import as_data, describe
 from mjcompose.plan.locked import lock_of
 from mjcompose.plan.plan import PlanPreview
@@ -88,14 +88,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def built(recipe: str, context: Context | None = None) -> Built:
     context = context or Context(fetching=Fetching())
-    found = build(Request(Path(recipe)), context)
+    found = build(ModelRequest(Path(recipe)), context)
     assert found is not None, [each.message for each in context.sink.errors]
     return found
 
 
 def errors(recipe: str = "cell.yaml") -> list[tuple[str, str]]:
     sink = Sink()
-    assert build(Request(Path(recipe)), Context(sink, fetching=Fetching())) is None
+    assert build(ModelRequest(Path(recipe)), Context(sink, fetching=Fetching())) is None
     return [(each.code, f"{each.span.file}:{each.span.line}:{each.span.column}") for each in sink.errors if each.span]
 
 

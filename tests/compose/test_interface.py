@@ -14,7 +14,7 @@ import pytest
 from lxml import etree
 from mjcompose.base.diagnostic import Span
 from mjcompose.mujoco.addresses import VECTORS, span
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Scalar
 
@@ -30,7 +30,7 @@ def made(tmp_path: Path) -> Build:
         path = tmp_path / "recipe.yaml"
         path.write_text(recipe if isinstance(recipe, str) else json.dumps(recipe), encoding="utf-8")
         context = Context(environment={}, folder=tmp_path)
-        result = build(Request(path, **given), context)
+        result = build(ModelRequest(path, **given), context)
         if result is None:
             found = [each for each in context.sink.sorted() if each.severity == "error"]
             return "\n".join(
@@ -397,7 +397,7 @@ def test_worlds_and_samples_have_the_order(made: Build, tmp_path: Path) -> None:
     path = tmp_path / "recipe.yaml"
     path.write_text(json.dumps(recipe))
     context = Context(environment={}, folder=tmp_path)
-    result = build(Request(path, worlds=True), context)
+    result = build(ModelRequest(path, worlds=True), context)
     assert result is not None, context.sink.errors  # which compares the table with samples that are built
     model = mujoco.MjModel.from_xml_string(result.bundle.files["model.xml"].decode())
     assert names(model, "actuator") == ["b", "a"] and names(model, "joint") == ["c", "b", "a"]

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from lxml import etree
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 Compose = Callable[..., etree._Element | list[str]]
@@ -61,7 +61,7 @@ def built(tmp_path: Path) -> Built:
         for name, text in {**SOURCES, **files, "recipe.yaml": "recipe: 1\n" + recipe}.items():
             (tmp_path / name.replace("__", ".")).write_text(text)
         context = Context(environment={}, folder=tmp_path)
-        done = build(Request(tmp_path / "recipe.yaml", verified=False), context)
+        done = build(ModelRequest(tmp_path / "recipe.yaml", verified=False), context)
         assert done is not None, [each.message for each in context.sink.diagnostics]
         for name, content in done.bundle.files.items():
             (tmp_path / "out" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -417,7 +417,7 @@ def test_keys_that_mujoco_itself_brings_stay_where_it_leaves_them(built: Built, 
     assert heights(mujoco.MjModel.from_xml_path(str(tmp_path / "carrier.xml"))) == {"s/home": 2}
     (tmp_path / "recipe.yaml").write_text("recipe: 1\n" + HIGHER % "xml")
     context = Context(environment={}, folder=tmp_path)
-    assert build(Request(tmp_path / "recipe.yaml", verified=False), context) is None
+    assert build(ModelRequest(tmp_path / "recipe.yaml", verified=False), context) is None
     (fault,) = context.sink.errors
     assert fault.code == "not-supported" and "`p/` moves it" in fault.message
 
@@ -535,7 +535,7 @@ def test_a_flexcomp_of_another_shape_starts_at_its_reference(tmp_path: Path, own
         f"recipe: 1\nbase: {{model: ./c.xml, {entry}}}" if own else f"recipe: 1\nbase: ./c.xml\n{entry}"
     )
     context = Context(environment={}, folder=tmp_path)
-    done = build(Request(tmp_path / "r.yaml"), context)
+    done = build(ModelRequest(tmp_path / "r.yaml"), context)
     if done is None:
         assert "pin" in shape  # not every edit reaches what is inside of a `<flexcomp>`
         assert {each.code for each in context.sink.errors} <= {"selector", "wrong-type", "unknown-element"}
@@ -606,7 +606,7 @@ def test_an_actuator_in_the_frame_of_the_parent_is_one_of_its_joint(tmp_path: Pa
         (tmp_path / "arm.xml").write_text(arm)
         (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nkeyframe: {{k: {{ctrl: {ctrl}}}}}\n")
         context = Context(environment={}, folder=tmp_path)
-        assert build(Request(tmp_path / "r.yaml", verified=False), context) is None
+        assert build(ModelRequest(tmp_path / "r.yaml", verified=False), context) is None
         (fault,) = context.sink.errors
         return " ".join([fault.message, *(note.message for note in fault.notes), fault.help or ""])
 

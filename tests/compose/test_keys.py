@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """<mujoco>
@@ -34,7 +34,7 @@ def built(folder: Path, actuators: str, ctrl: str) -> tuple[mujoco.MjModel, mujo
         f"recipe: 1\nbase: ./arm.xml\nkeyframe:\n  up: {{qpos: {{shoulder: -40deg, elbow: 30deg}}, ctrl: {ctrl}}}\n"
     )
     context = Context(environment={}, folder=folder)
-    made = build(Request(folder / "r.yaml"), context)
+    made = build(ModelRequest(folder / "r.yaml"), context)
     assert made is not None, [each.message for each in context.sink.diagnostics]
     model = mujoco.MjModel.from_xml_string(made.bundle.files["model.xml"].decode())
     data = mujoco.MjData(model)
@@ -71,7 +71,7 @@ def test_what_cannot_be_balanced_is_reported(tmp_path: Path) -> None:
         "recipe: 1\nbase: ./arm.xml\nkeyframe: {up: {qpos: {elbow: 30deg}, ctrl: {hold: forces}}}\n"
     )
     context = Context(environment={}, folder=tmp_path)
-    assert build(Request(tmp_path / "r.yaml"), context) is not None
+    assert build(ModelRequest(tmp_path / "r.yaml"), context) is not None
     assert [each.code for each in context.sink.diagnostics] == ["not-held"]
 
 
@@ -97,7 +97,7 @@ def test_whose_law_is_not_known_holds_nothing(tmp_path: Path, head: str, actuato
     key = f"up: {{qpos: {{shoulder: -40deg}}, ctrl: {ctrl}}}"
     (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nkeyframe: {{{key}}}\n")
     context = Context(environment={}, folder=tmp_path)
-    made = build(Request(tmp_path / "r.yaml"), context)
+    made = build(ModelRequest(tmp_path / "r.yaml"), context)
     assert made is not None
     found = [each.message for each in context.sink.diagnostics if each.code == "not-held"]
     assert len(found) == 1 and words in found[0]
@@ -131,7 +131,7 @@ def test_an_activation_that_the_recipe_writes_stands(tmp_path: Path) -> None:
         "  up: {qpos: {shoulder: -40deg, elbow: 30deg}, ctrl: hold, act: {s: 0.25rad}}\n"
     )
     context = Context(environment={}, folder=tmp_path)
-    made = build(Request(tmp_path / "r.yaml"), context)
+    made = build(ModelRequest(tmp_path / "r.yaml"), context)
     assert made is not None, [each.message for each in context.sink.diagnostics]
     model = mujoco.MjModel.from_xml_string(made.bundle.files["model.xml"].decode())
     assert model.key("up").act.tolist() == [0.25] != held.key("up").act.tolist()

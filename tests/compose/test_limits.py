@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.limits import allow
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
 def errors(folder: Path, name: str) -> list[Diagnostic]:
     context = Context(folder=folder)
-    assert build(Request(Path(name), verified=False), context) is None
+    assert build(ModelRequest(Path(name), verified=False), context) is None
     return context.sink.errors
 
 
@@ -182,7 +182,7 @@ def test_what_models_reserve_as_a_rule(tmp_path: Path) -> None:
     )
     (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     context = Context(folder=tmp_path)
-    assert build(Request(Path("r.yaml"), verified=False), context) is not None
+    assert build(ModelRequest(Path("r.yaml"), verified=False), context) is not None
 
 
 def png_head(width: int, height: int) -> bytes:
@@ -207,7 +207,7 @@ def test_the_pixels_of_a_file(tmp_path: Path, inside: str, column: int) -> None:
     assert error.code == "limit-exceeded" and "reserves 100010000 numbers" in error.message
     assert error.span is not None and error.span.column == column
     with allow(reserved=100_010_000):
-        assert build(Request(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
+        assert build(ModelRequest(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
 
 
 def test_an_element_of_too_many_attributes(tmp_path: Path) -> None:
@@ -243,7 +243,7 @@ def test_one_mistake_a_thousand_times_on_one_line(tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     context = Context(folder=tmp_path)
     begun = time.process_time()
-    assert build(Request(Path("r.yaml")), context) is None
+    assert build(ModelRequest(Path("r.yaml")), context) is None
     assert [each.code for each in context.sink.errors] == ["unknown-attribute"]
     assert time.process_time() - begun < 20
 
@@ -265,7 +265,7 @@ def test_as_many_models_as_may_be_attached(tmp_path: Path, allowed: int) -> None
     (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     context = Context(folder=tmp_path)
     with allow(submodels=allowed):
-        assert (build(Request(Path("r.yaml"), verified=False), context) is None) == (allowed < 4)
+        assert (build(ModelRequest(Path("r.yaml"), verified=False), context) is None) == (allowed < 4)
 
 
 def test_files_of_one_model_with_too_many_elements_together(tmp_path: Path) -> None:
@@ -365,7 +365,7 @@ def test_the_points_of_a_file(tmp_path: Path, name: str) -> None:
         len(f'<flexcomp name="f" type="{kind}" file="x'),
     )
     with allow(expansion=300):
-        assert build(Request(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
+        assert build(ModelRequest(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
 
 
 def test_more_samples_than_are_drawn(tmp_path: Path) -> None:
@@ -379,4 +379,4 @@ def test_more_samples_than_are_drawn(tmp_path: Path) -> None:
     assert error.message == "`samples` is 6; 5 are allowed" and error.help is not None
     assert "--limit samples=6" in error.help and error.span is not None and error.span.line == 4
     with allow(samples=6):
-        assert build(Request(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
+        assert build(ModelRequest(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None

@@ -11,7 +11,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import allow
 from mjcompose.compose.compose import ComposeOptions, Composer
 from mjcompose.language.parameters import node_of
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -53,7 +53,7 @@ def built(folder: Path, edits: str, arm: str = ARM) -> tuple[Built | None, Conte
     recipe.write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n  - {edits}\n", encoding="utf-8")
     environment = {"MJCOMPOSE_CACHE": str(folder / "cache")}
     context = Context(environment=environment, folder=folder, fetching=Fetching())
-    return build(Request(recipe), context), context
+    return build(ModelRequest(recipe), context), context
 
 
 def compiled(made: Built | None) -> mujoco.MjModel:
@@ -131,7 +131,7 @@ params: {balls: 1, around: box}"""
             given = {
                 name: node_of(value, Span("given", 1, 1)) for name, value in (("balls", balls), ("around", around))
             }
-            made = build(Request(recipe, given), context)
+            made = build(ModelRequest(recipe, given), context)
             assert not context.sink.diagnostics
             assert made is not None
             of_one, of_two = json.loads(made.bundle.files["manifest.json"])["made"]

@@ -6,9 +6,9 @@ from pathlib import Path
 import mujoco
 import pytest
 from click.testing import CliRunner
-from mjcompose.bundle.bundle import Outcome
+from mjcompose.bundle.bundle import CheckOutcome
 from mjcompose.cli.main import main
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 
 CORNERS = [(0, 0, 0), (100, 0, 0), (0, 80, 0), (0, 0, 60)]
@@ -28,11 +28,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def tried(folder: Path, recipe: str) -> tuple[Built | None, Context, list[Outcome]]:
+def tried(folder: Path, recipe: str) -> tuple[Built | None, Context, list[CheckOutcome]]:
     (folder / "recipe.yaml").write_text(f"recipe: 1\n{recipe}")
     context = Context(environment={}, folder=folder)
-    outcomes: list[Outcome] = []
-    return build(Request(folder / "recipe.yaml"), context, outcomes=outcomes), context, outcomes
+    outcomes: list[CheckOutcome] = []
+    return build(ModelRequest(folder / "recipe.yaml"), context, outcomes=outcomes), context, outcomes
 
 
 def model_of(built: Built, out: Path) -> mujoco.MjModel:

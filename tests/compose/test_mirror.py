@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """<mujoco model="arm"><compiler angle="radian"/><option integrator="implicitfast"/><worldbody>
@@ -47,7 +47,7 @@ def built(folder: Path, recipe: str) -> bytes | list[Diagnostic]:
     for name, text in files.items():
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "r.yaml"), context)
+    done = build(ModelRequest(folder / "r.yaml"), context)
     return list(context.sink.errors) if done is None else done.bundle.files["model.xml"]
 
 

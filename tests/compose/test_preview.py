@@ -9,7 +9,7 @@ from cases import Case
 from mjcompose.compose.preview import preview_plan
 from mjcompose.plan import read as read_module
 from mjcompose.plan.describe import as_data, describe
-from mjcompose.plan.plan import Excluded, PlanPreview
+from mjcompose.plan.plan import ExcludedPair, PlanPreview
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 
@@ -34,7 +34,7 @@ def test_each_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(read_module, "parse_file", counting)
     found = foreseen(shutil.copytree(TESTS / "golden" / "contacts_of_parts", tmp_path / "case"))
     assert sorted(read) == ["arm.xml", "cube.xml", "tool.xml"]
-    assert Excluded("upper", "stand/palm", "") in found.excluded
+    assert ExcludedPair("upper", "stand/palm", "") in found.excluded
 
 
 def test_of_a_source_that_is_not_mjcf_nothing_is_foreseen(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from mjcompose.bundle.manifest import from_json
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Angle
 
@@ -54,7 +54,7 @@ def maker(folder: Path) -> Make:
         )
         (folder / "r.yaml").write_text(text)
         context = Context(folder=folder, environment={})
-        built = build(Request(folder / "r.yaml", verified=False, sample=sample), context)
+        built = build(ModelRequest(folder / "r.yaml", verified=False, sample=sample), context)
         assert built is not None, [each.message for each in context.sink.diagnostics]
         return built
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 POSTS = """
@@ -34,7 +34,7 @@ def built(folder: Path, recipe: str, posts: str = POSTS.format("")) -> mujoco.Mj
     for name, text in {"b.xml": posts, "t.xml": TOOL, "r.yaml": f"recipe: 1\nbase: ./b.xml\n{recipe}"}.items():
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "r.yaml"), context)
+    done = build(ModelRequest(folder / "r.yaml"), context)
     if done is None:
         return list(context.sink.errors)
     return mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())

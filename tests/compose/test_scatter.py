@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 FILES = {
@@ -40,7 +40,7 @@ def built(folder: Path, recipe: str) -> bytes | list[Diagnostic]:
     for name, text in {**FILES, "r.yaml": f"recipe: 1\nattach:\n  table: {{model: ./table.xml}}\n{recipe}"}.items():
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "r.yaml"), context)
+    done = build(ModelRequest(folder / "r.yaml"), context)
     return list(context.sink.errors) if done is None else done.bundle.files["model.xml"]
 
 
@@ -218,5 +218,7 @@ def test_a_drawn_seed_scatters_each_sample(tmp_path: Path) -> None:
         + scattered("mug", "count: 3, over: table/top, seed: '${layout}'")
         + "randomize: {seed: 1, samples: 3, fields: {layout: {param: layout, integers: [0, 1000000]}}}\n"
     )
-    models = [build(Request(tmp_path / "r.yaml", sample=n), Context(environment={}, folder=tmp_path)) for n in range(4)]
+    models = [
+        build(ModelRequest(tmp_path / "r.yaml", sample=n), Context(environment={}, folder=tmp_path)) for n in range(4)
+    ]
     assert len({each.bundle.files["model.xml"] for each in models if each}) == 4

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from compose.arm import RADIANS, Case
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -57,6 +57,7 @@ def test_a_part_is_called_with_the_separator_of_the_recipe(radian: Case) -> None
     where = "{select: {geom: '**', part: inner}, set: {condim: 6}}]\n"
     (radian.folder / "recipe.yaml").write_text(f"{head}[{where}")
     assert (
-        build(Request(radian.folder / "recipe.yaml"), context := Context(environment={}, folder=radian.folder)) is None
+        build(ModelRequest(radian.folder / "recipe.yaml"), context := Context(environment={}, folder=radian.folder))
+        is None
     )
     assert "parts that exist: base, outer, outer__inner" in str(context.sink.errors)

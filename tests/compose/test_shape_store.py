@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from mjcompose.cli.main import main
 from mjcompose.compose.mesh_jobs import parse_shapes, shapes_key
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.blobs import digest
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
@@ -31,7 +31,7 @@ def folder(tmp_path: Path) -> Path:
 def told(folder: Path, *, locked: bool = False) -> Told:
     environment = {"MJCOMPOSE_CACHE": str(folder / "cache")}
     context = Context(environment=environment, folder=folder, fetching=Fetching(locked=locked))
-    build(Request(folder / "recipe.yaml", verified=False), context)
+    build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     return sorted({(str(each.severity), each.code) for each in context.sink.diagnostics})
 
 

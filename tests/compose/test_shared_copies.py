@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from mjcompose.cli.main import main
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 
 WEDGE = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -51,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
 def built(folder: Path, recipe: str, **options: Any) -> Built:
     (folder / "recipe.yaml").write_text(f"recipe: 1\n{recipe}")
     context = Context(environment={}, folder=folder)
-    made = build(Request(folder / "recipe.yaml", **options), context)
+    made = build(ModelRequest(folder / "recipe.yaml", **options), context)
     assert made is not None, context.sink.diagnostics
     return made
 

@@ -10,7 +10,7 @@ import numpy
 import pytest
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 EXACT = hasattr(mujoco.MjSpec, "fuse_static")
@@ -73,7 +73,7 @@ def files(folder: Path, extension: str = "", **recipes: str) -> Path:
 
 def built(recipe: Path) -> mujoco.MjModel:
     context = Context(environment={}, folder=recipe.parent)
-    found = build(Request(recipe, verified=False), context)
+    found = build(ModelRequest(recipe, verified=False), context)
     assert found is not None, [each.message for each in context.sink.diagnostics]
     bundle = {path: bytes(content) for path, content in found.bundle.files.items()}
     return mujoco.MjModel.from_xml_string(bundle[found.bundle.model].decode(), bundle)
@@ -168,7 +168,7 @@ def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     text = (tmp_path / "robot.urdf").read_text()
     (tmp_path / "robot.urdf").write_text(text.replace('mimic joint="turn"', 'mimic joint="no"'))
     context = Context(environment={}, folder=tmp_path)
-    assert build(Request(recipe), context) is not None
+    assert build(ModelRequest(recipe), context) is not None
     lines = (tmp_path / "robot.urdf").read_text().splitlines()
     line = next(number for number, text in enumerate(lines, 1) if 'mimic joint="no"' in text)
     told = [(each.code, each.span and each.span.line) for each in context.sink.sorted() if each.code != "urdf-unread"]

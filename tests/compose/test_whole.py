@@ -8,7 +8,7 @@ import mjcompose
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """
@@ -81,7 +81,7 @@ def test_an_edit_of_the_outer_recipe_wins(tmp_path: Path) -> None:
 
 def faults(folder: Path) -> list[str]:
     context = Context(folder=folder)
-    build(Request(folder / "r.yaml"), context)
+    build(ModelRequest(folder / "r.yaml"), context)
     return [f"{each.code} {each.span.file if each.span else ''}" for each in context.sink.diagnostics]
 
 

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,5 +76,5 @@ def test_no_documented_field_is_without_effect(tmp_path: Path, path: str) -> Non
     text = yaml.safe_dump(recipe).replace("./models", str(folder / "models"))
     (tmp_path / "r.yaml").write_text(text)
     context = Context(folder=tmp_path)
-    build(Request(tmp_path / "r.yaml"), context)
+    build(ModelRequest(tmp_path / "r.yaml"), context)
     assert not [each.message for each in context.sink.diagnostics if each.code == "without-effect"]

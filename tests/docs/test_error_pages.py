@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from mjcompose.mujoco.engine import Limits
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.mujoco.engine import RequestLimits
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -187,8 +187,8 @@ def codes(text: str, code: str, folder: Path, menagerie: Path) -> set[str]:
         text = f"recipe: 1\nbase: ./{model}\n"
     recipe.write_text(text, encoding="utf-8")
     context = Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
-    request = Request(recipe, worlds=code == "draw-at-run-time")
-    build(request, context, limits=Limits(seconds=60))
+    request = ModelRequest(recipe, worlds=code == "draw-at-run-time")
+    build(request, context, limits=RequestLimits(seconds=60))
     return {found.code for found in context.sink.diagnostics}
 
 

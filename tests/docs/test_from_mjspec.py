@@ -23,7 +23,7 @@ import pytest
 import yaml
 from foreign.by_name import driven_apart
 from foreign.merging import CLOSE
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.importing.recover import recover
 
@@ -125,7 +125,7 @@ def test_both_make_the_same_model(job: str, tmp_path: Path, monkeypatch: pytest.
         cell = select_cell(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
         assert cell is not None
         values = cell.given
-    built = build(Request(ROOT / recipe, given=values), context)
+    built = build(ModelRequest(ROOT / recipe, given=values), context)
     assert built is not None, context.sink.diagnostics
     from mjcompose.bundle.write import write
 

@@ -16,7 +16,7 @@ import pytest
 from mjcompose.base.report import render
 from mjcompose.contrast.text import render as render_diff
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
 
@@ -81,7 +81,7 @@ def test_a_recipe_builds_without_a_word(
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
     (tmp_path / "r.yaml").write_text(text, encoding="utf-8")
     told = context(tmp_path, menagerie_root)
-    assert build(Request(tmp_path / "r.yaml"), told) is not None
+    assert build(ModelRequest(tmp_path / "r.yaml"), told) is not None
     assert told.sink.diagnostics == []
 
 
@@ -89,7 +89,7 @@ def test_the_fault_of_the_readme_is_told_as_it_shows(tmp_path: Path, menagerie_r
     (tmp_path / "models").symlink_to(ROOT / "recipes" / "models")
     (tmp_path / "arm.yaml").write_text(FAULT, encoding="utf-8")
     told = context(tmp_path, menagerie_root)
-    assert build(Request(tmp_path / "arm.yaml"), told) is None
+    assert build(ModelRequest(tmp_path / "arm.yaml"), told) is None
     (fault,) = told.sink.diagnostics
     shown = next(text for text in blocks("README.md", "text") if "error[" in text)
     assert render(fault, lambda file: FAULT) == shown.rstrip("\n")

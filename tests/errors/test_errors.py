@@ -19,7 +19,7 @@ import pytest
 from cases import Case, cases
 from mjcompose.base.diagnostic import Severity
 from mjcompose.base.report import render, summary
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 HERE = Path(__file__).resolve().parent
@@ -51,7 +51,7 @@ def test_error(case: Case, tmp_path: Path) -> None:
         pytest.skip("another MuJoCo builds this, or says something else of it")
     folder = case.lay(tmp_path / case.path.stem)
     context = Context(environment={}, folder=folder)
-    request = Request(folder / "recipe.yaml", worlds=settings.get("as") == "worlds")
+    request = ModelRequest(folder / "recipe.yaml", worlds=settings.get("as") == "worlds")
     built = build(request, context)
     text = told(context).replace(f"{folder}{os.sep}", "FOLDER/").replace(f"{folder}", "FOLDER")
     expected = case.check(text)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 SOURCE = '<mujoco>\n  <asset>\n    <mesh name="base" file="base.obj"/>\n  </asset>\n  <include file="more.xml"/>\n</mujoco>\n'
@@ -37,7 +37,7 @@ def folder(tmp_path: Path) -> Path:
 def told(folder: Path) -> Diagnostic:
     """The one fault of the recipe."""
     context = Context(environment={}, folder=folder)
-    assert build(Request(folder / "recipe.yaml", verified=False), context) is None
+    assert build(ModelRequest(folder / "recipe.yaml", verified=False), context) is None
     (fault,) = context.sink.diagnostics
     return fault
 
@@ -47,7 +47,9 @@ def place_of(fault: Diagnostic) -> tuple[str, int, int] | None:
 
 
 def test_all_is_well_without_a_fault(folder: Path) -> None:
-    assert build(Request(folder / "recipe.yaml", verified=False), Context(environment={}, folder=folder)) is not None
+    assert (
+        build(ModelRequest(folder / "recipe.yaml", verified=False), Context(environment={}, folder=folder)) is not None
+    )
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
@@ -92,7 +94,7 @@ def test_a_huge_recipe(folder: Path) -> None:
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device that never ends")
 def test_a_recipe_without_an_end() -> None:
     context = Context(environment={}, folder=Path("/dev"))
-    assert build(Request(Path("/dev/zero"), verified=False), context) is None
+    assert build(ModelRequest(Path("/dev/zero"), verified=False), context) is None
     assert [each.code for each in context.sink.diagnostics] == ["file-unreadable"]
 
 
@@ -110,7 +112,7 @@ def test_a_recipe_that_a_command_writes() -> None:
     os.write(writing, b"recipe: 1\n")
     os.close(writing)
     context = Context(environment={}, folder=Path("/dev/fd"))
-    assert build(Request(Path(f"/dev/fd/{reading}"), verified=False), context) is not None
+    assert build(ModelRequest(Path(f"/dev/fd/{reading}"), verified=False), context) is not None
     os.close(reading)
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import mujoco
 from feature_cases.members import Member, members
 from mjcompose.bundle.write import write
-from mjcompose.mujoco.compare import Keys, option_differences
+from mjcompose.mujoco.compare import KeyMode, option_differences
 from mjcompose.mujoco.match import EXTRA
 from mjcompose.mujoco.unchanged import compare
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -29,7 +29,7 @@ class Verdict:
 def judge(recipe: Path, out: Path) -> Verdict:
     """Build into the empty folder `out` and compare. Raises ValueError where the result does not compile."""
     context = Context(environment={}, folder=recipe.parent)
-    built = build(Request(recipe, verified=False), context)
+    built = build(ModelRequest(recipe, verified=False), context)
     found = context.sink.diagnostics
     verdict = Verdict(codes=[each.code for each in found], told=[each.message for each in found])
     if built is None:
@@ -56,7 +56,7 @@ def differences(everyone: list[Member], composed: mujoco.MjModel) -> list[str]:
             prefix=member.prefix,
             hung_on=member.place.mount(composed),
             renamed=renamed,
-            keys=Keys.NONE if member.keys is None else Keys.MERGE,
+            keys=KeyMode.NONE if member.keys is None else KeyMode.MERGE,
             others=[other for place, other in enumerate(named) if place != number],
         )
         found += [

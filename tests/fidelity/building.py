@@ -55,11 +55,11 @@ def session_of_process() -> Session:
 def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
     from mjcompose.base.report import render
-    from mjcompose.pipeline.stages import Request, build as run
+    from mjcompose.pipeline.stages import ModelRequest, build as run
     from mjcompose.sources.context import Context
 
     context = Context(folder=recipe.parent)
-    built = run(Request(recipe, verified=verified), context, session=_session(os.getpid()))
+    built = run(ModelRequest(recipe, verified=verified), context, session=_session(os.getpid()))
     told = "\n".join(render(found, _source(recipe.parent), False) for found in context.sink.diagnostics)
     if built is None:
         return Build(None, told)

@@ -20,7 +20,7 @@ from fidelity.decided import UNLIKE_MJSPEC
 from fidelity.recipe import write_recipe
 from fidelity.rival import attached
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.compare import Keys, Roots, option_differences
+from mjcompose.mujoco.compare import KeyMode, Roots, option_differences
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare
 
@@ -128,7 +128,7 @@ def _compare(composition: Composition, composed: mujoco.MjModel, verdict: Verdic
     wrong = _part_differences(composition, alone, rival, Roots.KEPT)
     excused = {(found.kind, found.name, found.array) for told in wrong.values() for found in told}
     verdict.rival = f"changes the parts in {len(excused)} places" if excused else "right"
-    unlike = compare(rival, composed, keys=Keys.PREFIX, tolerance=ROUNDING, ignore=_MOVED_IN_KEYS)
+    unlike = compare(rival, composed, keys=KeyMode.PREFIX, tolerance=ROUNDING, ignore=_MOVED_IN_KEYS)
     verdict.rival_differences = [str(found) for found in unlike if (found.kind, found.name, found.array) not in excused]
 
 
@@ -176,14 +176,14 @@ def _part_differences(
 ) -> dict[str, list[Difference]]:
     members = [("", alone[composition.parent])]
     members += [(attachment.prefix, alone[attachment.child]) for attachment in composition.attachments]
-    found: dict[str, list[Difference]] = {"": compare(members[0][1], composed, keys=Keys.PREFIX)}
+    found: dict[str, list[Difference]] = {"": compare(members[0][1], composed, keys=KeyMode.PREFIX)}
     for number, attachment in enumerate(composition.attachments, 1):
         found[attachment.prefix] = compare(
             alone[attachment.child],
             composed,
             prefix=attachment.prefix,
             hung_on=_mount(attachment, composed),
-            keys=Keys.PREFIX,
+            keys=KeyMode.PREFIX,
             roots_in_keys=roots,
             others=[member for place, member in enumerate(members) if place != number],
         )

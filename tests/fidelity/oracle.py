@@ -19,7 +19,7 @@ import numpy as np
 from fidelity.random_parts import Attached, Case
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.cache.cells import cells_of
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from numpy.typing import NDArray
 
@@ -90,7 +90,7 @@ def composed(case: Case, folder: Path, session: Session) -> bytes | str:
         cell = cells_of(recipe, context)[case.cell]
         given = cell.given
         name = cell.name
-    built = build(Request(recipe, given, name=name, verified=False), context, session=session)
+    built = build(ModelRequest(recipe, given, name=name, verified=False), context, session=session)
     return context.sink.errors[0].message if built is None else built.bundle.files[built.bundle.model]
 
 

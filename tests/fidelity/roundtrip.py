@@ -14,7 +14,7 @@ import numpy as np
 from fidelity import dmcontrol
 from fidelity.building import reread
 from lxml import etree
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.unchanged import compare
 
 SIX_DIGITS = 1e-5
@@ -102,7 +102,7 @@ def _stays(before: mujoco.MjModel, make: Callable[[], mujoco.MjModel], tolerance
         after = make()
     except ValueError:
         return False
-    return not compare(before, after, keys=Keys.PREFIX, tolerance=tolerance)
+    return not compare(before, after, keys=KeyMode.PREFIX, tolerance=tolerance)
 
 
 _OF_PATHS = frozenset(

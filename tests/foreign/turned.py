@@ -11,7 +11,7 @@ import mujoco
 import yaml
 from fidelity.building import build
 from foreign.strings import Source, Verdict
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 
@@ -56,7 +56,7 @@ def _differences(alone: mujoco.MjModel, composed: mujoco.MjModel) -> list[str]:
     for prefix, (pos, quat) in PLACES.items():
         hung_on = Mount.of(composed, pos=pos, quat=quat)
         other = [(each, alone) for each in PLACES if each != prefix]
-        found = compare(alone, composed, prefix=prefix, hung_on=hung_on, keys=Keys.PREFIX, others=other)
+        found = compare(alone, composed, prefix=prefix, hung_on=hung_on, keys=KeyMode.PREFIX, others=other)
         # Where it knows that MuJoCo itself makes the difference, the comparison says why: docs/contributing/fidelity.md has these.
         told += [str(each) for each in found if not each.why]
     return told[:_SHOWN] + ([f"and {len(told) - _SHOWN} more"] if len(told) > _SHOWN else [])

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from cases import cases
 from fuzz.mutation import Mutate
-from mjcompose.mujoco.engine import Limits, Session
+from mjcompose.mujoco.engine import RequestLimits, Session
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,9 +68,9 @@ def error_cases() -> Path:
     return folder
 
 
-def limits() -> Limits:
+def limits() -> RequestLimits:
     """Enough for every model of the project, and soon spent by what grows."""
-    return Limits(seconds=15, memory=2 << 30)
+    return RequestLimits(seconds=15, memory=2 << 30)
 
 
 def without_a_place(context: Context) -> str | None:

@@ -15,7 +15,7 @@ import mujoco
 import pytest
 from mjcompose.base.diagnostic import Span
 from mjcompose.bundle.bundle import MANIFEST, MODEL
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Scalar
 
@@ -37,7 +37,7 @@ def digests(recipe: Path) -> str:
     context = Context(environment=root, folder=recipe.parent)
     worlds = recipe.stem == "held_payload"  # MuJoCo computes them
     given = {"worlds": Scalar(8, Span("", 1, 1), "8", plain=True)} if worlds else {}
-    built = build(Request(recipe, given=given, verified=worlds, worlds=worlds), context)
+    built = build(ModelRequest(recipe, given=given, verified=worlds, worlds=worlds), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     files = built.bundle.files
     model, manifest = (hashlib.sha256(files[name]).hexdigest() for name in (MODEL, MANIFEST))

@@ -16,7 +16,7 @@ import pytest
 from mjcompose.base.diagnostic import Severity
 from mjcompose.bundle.write import write
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.verify.stored import verify_stored
 
@@ -52,7 +52,7 @@ def test_model(case: str, tmp_path: Path, session: Session) -> None:
     if case == "xacro":
         pytest.importorskip("xacro")
     context = Context(environment={}, folder=HERE / case)
-    built = build(Request(HERE / case / "recipe.yaml", verified=False), context)
+    built = build(ModelRequest(HERE / case / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     assert {each.severity for each in context.sink.diagnostics} == ({Severity.WARNING} if case in TOLD else set())
     text = built.bundle.files["model.xml"].decode()

@@ -7,7 +7,7 @@ from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.limits import Limits
 from mjcompose.language.attach import Attachment
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.text.expression import Angle
 from pydantic import ValidationError
 
@@ -34,7 +34,9 @@ def test_joint_word(recipe: Callable[[str], Recipe], word: str) -> None:
 
 def test_joint_without_a_name_is_one_element(recipe: Callable[[str], Recipe]) -> None:
     joint = recipe("attach: {a: {model: m, joint: {type: slide, axis: [1, 0, 0], range: [0, 2]}}}").attach["a"].joint
-    assert joint == Element("joint", {"type": "slide", "axis": (1, 0, 0), "range": (0, 2)}, at=("attach", "a", "joint"))
+    assert joint == RecipeElement(
+        "joint", {"type": "slide", "axis": (1, 0, 0), "range": (0, 2)}, at=("attach", "a", "joint")
+    )
 
 
 def test_joints_with_names_are_a_tuple(recipe: Callable[[str], Recipe]) -> None:

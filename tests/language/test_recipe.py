@@ -12,7 +12,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.unchanged import Unchanged
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.text.expression import Angle
 from mjcompose.tree.pattern import EVERYTHING, Selector
 from pydantic import ValidationError
@@ -48,7 +48,7 @@ def test_children_keep_the_order_of_the_file(recipe: Callable[[str], Recipe]) ->
     assert [child.tag for child in added.elements[0].children] == ["geom", "geom", "inertial", "body"]
     assert added.elements[0].children[1].at == ("add", 0, "body", "geom", 1)
     assert added.elements[0].children[3].children == (
-        Element("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),
+        RecipeElement("freejoint", at=("add", 0, "body", "body", 0, "freejoint")),
     )
 
 
@@ -66,7 +66,7 @@ def test_an_entry_adds_one_element_or_a_list(recipe: Callable[[str], Recipe]) ->
 
 def test_fragment(recipe: Callable[[str], Recipe]) -> None:
     (added,) = recipe("add: [{to: hand, xml: '<site name=\"tcp\"/>'}]").add
-    assert added.elements[0] == Element("site", xml='<site name="tcp"/>', at=("add", 0))
+    assert added.elements[0] == RecipeElement("site", xml='<site name="tcp"/>', at=("add", 0))
 
 
 def test_plugin_with_settings(recipe: Callable[[str], Recipe]) -> None:

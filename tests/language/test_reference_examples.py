@@ -11,7 +11,7 @@ import mujoco
 import pytest
 import yaml
 from mjcompose.language.reference_page import examples, pages
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -136,5 +136,5 @@ def test_an_example_builds(name: str, number: int, tmp_path: Path) -> None:
     (tmp_path / "box_meshes" / "box.obj").write_bytes((ROOT / "recipes/models/arm6/assets/elbow.obj").read_bytes())
     (tmp_path / "example.yaml").write_text(examples(name)[number], encoding="utf-8")
     context = Context(folder=tmp_path)
-    assert build(Request(tmp_path / "example.yaml"), context) is not None, context.sink.diagnostics
+    assert build(ModelRequest(tmp_path / "example.yaml"), context) is not None, context.sink.diagnostics
     assert [each for each in context.sink.diagnostics if each.severity != "note"] == []

@@ -8,7 +8,7 @@ import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.sink import Sink
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.text.expression import Angle
 from mjcompose.text.load import load
 from mjcompose.text.node import locate
@@ -16,8 +16,8 @@ from mjcompose.text.node import locate
 
 def test_singleton(recipe: Callable[[str], Recipe]) -> None:
     option = recipe("option: {cone: elliptic, flag: {contact: disable}}").option
-    flag = Element("flag", {"contact": "disable"}, at=("option", "flag"))
-    assert option == Element("option", {"cone": "elliptic"}, (flag,), at=("option",))
+    flag = RecipeElement("flag", {"contact": "disable"}, at=("option", "flag"))
+    assert option == RecipeElement("option", {"cone": "elliptic"}, (flag,), at=("option",))
 
 
 def test_visual_has_children_alone(recipe: Callable[[str], Recipe]) -> None:
@@ -40,7 +40,7 @@ def test_compiler_settings_of_a_part(faults: Callable[[str], list[Diagnostic]], 
 def test_typed(recipe: Callable[[str], Recipe]) -> None:
     read = recipe("actuator: {lift: {type: position, joint: slide, kp: 400, ctrlrange: [0, 90deg]}}")
     attributes = {"name": "lift", "joint": "slide", "kp": 400, "ctrlrange": (0, Angle(90.0, "deg"))}
-    assert read.actuator == (Element("position", attributes, at=("actuator", "lift")),)
+    assert read.actuator == (RecipeElement("position", attributes, at=("actuator", "lift")),)
 
 
 def test_name_that_is_the_key_can_be_located() -> None:
@@ -52,7 +52,7 @@ def test_name_that_is_the_key_can_be_located() -> None:
 
 def test_fragment_takes_the_name_of_its_key(recipe: Callable[[str], Recipe]) -> None:
     (sensor,) = recipe("sensor: {pad: {xml: '<touch site=\"a\"/>'}}").sensor
-    assert sensor == Element("touch", {"name": "pad"}, xml='<touch site="a"/>', at=("sensor", "pad"))
+    assert sensor == RecipeElement("touch", {"name": "pad"}, xml='<touch site="a"/>', at=("sensor", "pad"))
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_lists(recipe: Callable[[str], Recipe]) -> None:
 def test_classes(recipe: Callable[[str], Recipe]) -> None:
     main, finger = recipe("default: {main: {geom: {condim: 4}}, finger: {parent: hand, joint: {}}}").default
     assert (main.name, main.parent, main.element.tag) == ("main", None, "default")
-    assert main.element.children == (Element("geom", {"condim": 4}, at=("default", "main", "geom")),)
+    assert main.element.children == (RecipeElement("geom", {"condim": 4}, at=("default", "main", "geom")),)
     assert (finger.parent, finger.element.at) == ("hand", ("default", "finger"))
 
 

@@ -10,7 +10,7 @@ from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.link.angles import angles, undo_settings
-from mjcompose.link.linking import Joint, Linking, Part, Sense
+from mjcompose.link.linking import Joint, Linking, Part, SensorBody
 
 SEQUENCES = ("xyz", "zyx", "XYZ", "zXy", "yzY")
 
@@ -339,7 +339,7 @@ def test_damping_is_no_default_of_a_flex(workshop: Workshop, damped: str) -> Non
         {"joints": (Joint("freejoint", {}),)},
         {"joints": (Joint("joint", {"type": "hinge"}),)},
         {"mocap": True},
-        {"sense": Sense("wrist", (("force", "wrist"),), "", Span("r.yaml", 1, 1))},
+        {"sense": SensorBody("wrist", (("force", "wrist"),), "", Span("r.yaml", 1, 1))},
     ],
 )
 def test_a_flex_on_a_body_of_an_attachment_is_not_in_the_world(workshop: Workshop, options: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ import pytest
 from link.workshop import Workshop
 from mjcompose import mjcf
 from mjcompose.mujoco.attributes import names
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 
 WORLD = """<worldbody><body name="rail" pos="0 0 2"><joint name="swing" axis="1 0 0"/><geom name="beam" size=".1"/>
@@ -35,7 +35,7 @@ def built(folder: Path, recipe: str, **files: str) -> tuple[Built | None, Contex
     path = folder / "recipe.yaml"
     path.write_text(f"recipe: 1\nallow: [license-missing]\n{recipe}")
     context = Context(environment={}, folder=folder)
-    return build(Request(path), context), context
+    return build(ModelRequest(path), context), context
 
 
 def compiled(found: Built | None) -> mujoco.MjModel:

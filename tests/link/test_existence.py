@@ -9,9 +9,9 @@ import pytest
 from link.workshop import OLDER
 from lxml import etree
 from mjcompose.compose import compose
-from mjcompose.link.existence import Written
+from mjcompose.link.existence import WrittenElements
 from mjcompose.mujoco.attributes import KINDS, all_names
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 EVERY_KIND = """<mujoco>
@@ -37,12 +37,12 @@ KINDS_THERE = tuple(KINDS)
 
 
 @pytest.fixture(scope="module")
-def every_kind() -> tuple[Written, dict[str, list[str]]]:
+def every_kind() -> tuple[WrittenElements, dict[str, list[str]]]:
     root = etree.fromstring(EVERY_KIND)
-    return Written.of(root), all_names(mujoco.MjModel.from_xml_string(EVERY_KIND))
+    return WrittenElements.of(root), all_names(mujoco.MjModel.from_xml_string(EVERY_KIND))
 
 
-def test_a_model_with_every_kind_has_no_fault(every_kind: tuple[Written, dict[str, list[str]]]) -> None:
+def test_a_model_with_every_kind_has_no_fault(every_kind: tuple[WrittenElements, dict[str, list[str]]]) -> None:
     written, names = every_kind
     assert all(names[kind] for kind in KINDS)
     assert list(written.faults(names)) == []
@@ -50,7 +50,7 @@ def test_a_model_with_every_kind_has_no_fault(every_kind: tuple[Written, dict[st
 
 @pytest.mark.parametrize("kind", KINDS_THERE)
 def test_an_element_of_any_kind_that_vanishes_is_found(
-    every_kind: tuple[Written, dict[str, list[str]]], kind: str
+    every_kind: tuple[WrittenElements, dict[str, list[str]]], kind: str
 ) -> None:
     written, names = every_kind
     (fault,) = written.faults({**names, kind: names[kind][:-1]})
@@ -61,7 +61,7 @@ def test_an_element_of_any_kind_that_vanishes_is_found(
 
 @pytest.mark.parametrize("kind", KINDS_THERE)
 def test_an_element_of_any_kind_that_multiplies_is_found(
-    every_kind: tuple[Written, dict[str, list[str]]], kind: str
+    every_kind: tuple[WrittenElements, dict[str, list[str]]], kind: str
 ) -> None:
     written, names = every_kind
     name = names[kind][-1]
@@ -77,7 +77,7 @@ def test_what_a_setting_drops_is_no_fault(setting: str, gone: set[str]) -> None:
       <geom name="g" size=".1" material="m" contype="0" conaffinity="0"/><body name="c"><joint/><geom size=".1"/></body>
       </body></worldbody></mujoco>"""
     names = all_names(mujoco.MjModel.from_xml_string(text))
-    written = Written.of(etree.fromstring(text))
+    written = WrittenElements.of(etree.fromstring(text))
     lost = {
         kind for kind, rows in written.elements.items() if len(rows) > len([n for n in names[kind] if n != "world"])
     }
@@ -97,7 +97,7 @@ def test_what_mujoco_generates_is_no_fault(world: str) -> None:
         pytest.skip("MuJoCo 3 has no flexes in replicates")
     text = f"<mujoco><worldbody>{world}</worldbody></mujoco>"
     names = all_names(mujoco.MjModel.from_xml_string(text))
-    written = Written.of(etree.fromstring(text))
+    written = WrittenElements.of(etree.fromstring(text))
     assert list(written.faults(names)) == []
     assert [fault.names for fault in written.faults({**names, "flex": []})]
 
@@ -106,7 +106,7 @@ def test_keys_that_size_requests_are_no_fault() -> None:
     text = '<mujoco><size nkey="3"/><worldbody/><keyframe><key name="a"/></keyframe></mujoco>'
     names = all_names(mujoco.MjModel.from_xml_string(text))
     assert len(names["key"]) == 3
-    written = Written.of(etree.fromstring(text))
+    written = WrittenElements.of(etree.fromstring(text))
     assert list(written.faults(names)) == []
     assert [fault.number for fault in written.faults({**names, "key": [*names["key"], ""]})] == [1]
 
@@ -134,7 +134,7 @@ def test_it_finds_what_a_missing_mend_loses(
     (tmp_path / "m.xml").write_text(model)
     (tmp_path / "recipe.yaml").write_text(f"recipe: 1\nallow: [license-missing]\n{recipe}")
     context = Context(environment={}, folder=tmp_path)
-    found = build(Request(tmp_path / "recipe.yaml"), context)
+    found = build(ModelRequest(tmp_path / "recipe.yaml"), context)
     assert (found is not None) is mended
     reported = [(str(each.span), each.code) for each in context.sink.sorted()]
     assert reported == ([] if mended else [(place, "not-as-written") for place in places])

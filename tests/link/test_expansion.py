@@ -13,7 +13,7 @@ from link.workshop import OLDER
 from lxml import etree
 from mjcompose.base.sink import Sink
 from mjcompose.link.boundaries import crossings
-from mjcompose.link.existence import Written
+from mjcompose.link.existence import WrittenElements
 from mjcompose.link.expansion import Expansion, in_order, name_of_holder
 from mjcompose.link.linking import Linking
 from mjcompose.mujoco.attributes import all_names
@@ -121,7 +121,7 @@ def test_everything_that_is_written_is_compiled_once(seed: int) -> None:
     crossings(linking)
     root = linking.base.root
     names = compiled(root)
-    assert list(Written.of(root).faults(names)) == []
+    assert list(WrittenElements.of(root).faults(names)) == []
     for section in ("actuator", "sensor"):
         assert [name_of_holder(holder) for holder in in_order(root, section)] == names[section]
 
@@ -131,7 +131,7 @@ def test_without_the_copies_mujoco_drops_exactly_the_crossing_elements() -> None
     for seed in SEEDS:
         root = etree.fromstring(RandomModel(seed).text)
         try:
-            faults = list(Written.of(root).faults(compiled(root)))
+            faults = list(WrittenElements.of(root).faults(compiled(root)))
         except ValueError:  # an element that it does not drop refers to what it has removed
             continue
         crossing = {each.row.element for each in Expansion.of(root).crossings}
@@ -156,7 +156,7 @@ ACCIDENTS = {
 def test_what_mujoco_multiplies_by_mistake_is_found(bodies: str, sections: str, kind: str) -> None:
     replicate = '<replicate count="2"><site name="s"/></replicate>'
     root = etree.fromstring(f"<mujoco><worldbody>{bodies}{replicate}</worldbody>{sections}</mujoco>")
-    (fault,) = Written.of(root).faults(compiled(root))
+    (fault,) = WrittenElements.of(root).faults(compiled(root))
     assert fault.kind == kind
     assert not fault.is_missing
     assert fault.element is root.find(f"{kind}/*")
@@ -180,7 +180,7 @@ def calls(count: int) -> int:
 
     sys.setprofile(count_call)
     try:
-        written = Written.of(root)
+        written = WrittenElements.of(root)
     finally:
         sys.setprofile(None)
     assert len(written.elements["sensor"]) == 2 * count

@@ -16,9 +16,9 @@ from mjcompose.link.collect import collect
 from mjcompose.link.files import KINDS, Merged, NamedFile, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tree.files import Settings
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.unit import Unit
 
 
@@ -313,17 +313,17 @@ def test_files_of_the_recipe_itself_do_not_meet_those_of_parts(workshop: Worksho
 @pytest.mark.parametrize(
     ("settings", "written", "expected"),
     [
-        (Settings(meshdir="m"), "m/a.obj", "a.obj"),
-        (Settings(meshdir="m"), "more/a.obj", "more/a.obj"),
-        (Settings(texturedir="t/u/"), "t/u/v/a.png", "v/a.png"),
-        (Settings(meshdir="../m"), "../m/a.obj", "a.obj"),
-        (Settings(), "../../x/a.obj", "x/a.obj"),
-        (Settings(), "/abs/x/a.obj", "a.obj"),
-        (Settings(), "C:/x/a.obj", "a.obj"),
-        (Settings(), "a..b/c.obj", "a..b/c.obj"),
+        (SourceSettings(meshdir="m"), "m/a.obj", "a.obj"),
+        (SourceSettings(meshdir="m"), "more/a.obj", "more/a.obj"),
+        (SourceSettings(texturedir="t/u/"), "t/u/v/a.png", "v/a.png"),
+        (SourceSettings(meshdir="../m"), "../m/a.obj", "a.obj"),
+        (SourceSettings(), "../../x/a.obj", "x/a.obj"),
+        (SourceSettings(), "/abs/x/a.obj", "a.obj"),
+        (SourceSettings(), "C:/x/a.obj", "a.obj"),
+        (SourceSettings(), "a..b/c.obj", "a..b/c.obj"),
     ],
 )
-def test_what_is_left_of_a_path_in_the_bundle(settings: Settings, written: str, expected: str) -> None:
+def test_what_is_left_of_a_path_in_the_bundle(settings: SourceSettings, written: str, expected: str) -> None:
     assert path_in_assets(settings, written) == expected
 
 
@@ -551,7 +551,7 @@ def test_files_get_paths_that_every_system_can_have(
     (tmp_path / "aux.xml").write_text(model)
     recipe = "recipe: 1\nbase: ./aux.xml\n" if alone else "recipe: 1\nattach: {part: {model: ./aux.xml}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
-    built = build(Request(tmp_path / "recipe.yaml"), context := Context(environment={}, folder=tmp_path))
+    built = build(ModelRequest(tmp_path / "recipe.yaml"), context := Context(environment={}, folder=tmp_path))
     assert built is not None, context.sink.errors
     assert [each for each in built.bundle.files if each.startswith("assets/")] == [path]
     assert all(map(is_portable, built.bundle.files))

@@ -7,7 +7,7 @@ from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import quat_from_axisangle
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Joint
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.unit import texts
 
@@ -498,7 +498,7 @@ def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
 
 
 def test_the_judge_agrees_on_the_policies() -> None:
-    assert {each.value for each in Keys} == {"merge", "prefix", "none"}
+    assert {each.value for each in KeyMode} == {"merge", "prefix", "none"}
 
 
 HINGE = """

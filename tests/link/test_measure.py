@@ -7,7 +7,7 @@ from link.workshop import Workshop
 from mjcompose.base.sink import Sink
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import BODIES, NAMED, KeptSettings, Survey, measure_with
-from mjcompose.mujoco.engine import Limits
+from mjcompose.mujoco.engine import RequestLimits
 from mjcompose.sources.context import Context
 from mjcompose.tree.parse import parse_text
 from mjcompose.tree.unit import Unit
@@ -25,7 +25,7 @@ TEXT = """\
 """
 
 
-def measured(tmp_path: Path, size: str, limits: Limits | None = None) -> tuple[dict[str, list[float]], Context]:
+def measured(tmp_path: Path, size: str, limits: RequestLimits | None = None) -> tuple[dict[str, list[float]], Context]:
     context = Context(environment={}, folder=tmp_path)
     unit = parse_text(TEXT.format(size=size), context.sink, file="a.xml", directory=tmp_path, label="a")
     assert unit is not None
@@ -52,7 +52,7 @@ def test_a_refusal_is_told_at_its_element(tmp_path: Path) -> None:
 def test_no_verdict_is_told_as_such(tmp_path: Path) -> None:
     # MuJoCo has far more to do than it is given time for, however busy the machine is.
     many = 'size="1"/><replicate count="19000" offset="1 0 0"><geom size="1"/></replicate><geom size="1"'
-    found, context = measured(tmp_path, many, Limits(seconds=0.05))
+    found, context = measured(tmp_path, many, RequestLimits(seconds=0.05))
     assert found == {}
     assert [each.code for each in context.sink.diagnostics] == ["mujoco-timeout"]
 

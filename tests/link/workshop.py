@@ -14,9 +14,9 @@ from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, nor
 from mjcompose.base.sink import Sink
 from mjcompose.link.collect import collect
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Request
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, LinkRequest, Part
 from mjcompose.link.measure import measure_with
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
@@ -127,8 +127,8 @@ class Workshop:
             parts.append(Part(unit, piece.prefix, piece.place, **given))
         assert base_unit is not None, told(sink)
         given = {"measure": measure_with(Context(sink=sink, environment={}, folder=self.folder)), **options}
-        asked = {name: given.pop(name) for name in [*given] if name in Request.__dataclass_fields__}
-        linking = Linking(base_unit, parts, sink, Request(**asked), **given)
+        asked = {name: given.pop(name) for name in [*given] if name in LinkRequest.__dataclass_fields__}
+        linking = Linking(base_unit, parts, sink, LinkRequest(**asked), **given)
         link(linking)
         if not sink.has_errors:
             finish(linking)
@@ -203,13 +203,13 @@ class Linked:
         members = [("", self.alone(0))]
         members += [(piece.prefix, self.alone(at)) for at, piece in enumerate(self.pieces, 1)]
         composed = self.model()
-        given = {"keys": Keys.MERGE, **options}
+        given = {"keys": KeyMode.MERGE, **options}
         found = compare(members[0][1], composed, **given)
         for at, (piece, part) in enumerate(zip(self.pieces, self.linking.parts, strict=True), 1):
             others = None
             if not part.joints and not part.mocap:
                 others = [member for place, member in enumerate(members) if place != at]
-            keys = Keys(part.keyframes)
+            keys = KeyMode(part.keyframes)
             found += compare(
                 members[at][1],
                 composed,

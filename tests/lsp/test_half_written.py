@@ -17,7 +17,7 @@ from mjcompose.lsp.analysis import Analysis, Question, units
 from mjcompose.lsp.completion import complete
 from mjcompose.lsp.desk import Workspace, uses_of
 from mjcompose.lsp.hover import hover
-from mjcompose.lsp.mjcf import Refused
+from mjcompose.lsp.mjcf import RenameRefused
 from mjcompose.lsp.navigation import definition, folds, formatted, hints, lenses, references, symbols
 from mjcompose.lsp.rename import rename, renameable
 from mjcompose.text.node import lines_of
@@ -72,7 +72,7 @@ class Typist:
         self.check(uses_of(analysis).values())
         self.check(each.span for each in formatted(analysis.text, analysis.file))
         if (span := renameable(question)) is not None:
-            with suppress(Refused):
+            with suppress(RenameRefused):
                 self.check([span, *(change.span for change in rename(question, "renamed", ()))])
 
     def check(self, spans: Iterable[Span | None]) -> None:

@@ -15,7 +15,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from lxml import etree
 from mjcompose import mjcf
 from mjcompose.mjcf import Element, MjcfError, Physics, RootElement
-from mjcompose.mjcf.model import Model
+from mjcompose.mjcf.model import ModelState
 from mjcompose.tree.names import NameIndex
 
 START = """
@@ -69,7 +69,7 @@ _WRONG: list[tuple[str, Any]] = [
 _NAMES = st.sampled_from(["a", "b", "c", "d", "one/a", "red", "x y", ""])
 
 
-def _state(model: Model) -> Any:
+def _state(model: ModelState) -> Any:
     """Everything that an edit can change, names as they are looked up included."""
     return (
         etree.tostring(model.unit.root),
@@ -82,7 +82,7 @@ def _state(model: Model) -> Any:
     )
 
 
-def _index(model: Model, index: NameIndex) -> Any:
+def _index(model: ModelState, index: NameIndex) -> Any:
     declared = {(space, name, node) for space, names in index.declared.items() for name, node in names.items()}
     uses = {
         (space, name, *use) for space, names in index.uses.items() for name, users in names.items() for use in users
@@ -90,7 +90,7 @@ def _index(model: Model, index: NameIndex) -> Any:
     return declared, uses
 
 
-def _rebuilt(model: Model) -> NameIndex:
+def _rebuilt(model: ModelState) -> NameIndex:
     index = NameIndex.of(model.unit.root)
     for attachment in model.attachments.values():
         for joint in attachment.frame:

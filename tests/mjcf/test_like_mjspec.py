@@ -8,7 +8,7 @@ import mujoco
 import pytest
 from mjcompose import mjcf
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.unchanged import compare
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
@@ -24,7 +24,7 @@ def spec(path: Path) -> mujoco.MjSpec:
 def assert_alike(model: mjcf.RootElement, base: mujoco.MjSpec, tmp_path: Path) -> None:
     mjcf.export_with_assets(model, tmp_path / "ours", conflict="base")
     ours = mujoco.MjModel.from_xml_path(str(tmp_path / "ours" / "model.xml"))
-    found = compare(base.compile(), ours, keys=Keys.PREFIX, tolerance=ROUNDING, ignore=_MOVED)
+    found = compare(base.compile(), ours, keys=KeyMode.PREFIX, tolerance=ROUNDING, ignore=_MOVED)
     assert [str(each) for each in found] == []
 
 

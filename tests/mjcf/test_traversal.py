@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 from mjcompose import mjcf
-from mjcompose.mjcf.model import Target
+from mjcompose.mjcf.model import ReferencedNode
 from mjcompose.mjcf.traversal import is_below
 
 
@@ -119,9 +119,9 @@ def test_a_section_that_only_a_child_has_is_looked_through(chain: list[mjcf.Root
 
 
 def test_what_is_below_what(chain: list[mjcf.RootElement]) -> None:
-    def target(element: mjcf.Element | None) -> Target:
+    def target(element: mjcf.Element | None) -> ReferencedNode:
         assert element is not None
-        return Target(element._model, element._node)
+        return ReferencedNode(element._model, element._node)
 
     a, b, _, d = chain
     deep = target(d.find("geom", "g"))

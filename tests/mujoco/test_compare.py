@@ -11,7 +11,7 @@ import pytest
 from mjcompose.base.rotation import Pose
 from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS
-from mjcompose.mujoco.compare import Keys, Roots
+from mjcompose.mujoco.compare import KeyMode, Roots
 from mjcompose.mujoco.match import Difference, Mount
 from mjcompose.mujoco.unchanged import compare, same_dampratio
 
@@ -166,12 +166,12 @@ class Composition:
         given: dict[str, object] = {
             "prefix": "hand/",
             "hung_on": Mount.of(self.both, site="flange"),
-            "keys": Keys.PREFIX,
+            "keys": KeyMode.PREFIX,
         }
         return compare(self.hand, self.both, **{**given, **options})
 
     def arm_differences(self, **options: object) -> list[Difference]:
-        return compare(self.arm, self.both, **{"keys": Keys.PREFIX, **options})
+        return compare(self.arm, self.both, **{"keys": KeyMode.PREFIX, **options})
 
 
 def compose(
@@ -494,11 +494,11 @@ def test_merged_keys_are_compared_by_the_entries_of_the_part() -> None:
         spec.add_key(name="second", qpos=[0, 0, 0.02, 0])
 
     composition = compose(change_both=merge)
-    assert composition.arm_differences(keys=Keys.MERGE) == []
-    assert composition.hand_differences(keys=Keys.MERGE) == []
-    assert composition.hand_differences(keys=Keys.NONE) == []
+    assert composition.arm_differences(keys=KeyMode.MERGE) == []
+    assert composition.hand_differences(keys=KeyMode.MERGE) == []
+    assert composition.hand_differences(keys=KeyMode.NONE) == []
     composition.both.key_ctrl[1, 3] = 7
-    assert [str(found) for found in composition.hand_differences(keys=Keys.MERGE)] == [
+    assert [str(found) for found in composition.hand_differences(keys=KeyMode.MERGE)] == [
         "key `open`: `key_ctrl of `#3`` is [7.0], alone it is [2.0]"
     ]
 
@@ -507,7 +507,7 @@ def test_a_key_that_did_not_come_along_is_missing() -> None:
     alone = mujoco.MjModel.from_xml_string(PROP)
     other = mujoco.MjModel.from_xml_string(PROP.replace('"home"', '"rest"'))
     assert [str(found) for found in compare(alone, other)] == ["key `home` is missing"]
-    assert compare(alone, other, keys=Keys.NONE) == []
+    assert compare(alone, other, keys=KeyMode.NONE) == []
     assert compare(alone, other, renamed={"key": {"home": "rest"}}) == []
 
 
@@ -536,7 +536,7 @@ def test_a_key_moves_the_free_bodies_of_a_moved_part_or_keeps_them() -> None:
         alone, both, mount = _props(moved)
 
         def differences(roots: Roots) -> list[Difference]:
-            return compare(alone, both, prefix="prop/", hung_on=mount, keys=Keys.PREFIX, roots_in_keys=roots)  # noqa: B023
+            return compare(alone, both, prefix="prop/", hung_on=mount, keys=KeyMode.PREFIX, roots_in_keys=roots)  # noqa: B023
 
         assert differences(right) == []
         assert {found.array for found in differences(wrong)} == {"key_qpos", "key_qvel", "key_mpos", "key_mquat"}

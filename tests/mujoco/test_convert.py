@@ -8,7 +8,7 @@ import mujoco
 import pytest
 from mjcompose.base.access import ALL
 from mjcompose.mujoco.convert import Converted, convert_urdf
-from mjcompose.mujoco.engine import Limits, Session
+from mjcompose.mujoco.engine import RequestLimits, Session
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
 ARM = f"""<robot name="arm">
@@ -33,7 +33,7 @@ def arm(tmp_path: Path) -> Path:
     return path
 
 
-def convert(path: Path, packages: dict[str, Path], limits: Limits | None = None, **options: Any) -> Converted:
+def convert(path: Path, packages: dict[str, Path], limits: RequestLimits | None = None, **options: Any) -> Converted:
     with Session(limits) as session:
         return convert_urdf(path, packages, door=ALL, session=session, **options)
 
@@ -97,5 +97,5 @@ def test_what_mujoco_refuses(arm: Path) -> None:
 
 
 def test_no_verdict(arm: Path) -> None:
-    result = convert(arm, {}, limits=Limits(seconds=1e-6))
+    result = convert(arm, {}, limits=RequestLimits(seconds=1e-6))
     assert (result.text, result.crash) == (None, "timeout")

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.mujoco.arrays import ARRAYS, PLACED, Treatment, about
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 from mujoco.test_compare import HAND
@@ -73,7 +73,7 @@ def told(damaged: mujoco.MjModel, moved: bool) -> set[str]:
     alone, both = models()
     if not moved:
         return _arrays(compare(damaged, alone))
-    return _arrays(compare(damaged, both, prefix="p/", hung_on=Mount.of(both, site="flange"), keys=Keys.PREFIX))
+    return _arrays(compare(damaged, both, prefix="p/", hung_on=Mount.of(both, site="flange"), keys=KeyMode.PREFIX))
 
 
 def _arrays(found: list[object]) -> set[str]:

@@ -17,34 +17,34 @@ import numpy
 import pytest
 from mjcompose.base.limits import GIB, allow
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.engine import Limits, Request, Session
-from mjcompose.mujoco.index import Actuator, Sensor
+from mjcompose.mujoco.engine import CompileRequest, RequestLimits, Session
+from mjcompose.mujoco.index import CompiledActuator, CompiledSensor
 
 
 def test_the_defaults() -> None:
-    assert Limits() == Limits(seconds=300, memory=8 * GIB)
+    assert RequestLimits() == RequestLimits(seconds=300, memory=8 * GIB)
 
 
 def test_limits_in_force_count_where_none_are_given() -> None:
     with allow(time=7, memory=GIB):
-        assert Limits() == Limits(seconds=7, memory=GIB)
-        assert Limits(seconds=3) == Limits(seconds=3, memory=GIB)
+        assert RequestLimits() == RequestLimits(seconds=7, memory=GIB)
+        assert RequestLimits(seconds=3) == RequestLimits(seconds=3, memory=GIB)
 
 
 @pytest.mark.parametrize("wrong", [{"seconds": 0}, {"seconds": float("nan")}, {"memory": -1}])
 def test_limits_are_greater_than_zero(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="greater than zero"):
-        Limits(**wrong)  # type: ignore[arg-type]
+        RequestLimits(**wrong)  # type: ignore[arg-type]
 
 
 def test_a_misspelt_want_is_refused() -> None:
     with pytest.raises(ValueError, match=r"unknown needs \['indexx'\]; there are \['forward', 'index', 'names'\]"):
-        Request(Path(), wants=("indexx",))
+        CompileRequest(Path(), wants=("indexx",))
 
 
 def test_its_json_is_one_line_with_absolute_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    line = Request(Path("in"), mjb=Path("out.mjb"), text="<mujoco>\n\u2028</mujoco>").to_json(tmp_path / "a.npz")
+    line = CompileRequest(Path("in"), mjb=Path("out.mjb"), text="<mujoco>\n\u2028</mujoco>").to_json(tmp_path / "a.npz")
     assert "\n" not in line and "\r" not in line
     sent = json.loads(line)
     assert sent["folder"] == str(tmp_path / "in")
@@ -86,7 +86,7 @@ ARM = """<mujoco model="arm">
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[engine.Session]:
-    with engine.Session(engine.Limits(seconds=60)) as session:
+    with engine.Session(engine.RequestLimits(seconds=60)) as session:
         yield session
 
 
@@ -123,8 +123,10 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
     assert turn.range == pytest.approx((-numpy.pi / 2, numpy.pi / 2))
     assert not index.joints[3].limited
     assert index.actuators == (
-        Actuator("torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)),
-        Actuator(
+        CompiledActuator(
+            "torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)
+        ),
+        CompiledActuator(
             "servo",
             ctrl_address=1,
             ctrl_size=1,
@@ -136,9 +138,9 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
         ),
     )
     assert index.sensors == (
-        Sensor("where", "framepos", 0, 3, "m"),
-        Sensor("effort", "jointactuatorfrc", 3, 1, "N m"),
-        Sensor("gap", "distance", 4, 1, "m", 1),
+        CompiledSensor("where", "framepos", 0, 3, "m"),
+        CompiledSensor("effort", "jointactuatorfrc", 3, 1, "N m"),
+        CompiledSensor("gap", "distance", 4, 1, "m", 1),
     )
     assert [each.name for each in index.keyframes] == ["home", ""]
     assert [(each.name, each.unit) for each in index.cameras] == [("eye", "deg")]
@@ -312,10 +314,10 @@ def test_real_robots_compile_with_finite_forward_steps(corpus: Path, session: en
 @pytest.mark.skipif(sys.platform == "win32", reason="timers of computing are those of POSIX")
 def test_a_first_step_that_has_no_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Thousands of bodies in one place, each of which touches all others."""
-    monkeypatch.setattr(engine.Limits, "step", 0.3)  # MuJoCo 3.12 takes a second to compile them
+    monkeypatch.setattr(engine.RequestLimits, "step", 0.3)  # MuJoCo 3.12 takes a second to compile them
     bodies = '<body><freejoint/><geom size=".1"/></body>' * 1500
     (tmp_path / "model.xml").write_text(f'<mujoco><size memory="2G"/><worldbody>{bodies}</worldbody></mujoco>')
-    with engine.Session(engine.Limits(seconds=60)) as session:
+    with engine.Session(engine.RequestLimits(seconds=60)) as session:
         compiled = engine.compile(tmp_path, session=session)
     assert compiled.crash == "timeout"
     assert compiled.error == "MuJoCo needs more than 0.3 s for the first step of the model"
@@ -375,7 +377,7 @@ def test_a_class_with_printf_directives_kills_only_the_child(tmp_path: Path) -> 
 def test_what_takes_too_long_is_ended(tmp_path: Path) -> None:
     put_session(tmp_path, ENDLESS)
     start = time.monotonic()
-    compiled = engine.compile(tmp_path, limits=engine.Limits(seconds=1))
+    compiled = engine.compile(tmp_path, limits=engine.RequestLimits(seconds=1))
     assert compiled.crash == "timeout"
     assert compiled.error == "MuJoCo did not finish within 1 s"
     assert time.monotonic() - start < 60
@@ -384,7 +386,7 @@ def test_what_takes_too_long_is_ended(tmp_path: Path) -> None:
 @posix
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not keep the limit")
 def test_what_takes_too_much_memory_is_refused(tmp_path: Path) -> None:
-    compiled = engine.compile(put_session(tmp_path, HUGE), limits=engine.Limits(memory=1 << 30))
+    compiled = engine.compile(put_session(tmp_path, HUGE), limits=engine.RequestLimits(memory=1 << 30))
     assert compiled.crash == "memory"
     assert compiled.error is not None
     assert compiled.error.startswith("MuJoCo needs more than the 1 GiB of memory that it may use")
@@ -392,7 +394,7 @@ def test_what_takes_too_much_memory_is_refused(tmp_path: Path) -> None:
 
 @posix
 def test_a_session_goes_on_after_a_crash(tmp_path: Path) -> None:
-    with Session(engine.Limits(seconds=2)) as session:
+    with Session(engine.RequestLimits(seconds=2)) as session:
         assert engine.compile(put_session(tmp_path, GOOD), session=session).ok
         assert engine.compile(put_session(tmp_path, ENDLESS), session=session).crash == "timeout"
         assert engine.compile(put_session(tmp_path, GOOD), session=session).ok
@@ -524,7 +526,7 @@ def test_names_that_this_process_cannot_read_are_bytes(tmp_path: Path) -> None:
     (tmp_path / "ü").mkdir()
     put_session(tmp_path / "ü", GOOD)
     with Session() as session:
-        answer, _ = session.ask(engine.Request(tmp_path / "\udcc3\udcbc"))
+        answer, _ = session.ask(engine.CompileRequest(tmp_path / "\udcc3\udcbc"))
     assert answer["ok"], answer
 
 

@@ -7,7 +7,16 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mjcompose.mujoco.index import Actuator, Camera, Index, Joint, Keyframe, Sensor, _actuators, index
+from mjcompose.mujoco.index import (
+    CompiledActuator,
+    CompiledCamera,
+    CompiledIndex,
+    CompiledJoint,
+    CompiledKeyframe,
+    CompiledSensor,
+    _actuators,
+    index,
+)
 
 
 def model(text: str) -> Any:
@@ -15,15 +24,15 @@ def model(text: str) -> Any:
 
 
 def test_it_is_made_from_what_the_child_sends() -> None:
-    made = Index(
-        joints=(Joint("j", "ball", 7, 4, 6, 3, True, (0, 1), "b"),),
-        actuators=(Actuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0),),
-        sensors=(Sensor("s", "gyro", 8, 3, "rad/s"),),
-        keyframes=(Keyframe("k", 0.5),),
-        cameras=(Camera("c", "b", 45, "deg", (4, 3)),),
+    made = CompiledIndex(
+        joints=(CompiledJoint("j", "ball", 7, 4, 6, 3, True, (0, 1), "b"),),
+        actuators=(CompiledActuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0),),
+        sensors=(CompiledSensor("s", "gyro", 8, 3, "rad/s"),),
+        keyframes=(CompiledKeyframe("k", 0.5),),
+        cameras=(CompiledCamera("c", "b", 45, "deg", (4, 3)),),
         bodies=("world", "b"),
     )
-    assert Index.from_data(json.loads(json.dumps(asdict(made)))) == made
+    assert CompiledIndex.from_data(json.loads(json.dumps(asdict(made)))) == made
 
 
 def test_a_version_in_which_an_actuator_has_one_control() -> None:
@@ -36,8 +45,8 @@ def test_a_version_in_which_an_actuator_has_one_control() -> None:
     old.actuator_trnid = np.array([[0, -1], [0, -1]])
     old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
     assert list(_actuators(old, mujoco)) == [
-        Actuator("a", 0, 1, -1, 0, "1", ((0.0, 2.0),)),
-        Actuator("b", 1, 1, 0, 1, "1", (None,)),
+        CompiledActuator("a", 0, 1, -1, 0, "1", ((0.0, 2.0),)),
+        CompiledActuator("b", 1, 1, 0, 1, "1", (None,)),
     ]
 
 

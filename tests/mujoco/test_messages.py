@@ -6,7 +6,7 @@ import mujoco
 import pytest
 from lxml import etree
 from mjcompose.mujoco.messages import (
-    Fault,
+    EngineMessage,
     Topic,
     instead_of_old,
     kind_of,
@@ -17,7 +17,7 @@ from mjcompose.mujoco.messages import (
     unknown_attribute,
     version_of,
 )
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -28,7 +28,7 @@ def test_an_attribute_that_is_written_nowhere_is_reported_at_the_element(tmp_pat
     (tmp_path / "a.xml").write_text(model)
     (tmp_path / "a.yaml").write_text("recipe: 1\nbase: ./a.xml\n")
     context = Context(folder=tmp_path)
-    assert build(Request(tmp_path / "a.yaml"), context) is None
+    assert build(ModelRequest(tmp_path / "a.yaml"), context) is None
     (fault,) = context.sink.errors
     assert fault.span is not None and (fault.span.file, fault.span.line) == ("a.xml", 2)
 
@@ -38,38 +38,41 @@ def test_an_attribute_that_is_written_nowhere_is_reported_at_the_element(tmp_pat
     [
         (
             "Error: size 0 must be positive in geom\nElement name 'left/X', id 0, line 38",
-            Fault("size 0 must be positive in geom", 38, None, None, "left/X"),
+            EngineMessage("size 0 must be positive in geom", 38, None, None, "left/X"),
         ),
         (
             "XML Error: Schema violation: unrecognized attribute: 'foo'\nElement 'geom', line 3, column 7\n",
-            Fault("Schema violation: unrecognized attribute: 'foo'", 3, 7, "geom"),
+            EngineMessage("Schema violation: unrecognized attribute: 'foo'", 3, 7, "geom"),
         ),
         (
             "XML Error: Error: repeated name 'a' in body\nElement 'body', line 1\n",
-            Fault("repeated name 'a' in body", 1, None, "body"),
+            EngineMessage("repeated name 'a' in body", 1, None, "body"),
         ),
         (
             "XML Error: Error: GMSH decoder: no\nElement name '', id -1\nElement 'flexcomp', line 3\n",
-            Fault("GMSH decoder: no", 3, None, "flexcomp"),
+            EngineMessage("GMSH decoder: no", 3, None, "flexcomp"),
         ),
-        ("Error: Error opening file 'nope.stl'", Fault("Error opening file 'nope.stl'")),
-        ("ParseXML: empty file 'model.xml'", Fault("empty file 'model.xml'")),
-        ("Error: free joint\nElement name '', id 2, line -1", Fault("free joint")),
-        ("Error: x\nElement name 'it's, id 4, line 5', id 2, line 7", Fault("x", 7, name="it's, id 4, line 5")),
-        ("Error: x\nElement name 'a\nb', id 2", Fault("x", name="a\nb")),
-        ("timestep: parent has 1\nintegrator: parent has 2", Fault("timestep: parent has 1\nintegrator: parent has 2")),
+        ("Error: Error opening file 'nope.stl'", EngineMessage("Error opening file 'nope.stl'")),
+        ("ParseXML: empty file 'model.xml'", EngineMessage("empty file 'model.xml'")),
+        ("Error: free joint\nElement name '', id 2, line -1", EngineMessage("free joint")),
+        ("Error: x\nElement name 'it's, id 4, line 5', id 2, line 7", EngineMessage("x", 7, name="it's, id 4, line 5")),
+        ("Error: x\nElement name 'a\nb', id 2", EngineMessage("x", name="a\nb")),
+        (
+            "timestep: parent has 1\nintegrator: parent has 2",
+            EngineMessage("timestep: parent has 1\nintegrator: parent has 2"),
+        ),
         (
             "XML parse error 6:\nError=XML_ERROR_PARSING_ELEMENT ID=6 Line number=4: XMLElement name=geom\n",
-            Fault("not well-formed XML: parsing element", 4, element="geom"),
+            EngineMessage("not well-formed XML: parsing element", 4, element="geom"),
         ),
         (
             "XML parse error 14:\nError=XML_ERROR_MISMATCHED_ELEMENT ID=14 Line number=2: odd  it\n",
-            Fault("not well-formed XML: mismatched element: odd it", 2),
+            EngineMessage("not well-formed XML: mismatched element: odd it", 2),
         ),
-        ("", Fault("")),
+        ("", EngineMessage("")),
     ],
 )
-def test_a_message_is_taken_apart(text: str, fault: Fault) -> None:
+def test_a_message_is_taken_apart(text: str, fault: EngineMessage) -> None:
     assert parse(text) == fault
 
 

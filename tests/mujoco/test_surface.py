@@ -6,7 +6,7 @@ from typing import Any
 import numpy
 import pytest
 from mjcompose.mujoco import fit
-from mjcompose.mujoco.surface import Surface
+from mjcompose.mujoco.surface import TriangleSurface
 
 trimesh = pytest.importorskip("trimesh")
 pytest.importorskip("scipy")
@@ -33,18 +33,18 @@ def test_distances_are_those_of_trimesh(solid: Any) -> None:
     points = numpy.random.default_rng(0).normal(size=(300, 3)) * [[3, 3, 8]]
     points = numpy.vstack((points, solid.vertices[:20], solid.triangles_center[:20]))
     expected = trimesh.proximity.closest_point(solid, points)[1]
-    assert numpy.allclose(Surface(solid.triangles).distances(points), expected, atol=1e-12)
+    assert numpy.allclose(TriangleSurface(solid.triangles).distances(points), expected, atol=1e-12)
 
 
 def test_no_points_and_triangles_without_size() -> None:
-    surface = Surface(numpy.ones((2, 3, 3)))
+    surface = TriangleSurface(numpy.ones((2, 3, 3)))
     assert surface.distances(numpy.zeros((0, 3))).shape == (0,)
     assert surface.distances([[1, 1, 1], [2, 1, 1]]).tolist() == [0, 1]
 
 
 def test_points_far_from_a_fine_mesh_take_little_memory() -> None:
     points = 4 * trimesh.creation.icosphere(subdivisions=4).vertices
-    surface = Surface(bumpy(5).triangles)
+    surface = TriangleSurface(bumpy(5).triangles)
     tracemalloc.start()
     try:
         surface.distances(points)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """<mujoco><worldbody><body name="base"><joint name="elbow"/><geom size="0.1"/></body></worldbody>
@@ -22,7 +22,7 @@ def found(folder: Path, text: str, *, strict: bool = False, **others: str) -> li
     for name, content in {"recipe": text, **others}.items():
         (folder / f"{name}.yaml").write_text(f"recipe: 1\n{content}")
     context = Context(folder=folder, strict=strict)
-    built = build(Request(folder / "recipe.yaml"), context)
+    built = build(ModelRequest(folder / "recipe.yaml"), context)
     assert (built is None) == context.sink.has_errors
     return [
         f"{each.severity.value} {each.code} {each.span.file if each.span else ''}" for each in context.sink.sorted()
@@ -86,6 +86,6 @@ def test_what_may_come_in_another_build_is_not_called_unused(tmp_path: Path) -> 
     text = "params: {m: 1}\nmatrix: {axes: {m: [1, 2]}}\nbase: ./arm.xml\nallow: [convert-loss]"
     assert found(tmp_path, text) == []
     context = Context(folder=tmp_path)
-    build(Request(tmp_path / "recipe.yaml", verified=False), replace(context))
-    build(Request(tmp_path / "recipe.yaml", name="cell"), context)
+    build(ModelRequest(tmp_path / "recipe.yaml", verified=False), replace(context))
+    build(ModelRequest(tmp_path / "recipe.yaml", name="cell"), context)
     assert context.sink.diagnostics == []

@@ -3,8 +3,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.bundle.bundle import Outcome
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.bundle.bundle import CheckOutcome
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 ARM = """<mujoco model="arm"><worldbody><body name="base"><geom name="foot" size="0.1"/>
@@ -41,8 +41,8 @@ def test_a_recipe_that_joins_no_names_fits_any_separator(folder: Path, separator
         "attach: {cell: {model: ./inner.yaml}, line: {model: {separator: '/', base: ./inner.yaml}}}\n"
     )
     context = Context(environment={}, folder=folder)
-    outcomes: list[Outcome] = []
-    built = build(Request(folder / "outer.yaml"), context, outcomes=outcomes)
+    outcomes: list[CheckOutcome] = []
+    built = build(ModelRequest(folder / "outer.yaml"), context, outcomes=outcomes)
     assert built is not None, context.sink.diagnostics
     names = {str(geom.get("name")): geom.get("group") for geom in built.composed.model.root.iter("geom")}
     assert names[f"cell{separator}flat/top"] == names[f"line{separator}flat/top"] == "3"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 POLICIES = ("merge", "prefix", "none")
@@ -66,7 +66,7 @@ def judge(folder: Path, recipe: str, files: dict[str, str], expected: Expected |
     for name, text in {**files, "recipe.yaml": f"recipe: 1\n{recipe}"}.items():
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
-    done = build(Request(folder / "recipe.yaml", verified=False), context)
+    done = build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     if expected is None or expected.clashes:
         assert done is None, recipe
         assert {each.code for each in context.sink.errors} == {"keyframe-conflict"}, recipe
@@ -160,7 +160,7 @@ def test_an_edit_renames_before_the_recipe_writes_its_keys(
         + (f"keyframe: {{{written}: {{qpos: {{j: 0.7rad}}}}}}\n" if written else "")
     )
     context = Context(environment={}, folder=tmp_path)
-    done = build(Request(tmp_path / "recipe.yaml", verified=False), context)
+    done = build(ModelRequest(tmp_path / "recipe.yaml", verified=False), context)
     if names is None:
         assert [(each.code, each.span.line if each.span else 0) for each in context.sink.errors] == [("name-clash", 4)]
         return

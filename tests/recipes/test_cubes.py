@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 FOLDER = Path(__file__).resolve().parents[2] / "recipes"
@@ -16,7 +16,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "recipes"
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
     context = Context(environment={}, folder=FOLDER)
-    built = build(Request(FOLDER / "cubes.yaml", verified=False), context)
+    built = build(ModelRequest(FOLDER / "cubes.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     folder = tmp_path_factory.mktemp("cubes")
     for path, content in built.bundle.files.items():

@@ -15,7 +15,7 @@ import pytest
 from lxml import etree
 from lxml.etree import _Element as Node
 from mjcompose.bundle.write import write
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from sampling import rest_slow
 
@@ -218,7 +218,7 @@ def test_is_the_change_by_hand(recipe: str, tmp_path: Path) -> None:
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
     menagerie = Path(os.environ.get("MJCOMPOSE_CORPUS", ""), "models")
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
-    built = build(Request(RECIPES / "patches" / f"{recipe}.yaml"), context)
+    built = build(ModelRequest(RECIPES / "patches" / f"{recipe}.yaml"), context)
     assert built is not None and not context.sink.diagnostics
     write(built.bundle, f"{tmp_path}/out/", environment={})
     ours = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.bundle.write import write
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from sampling import rest_slow
 
@@ -29,7 +29,7 @@ def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menageri
     if path.stem in NEEDS_MORE and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
-    built = build(Request(path), context)
+    built = build(ModelRequest(path), context)
     assert built is not None
     assert [each.code for each in context.sink.diagnostics] == TOLD.get(path.stem, [])
     write(built.bundle, f"{tmp_path}/out/", environment={})

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Node
@@ -25,7 +25,7 @@ def built(recipe: Path, **given: Any) -> Built:
     )
     assert not given or values, context.diagnostics
     told = Context(environment={}, folder=recipe.parent)
-    made = build(Request(recipe, given=values), told)
+    made = build(ModelRequest(recipe, given=values), told)
     assert made is not None, told.sink.diagnostics
     return made
 

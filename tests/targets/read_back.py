@@ -19,14 +19,14 @@ if __name__ == "__main__":
 from mjcompose.base.dataclass import dataclass
 from mjcompose.targets.export import export
 from mjcompose.targets.judge import FEATURES, asked_of, by_actuator, differences, facts_of, without_lost
-from mjcompose.targets.read_back import READERS, Reader, placed, read_back
+from mjcompose.targets.read_back import READERS, ReaderProgram, placed, read_back
 from mjcompose.targets.table import READ_BACK, TARGETS, outcomes_of
-from mjcompose.targets.target import Loss, Outcome
+from mjcompose.targets.target import FeatureOutcome, Loss
 from targets.environments import is_ready, python_of
 from targets.models import PROBES
 
 POSES = 50
-READ_WITH: dict[str, Reader] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
+READ_WITH: dict[str, ReaderProgram] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ def row(consumer: str) -> dict[str, Any]:
             version = found.version
     outcomes = outcomes_of(TARGETS[consumer.partition(" ")[0]])
     # What is lost in part and was not compared is not known.
-    lost = {each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")}
+    lost = {each for each in lost if each in same or (outcomes[each] == FeatureOutcome.LEFT_OUT and each != "shapes")}
     words = {(True, False): "same", (True, True): "partly", (False, True): "lost"}
     compared = {each: words.get((each in same, each in lost), "") for each in dict.fromkeys(FEATURES.values())}
     return {"version": version, **{each: word for each, word in compared.items() if word}}

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 from mjcompose.bundle.bundle import Bundle
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets import read_back
 from mjcompose.targets.names import CONSUMERS
-from mjcompose.targets.read_back import READERS, Reader, interpreter, placed
+from mjcompose.targets.read_back import READERS, ReaderProgram, interpreter, placed
 from targets.models import PROBE, SELDOM
 
 READER = """
@@ -57,7 +57,7 @@ def checked(model: str, check: str, folder: Path, **environment: str) -> tuple[B
         f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n", encoding="utf-8"
     )
     context = Context(folder=folder, environment=environment)
-    built = build(Request(recipe), context)
+    built = build(ModelRequest(recipe), context)
     return (None if built is None else built.bundle), context
 
 
@@ -71,7 +71,9 @@ def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "readers"
     folder.mkdir()
     monkeypatch.setattr(read_back, "_READERS", folder)
-    monkeypatch.setattr("mjcompose.targets.read_back.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))})
+    monkeypatch.setattr(
+        "mjcompose.targets.read_back.READERS", {"mjx": ReaderProgram("mjx", "it", "mujoco", ("mujoco",))}
+    )
     return folder / "it.py"
 
 
@@ -139,7 +141,7 @@ def test_a_program_that_is_not_installed(tmp_path: Path) -> None:
 
 
 def test_the_environment_that_is_named_comes_first(tmp_path: Path) -> None:
-    reader = Reader("drake", "drake", "mujoco", ())
+    reader = ReaderProgram("drake", "drake", "mujoco", ())
     assert interpreter(reader, {}) == sys.executable
     inside = tmp_path / "drake" / "bin"
     inside.mkdir(parents=True)
@@ -147,7 +149,7 @@ def test_the_environment_that_is_named_comes_first(tmp_path: Path) -> None:
     (inside / "python").chmod(0o755)
     if sys.platform != "win32":
         assert interpreter(reader, {CONSUMERS: str(tmp_path)}) == str(inside / "python")
-    assert interpreter(Reader("drake", "other", "no_such_module", ()), {CONSUMERS: str(tmp_path)}) is None
+    assert interpreter(ReaderProgram("drake", "other", "no_such_module", ()), {CONSUMERS: str(tmp_path)}) is None
 
 
 def test_what_a_simulator_lacks(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.diagnostic import Severity
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from targets.models import RECIPES, SELDOM
 from targets.writing import codes, losses, written
@@ -62,7 +62,7 @@ def test_losses_are_allowed_or_errors(tmp_path: Path) -> None:
     recipe = tmp_path / "recipe.yaml"
     recipe.write_text(recipe.read_text().replace("[license-missing]", "[license-missing, target-loss]"))
     context = Context(folder=tmp_path)
-    assert build(Request(recipe, target="drake"), context) is not None and codes(context) == []
+    assert build(ModelRequest(recipe, target="drake"), context) is not None and codes(context) == []
 
 
 def test_what_mujoco_reads_back_as_another_model_is_an_error(tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_the_demo_builds_without_a_warning(target: str | None, tmp_path: Path) -
     shutil.copytree(RECIPES / "models", tmp_path / "far" / "away" / "from" / "here" / "models")
     recipe = shutil.copy(RECIPES / "demo.yaml", tmp_path / "far" / "away" / "from" / "here")
     context = Context(folder=tmp_path)
-    assert build(Request(Path(recipe), target=target), context) is not None and codes(context) == []
+    assert build(ModelRequest(Path(recipe), target=target), context) is not None and codes(context) == []
 
 
 def test_no_target_changes_nothing(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import math
 import mujoco
 import pytest
 from mjcompose.targets.judge import asked_of, differences, drives_of, facts_of, questions, without_lost
-from mjcompose.targets.target import Loss, Outcome
+from mjcompose.targets.target import FeatureOutcome, Loss
 from targets.models import PROBE
 
 ASKED = asked_of(mujoco, mujoco.MjModel.from_xml_string(PROBE), 3)
@@ -147,7 +147,7 @@ def test_full_control_is_that_of_the_joint() -> None:
     [
         (Loss("actuators", "actuator", 0, "motor", "motor"), {"servo"}),
         (Loss("gears", "actuator", 1, "position", "servo", what="`gear`"), {"motor"}),
-        (Loss("gears", "actuator", 1, "position", "servo", outcome=Outcome.WRITTEN), {"motor", "servo"}),
+        (Loss("gears", "actuator", 1, "position", "servo", outcome=FeatureOutcome.WRITTEN), {"motor", "servo"}),
         (Loss("effort", "joint", 0, "joint", "a"), {"servo"}),
         (Loss("gains", "actuator", 1, "position", "servo", what="`kv`"), {"motor", "servo"}),
     ],
@@ -162,7 +162,7 @@ def test_lost_actuators_do_not_drive(loss: Loss, left: set[str]) -> None:
 
 def test_a_gain_that_is_written_otherwise_is_compared() -> None:
     """A gear that a target writes into the gains is no excuse for other gains."""
-    loss = Loss("gears", "actuator", 3, "position", "a4", outcome=Outcome.WRITTEN)
+    loss = Loss("gears", "actuator", 3, "position", "a4", outcome=FeatureOutcome.WRITTEN)
     assert any("`kp`) of the actuator `a4`" in each for each in told(loss, actuator_gear=2.0))
 
 

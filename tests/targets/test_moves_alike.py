@@ -6,10 +6,10 @@ from pathlib import Path
 import mujoco
 import pytest
 from mjcompose.base.diagnostic import Fault
-from mjcompose.bundle.bundle import Outcome
+from mjcompose.bundle.bundle import CheckOutcome
 from mjcompose.mujoco import environments
 from mjcompose.mujoco.environments import Other, this_python
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets import moves_alike, read_back
 from tools.migrate.test_upgrade import MODEL
@@ -19,12 +19,12 @@ OWN = mujoco.__version__
 
 def checked(
     folder: Path, check: str, context: Context | None = None, *, model: str = MODEL
-) -> tuple[list[tuple[str, str]], list[Outcome]]:
+) -> tuple[list[tuple[str, str]], list[CheckOutcome]]:
     (folder / "m.xml").write_text(model)
     (folder / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\ncheck: {{moves: {{moves_alike: {check}}}}}\n")
     context = context or Context(environment={}, folder=folder)
-    outcomes: list[Outcome] = []
-    build(Request(folder / "r.yaml"), context, outcomes=outcomes)
+    outcomes: list[CheckOutcome] = []
+    build(ModelRequest(folder / "r.yaml"), context, outcomes=outcomes)
     return [(each.code, each.message) for each in context.sink.errors], outcomes
 
 
@@ -110,7 +110,7 @@ def test_drake_itself(tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text(
         "recipe: 1\nbase: ./m.xml\ncheck: {moves: {moves_alike: {as: drake, seconds: 0.3}}}\n"
     )
-    outcomes: list[Outcome] = []
+    outcomes: list[CheckOutcome] = []
     ends: list[tuple[dict[str, float], dict[str, float]]] = []
     real = read_back.motion_in
 
@@ -123,7 +123,7 @@ def test_drake_itself(tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(read_back, "motion_in", kept)
         context = Context(folder=tmp_path)
-        assert build(Request(tmp_path / "r.yaml"), context, outcomes=outcomes) is not None, context.sink.errors
+        assert build(ModelRequest(tmp_path / "r.yaml"), context, outcomes=outcomes) is not None, context.sink.errors
     ((here, there),) = ends
     assert here.keys() == there.keys() == {"j"} and abs(there["j"]) > 0.1
     assert outcomes[0].values["apart"] == 0.0

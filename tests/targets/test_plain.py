@@ -9,7 +9,7 @@ import mujoco
 import pytest
 from lxml import etree
 from mjcompose.bundle.write import write
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.plain import plain
@@ -61,7 +61,7 @@ def test_every_recipe(
     monkeypatch.setattr("mjcompose.verify.run_checks.checks_in", lambda plan: iter(()))  # they measure robots
     root = menagerie_root if recipe.with_suffix(".lock").exists() else simple_robots  # a lock knows the meshes
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(root)})
-    built = build(Request(recipe, target="plain"), context)
+    built = build(ModelRequest(recipe, target="plain"), context)
     if built is None and any(each.code == "source-not-found" for each in context.sink.errors):
         pytest.skip("a robot of this recipe is not installed")
     assert built is not None, codes(context)

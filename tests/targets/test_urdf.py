@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.staging import write_folder
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.judge import differences, facts_of, questions
 from mjcompose.targets.target import Loss
@@ -141,7 +141,7 @@ def read_by_us(bundle: Bundle, folder: Path) -> mujoco.MjModel:
     write_folder(bundle, folder / "robot")
     (folder / "again.yaml").write_text("recipe: 1\nallow: [license-missing]\nbase: ./robot/model.urdf\n")
     context = Context(folder=folder)
-    built = build(Request(folder / "again.yaml"), context)
+    built = build(ModelRequest(folder / "again.yaml"), context)
     assert built is not None, context.sink.sorted()
     return compiled(built.bundle, folder / "again")
 

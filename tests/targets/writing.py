@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.staging import write_folder
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -16,7 +16,7 @@ def written(model: str, target: str | None, folder: Path) -> tuple[Bundle | None
     (folder / "model.xml").write_text(model)
     (folder / "recipe.yaml").write_text("recipe: 1\nallow: [license-missing]\nbase: ./model.xml\n")
     context = Context(folder=folder)
-    built = build(Request(folder / "recipe.yaml", target=target), context)
+    built = build(ModelRequest(folder / "recipe.yaml", target=target), context)
     return (None if built is None else built.bundle), context
 
 

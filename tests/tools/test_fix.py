@@ -10,7 +10,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
-from mjcompose.tools.fix import Edit, Fixed, Fixing, Judged, _Apart, applied, edit_of, exact, fix
+from mjcompose.tools.fix import Fixed, Fixing, Judged, TextEdit, _Apart, applied, edit_of, exact, fix
 
 
 def found(fix: Fix | None, span: Span | None) -> Diagnostic:
@@ -70,7 +70,7 @@ def test_exact_has_the_quotes() -> None:
 
 
 def test_two_equal_edits_are_one() -> None:
-    assert applied("ab", [Edit(0, 1, "x"), Edit(0, 1, "x")]) == "xb"
+    assert applied("ab", [TextEdit(0, 1, "x"), TextEdit(0, 1, "x")]) == "xb"
 
 
 ERRORS = Path(__file__).resolve().parents[1] / "errors"
@@ -183,7 +183,14 @@ def test_the_faults_up_to_the_limit_are_fixed_and_then_the_others(tmp_path: Path
 
 def test_changes_that_meet_are_found_among_their_neighbors() -> None:
     apart = _Apart()
-    edits = [Edit(5, 9, "a"), Edit(0, 3, "b"), Edit(8, 12, "c"), Edit(3, 5, "d"), Edit(9, 9, "e"), Edit(5, 5, "f")]
+    edits = [
+        TextEdit(5, 9, "a"),
+        TextEdit(0, 3, "b"),
+        TextEdit(8, 12, "c"),
+        TextEdit(3, 5, "d"),
+        TextEdit(9, 9, "e"),
+        TextEdit(5, 5, "f"),
+    ]
     for edit in edits:
         apart.add(edit, found(None, None))
     kept = []

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.tools.lock import write_lock
@@ -39,7 +39,7 @@ def context(folder: Path, *, locked: bool = False) -> Context:
 def faults(folder: Path, *, locked: bool = True) -> dict[str, list[str]]:
     """The errors of a build by code, each with its notes."""
     given = context(folder, locked=locked)
-    build(Request(folder / "r.yaml"), given)
+    build(ModelRequest(folder / "r.yaml"), given)
     return {each.code: [note.message for note in each.notes] for each in given.sink.errors}
 
 

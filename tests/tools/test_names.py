@@ -13,7 +13,7 @@ import mujoco
 import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.mujoco.addresses import span
-from mjcompose.sides.names import Names
+from mjcompose.sides.names import NamesRecord
 from mjcompose.sources.context import Context
 from mjcompose.tools.names import names, to_cpp, to_json, to_python
 
@@ -37,14 +37,14 @@ MODEL = """
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Names:
+def read(tmp_path: Path) -> NamesRecord:
     (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
     found = names("model.xml", Context(environment={}, folder=tmp_path))
     assert found is not None
     return found
 
 
-def test_addresses_are_those_of_mujoco(read: Names) -> None:
+def test_addresses_are_those_of_mujoco(read: NamesRecord) -> None:
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = json.loads(to_json(read))
     assert data["sizes"] == {name: getattr(model, name) for name in data["sizes"]}
@@ -59,7 +59,7 @@ def test_addresses_are_those_of_mujoco(read: Names) -> None:
     assert data["keyframes"][0]["ctrl"] == [0.5, 1, 2] and data["keyframes"][0]["mpos"] == [1, 2, 3]
 
 
-def test_the_module_of_python_runs_alone_and_has_the_same(read: Names, tmp_path: Path) -> None:
+def test_the_module_of_python_runs_alone_and_has_the_same(read: NamesRecord, tmp_path: Path) -> None:
     text = to_python(read)
     assert [line for line in text.splitlines() if "import" in line] == ["from enum import IntEnum"]
     (tmp_path / "made.py").write_text(text, encoding="utf-8")
@@ -83,7 +83,7 @@ def test_the_module_of_python_runs_alone_and_has_the_same(read: Names, tmp_path:
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
-def test_the_header_compiles_without_a_warning(read: Names, tmp_path: Path) -> None:
+def test_the_header_compiles_without_a_warning(read: NamesRecord, tmp_path: Path) -> None:
     (tmp_path / "made.hpp").write_text(to_cpp(read), encoding="utf-8")
     (tmp_path / "main.cpp").write_text(
         '#include "made.hpp"\nnamespace m = n2_odd_names;\n'
@@ -110,12 +110,12 @@ def test_an_empty_model_has_code_too(tmp_path: Path) -> None:
 
 def test_a_recipe_and_its_bundle_have_the_same_bytes(tmp_path: Path) -> None:
     from mjcompose.bundle.staging import write_folder
-    from mjcompose.pipeline.stages import Request, build
+    from mjcompose.pipeline.stages import ModelRequest, build
 
     (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
     (tmp_path / "recipe.yaml").write_text("recipe: 1\nbase: ./model.xml\n")
     context = Context(environment={}, folder=tmp_path)
-    built = build(Request(tmp_path / "recipe.yaml"), context)
+    built = build(ModelRequest(tmp_path / "recipe.yaml"), context)
     assert built is not None
     write_folder(built.bundle, tmp_path / "bundle")
     found = [names(each, Context(environment={}, folder=tmp_path)) for each in ("recipe.yaml", "recipe.yaml", "bundle")]

@@ -13,7 +13,7 @@ from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.sink import Sink
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.pipeline.cache.cells import cells_of
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.tools.fix import Fixing, applied, edit_of, fix, models_of, place_of
@@ -27,13 +27,13 @@ def findings(folder: Path) -> Findings:
     """What a build says of the model with default values, and of each cell."""
     recipe = folder / "recipe.yaml"
     context = Context(environment={}, folder=folder)
-    build(Request(recipe, verified=False), context)
+    build(ModelRequest(recipe, verified=False), context)
     found = {"": context.sink.diagnostics}
     for cell in cells_of(recipe, Context(environment={}, folder=folder)):
         if cell.sample > 1:  # the samples read the same lines
             continue
         own = Context(environment={}, folder=folder)
-        build(Request(recipe, cell.given, cell.name, sample=cell.sample, verified=False), own)
+        build(ModelRequest(recipe, cell.given, cell.name, sample=cell.sample, verified=False), own)
         found[cell.name] = own.sink.diagnostics
     return found
 
@@ -145,7 +145,7 @@ def test_no_fix_replaces_a_template(tmp_path: Path, text: str) -> None:
     recipe = tmp_path / "recipe.yaml"
     recipe.write_text(f"recipe: 1\nbase: ./arm.xml\n{text}\n", encoding="utf-8")
     context = Context(environment={}, folder=tmp_path)
-    build(Request(recipe), context)
+    build(ModelRequest(recipe), context)
     assert context.sink.errors
     for each in context.sink.errors:
         assert each.fix is None and "write `" not in (each.help or "") and "did you mean" not in (each.help or "")

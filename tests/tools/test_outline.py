@@ -7,10 +7,20 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.rotation import Pose
-from mjcompose.mujoco.engine import Limits
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.mujoco.engine import RequestLimits
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.outline import Body, Joint, Outline, Part, Place, as_data, outline, render, render_places
+from mjcompose.tools.outline import (
+    Body,
+    Outline,
+    OutlineJoint,
+    OutlinePart,
+    Place,
+    as_data,
+    outline,
+    render,
+    render_places,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = """\
@@ -46,7 +56,7 @@ def read(text: str, folder: Path = ROOT) -> Outline:
 @pytest.mark.parametrize("recipe", ["two_arms", "gantry"])
 def test_places_are_where_mujoco_has_them(recipe: str, tmp_path: Path) -> None:
     context = Context(folder=ROOT)
-    built = build(Request(ROOT / "recipes" / f"{recipe}.yaml"), context, limits=Limits(seconds=60))
+    built = build(ModelRequest(ROOT / "recipes" / f"{recipe}.yaml"), context, limits=RequestLimits(seconds=60))
     assert built is not None
     for path, content in built.bundle.files.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -125,17 +135,21 @@ TURN = Pose((0.1, 0, 1 / 3), (0, 1, 0, 0))
 HAND = Body(
     "hand/palm",
     "hand",
-    (Joint("a", "slide", (-0.1, 0.1)), Joint(None, "hinge", (-1, 0.5))),
+    (OutlineJoint("a", "slide", (-0.1, 0.1)), OutlineJoint(None, "hinge", (-1, 0.5))),
     (Place("site", "12", Pose(), TURN), Place("frame", "hand/f", Pose(), Pose())),
 )
 ARM = Body(
-    "arm", "base", (Joint("pan", "free"),), (Place("body", "arm", Pose(), Pose()),), (HAND, Body(None, None, copies=4))
+    "arm",
+    "base",
+    (OutlineJoint("pan", "free"),),
+    (Place("body", "arm", Pose(), Pose()),),
+    (HAND, Body(None, None, copies=4)),
 )
 ROBOT = Outline(
     "robot",
     "robot.yaml",
     Body("world", None, children=(ARM,)),
-    (Part("base", "arm.xml"), Part("hand", "hand.xml", "arm")),
+    (OutlinePart("base", "arm.xml"), OutlinePart("hand", "hand.xml", "arm")),
 )
 
 

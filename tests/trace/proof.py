@@ -17,7 +17,7 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import quat_from_axisangle, quat_from_euler
-from mjcompose.trace.explanation import Changed, LevelExplained, RowExplained
+from mjcompose.trace.explanation import ChangeExplained, LevelExplained, RowExplained
 from mjcompose.trace.traced import Traced
 
 _START_TAG = re.compile(r"<(\w+)((?:\s+[\w:]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>", re.DOTALL)
@@ -146,7 +146,7 @@ class Proof:
         return self.texts[file]
 
 
-def _is_reason(change: Changed) -> bool:
+def _is_reason(change: ChangeExplained) -> bool:
     """Whether a change is what its words say, where that can be reckoned here."""
     words = change.reason.words
     before = change.before

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.sink import Sink
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.trace import query
 from mjcompose.trace.traced import Traced, trace
@@ -27,7 +27,7 @@ _EXPANDED = ("replicate", "composite", "flexcomp", "attach")
 
 @pytest.fixture
 def compiled(recipe: Path, tmp_path: Path) -> mujoco.MjModel:
-    built = build(Request(recipe, verified=False), Context(environment={}, folder=recipe.parent))
+    built = build(ModelRequest(recipe, verified=False), Context(environment={}, folder=recipe.parent))
     assert built is not None
     for path, content in built.bundle.files.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)

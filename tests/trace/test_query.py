@@ -3,11 +3,11 @@ from __future__ import annotations
 import pytest
 from lxml import etree
 from mjcompose.base.sink import Sink
-from mjcompose.trace.query import Asked, find, read
+from mjcompose.trace.query import ExplainQuery, find, read
 from mjcompose.tree.pattern import BadPattern
 
 
-def asked(text: str, attribute: str | None = None) -> Asked:
+def asked(text: str, attribute: str | None = None) -> ExplainQuery:
     sink = Sink()
     found = read(text, attribute, sink)
     assert found is not None and not sink.diagnostics

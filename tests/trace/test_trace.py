@@ -10,9 +10,9 @@ from pathlib import Path
 
 from mjcompose.base.sink import Sink
 from mjcompose.compose.compose import Composer
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.trace.trace import TAG, Change, Life, Trace
+from mjcompose.trace.trace import TAG, AttributeChange, Life, Trace
 from mjcompose.trace.traced import Traced, trace
 from mjcompose.tree.parse import parse_text
 from mjcompose.tree.unit import nobody
@@ -169,7 +169,7 @@ def test_a_number_that_nobody_accounts_for_is_not_known(tmp_path: Path) -> None:
 
 
 def test_a_model_is_the_same_with_an_onlooker(recipe: Path, traced: Traced) -> None:
-    built = build(Request(recipe, verified=False), Context(environment={}, folder=recipe.parent))
+    built = build(ModelRequest(recipe, verified=False), Context(environment={}, folder=recipe.parent))
     assert built is not None
     assert write(traced.model.root) == built.bundle.files["model.xml"]
 
@@ -186,7 +186,7 @@ def _replayed(life: Life) -> tuple[str, dict[str, str]]:
     if len(life.sources) == 1:
         tag, attributes = _replayed(life.sources[0])
     for change in life.changes:
-        if not isinstance(change, Change):
+        if not isinstance(change, AttributeChange):
             continue
         if change.attribute == TAG:
             assert tag == change.before

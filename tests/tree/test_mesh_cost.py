@@ -8,7 +8,7 @@ from mjcompose import mjcf
 from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
 from mjcompose.bundle.bundle import Bundle
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tree.mesh_cost import check_meshes, mesh_points
 from mjcompose.tree.parse import all_admitted, parse_file, parse_text
@@ -152,11 +152,11 @@ def test_the_meshes_of_attached_models_count(folder: Path) -> None:
     (folder / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     context = Context(folder=folder)
     with allow(mesh_points=299):
-        assert build(Request(Path("r.yaml"), verified=False), context) is None
+        assert build(ModelRequest(Path("r.yaml"), verified=False), context) is None
     (error,) = context.sink.errors
     assert error.message == "the meshes of the model have 300 points; 299 are allowed"
     with allow(mesh_points=300):
-        assert build(Request(Path("r.yaml"), verified=False), Context(folder=folder)) is not None
+        assert build(ModelRequest(Path("r.yaml"), verified=False), Context(folder=folder)) is not None
 
 
 def test_all_meshes_of_a_unit(folder: Path) -> None:

@@ -11,7 +11,7 @@ from mjcompose.link.expansion import Copy
 from mjcompose.tree import unit as file_text
 from mjcompose.tree.merged_settings import ReadRow
 from mjcompose.tree.parse import parse_file, parse_text
-from mjcompose.tree.unit import FileText, Key, PartKeys, Unit, place_of
+from mjcompose.tree.unit import FileText, KeyValues, PartKeys, Unit, place_of
 
 
 def test_a_file_is_read_when_a_place_in_it_is_asked_for(tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ def test_a_copy_has_everything_and_shares_no_element() -> None:
     element = unit.root.find(".//key")
     assert joint is not None and element is not None
     several = Copy(joint, (2,))
-    key = Key("home", None, element, "a.xml", unit.origins, {"qpos": {joint: [], several: []}})
+    key = KeyValues("home", None, element, "a.xml", unit.origins, {"qpos": {joint: [], several: []}})
     unit.part_keys = {"arm": PartKeys(1, (key,))}
     unit.table = (ReadRow("link", 1, "body", "", Span("a.xml", 1, 1)),)
     copy = unit.copied()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from mjcompose.urdf import evaluating
-from mjcompose.urdf.evaluating import DEEPEST, LONGEST, METHODS, Evaluator, Function, Space, Stopped
+from mjcompose.urdf.evaluating import DEEPEST, LONGEST, METHODS, Evaluator, Space, Stopped, XacroFunction
 
 NAMES = {"x": 3, "half": 0.5, "name": "left_arm", "flags": [True, False], "size": {"a": 1, "b": [1.5, 2]}, "none": None}
 
@@ -230,7 +230,7 @@ def test_a_fault_in_a_guard_gives_no_value(monkeypatch: pytest.MonkeyPatch, guar
 
 
 def test_a_function_is_a_value_and_no_text() -> None:
-    assert isinstance(value("sin"), Function)
+    assert isinstance(value("sin"), XacroFunction)
     with pytest.raises(Stopped):
         str([value("sin")])
 

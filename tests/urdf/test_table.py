@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mjcompose.compose.load import Library
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.tools.importing.propose import of_urdf, table
@@ -25,7 +25,7 @@ MJCF = '<mujoco><worldbody><body name="stand"><geom size="0.1"/></body></worldbo
 def manifest(folder: Path, recipe: str, library: Library | None = None) -> dict[str, Any]:
     context = Context(environment={"MJCOMPOSE_CACHE": str(folder / "cache")}, folder=folder, fetching=Fetching())
     (folder / "recipe.yaml").write_text(recipe, encoding="utf-8")
-    made = build(Request(folder / "recipe.yaml"), context, library=library)
+    made = build(ModelRequest(folder / "recipe.yaml"), context, library=library)
     assert made is not None, context.sink.errors
     return dict(json.loads(made.bundle.files["manifest.json"]))
 

@@ -13,8 +13,8 @@ from lxml import etree
 from mjcompose.bundle.bundle import Bundle, OutputError
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.messages import Fault
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.mujoco.messages import EngineMessage
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.verify import compile
 from mjcompose.verify.compile import unmoved_flexes, verify
@@ -31,7 +31,7 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, mod
     (folder / "m.xml").write_text(model)
     (folder / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
     context = Context(folder=folder)
-    built = build(Request(Path("r.yaml"), verified=False), context)
+    built = build(ModelRequest(Path("r.yaml"), verified=False), context)
     assert built is not None
     monkeypatch.setattr(compile, "verify", lambda *_, **__: verdict)
     judged = compile.compile_and_report(built.bundle, built.composed.model, context, session=cast(Session, None))
@@ -57,7 +57,7 @@ def test_an_attribute_inside_a_frame(
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[engine.Session]:
-    with engine.Session(engine.Limits(seconds=60)) as session:
+    with engine.Session(engine.RequestLimits(seconds=60)) as session:
         yield session
 
 
@@ -110,7 +110,7 @@ def test_a_model_that_mujoco_refuses(
 def test_warnings_are_taken_apart(session: engine.Session) -> None:
     verified = verify(model('<mujoco><keyframe><key time="nan"/></keyframe></mujoco>'), session=session)
     assert verified.ok
-    assert verified.warnings == (Fault("XML contains a 'NaN'. Please check it carefully."),)
+    assert verified.warnings == (EngineMessage("XML contains a 'NaN'. Please check it carefully."),)
 
 
 def test_a_first_step_that_fails_is_an_error(session: engine.Session) -> None:
@@ -118,14 +118,14 @@ def test_a_first_step_that_fails_is_an_error(session: engine.Session) -> None:
       </mujoco>"""
     verified = verify(model(text), session=session)
     assert verified.code == "mujoco-rejects"
-    assert verified.error == Fault("the model compiles, but its first forward step fails: `qacc` is not finite")
+    assert verified.error == EngineMessage("the model compiles, but its first forward step fails: `qacc` is not finite")
 
 
 def test_a_model_that_takes_too_long() -> None:
     text = '<mujoco><worldbody><replicate count="100000000"><geom size="1"/></replicate></worldbody></mujoco>'
-    verified = verify(model(text), limits=engine.Limits(seconds=1))
+    verified = verify(model(text), limits=engine.RequestLimits(seconds=1))
     assert (verified.code, verified.crash) == ("mujoco-timeout", "timeout")
-    assert verified.error == Fault("MuJoCo did not finish within 1 s")
+    assert verified.error == EngineMessage("MuJoCo did not finish within 1 s")
 
 
 def test_a_model_that_crashes_mujoco() -> None:

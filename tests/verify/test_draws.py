@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mjcompose.bundle.staging import write_folder
 from mjcompose.mujoco.varying import flat
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.verify.draws import DerivedValues, _following, are_close
 
@@ -88,7 +88,7 @@ def recipe(folder: Path, fields: list[str], model: str = MODEL, samples: int = 5
 
 def built(path: Path, sample: int = 0) -> tuple[Built | None, Context]:
     context = Context(folder=path.parent, environment={})
-    return build(Request(path, sample=sample, worlds=sample == 0), context), context
+    return build(ModelRequest(path, sample=sample, worlds=sample == 0), context), context
 
 
 @pytest.fixture(scope="module")
@@ -223,7 +223,7 @@ def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path, monkeypatch: py
         "  fields: {d: {select: {joint: hinge}, attr: damping, uniform: [0.1, 1]}}\n"
     )
     context = Context(folder=tmp_path)
-    built = build(Request(Path("r.yaml"), verified=False), context)
+    built = build(ModelRequest(Path("r.yaml"), verified=False), context)
     assert built is not None
     late = Called(False, error="MuJoCo did not finish within 2 s", crash="timeout")
     monkeypatch.setattr("mjcompose.mujoco.engine.call", lambda *_, **__: late)

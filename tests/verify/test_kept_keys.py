@@ -10,11 +10,11 @@ import mujoco
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.link import key_layout, keyframes, numbers
-from mjcompose.link.key_layout import Layout
+from mjcompose.link.key_layout import KeyLayout
 from mjcompose.link.unit_keys import MARK
 from mjcompose.mujoco.compare import key_rows
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 pytestmark = pytest.mark.mujoco4("it refuses keys beside joints in a replicate, and short ones")
@@ -59,7 +59,7 @@ def wrong(tmp_path: Path, session: Session) -> Wrong:
     def wrong(recipe: str) -> list[Diagnostic]:
         (tmp_path / "recipe.yaml").write_text("recipe: 1\n" + recipe)
         context = Context(environment={}, folder=tmp_path)
-        build(Request(tmp_path / "recipe.yaml"), context, session=session)
+        build(ModelRequest(tmp_path / "recipe.yaml"), context, session=session)
         found = context.sink.errors
         assert all(each.code == "keyframe-wrong" for each in found), found
         return list(found)
@@ -130,20 +130,20 @@ CONVERTED = "base: ./tool.xml\nedit: [{select: {actuator: m}, convert: {to: posi
 def test_edits_that_empty_newer_keys_are_found(
     wrong: Wrong, monkeypatch: pytest.MonkeyPatch, key: str, line: int
 ) -> None:
-    row = keyframes.Reference.row
+    row = keyframes.KeyFiller.row
 
-    def emptying(self: keyframes.Reference, vector: str, final: Layout, values: object, void: object) -> object:
+    def emptying(self: keyframes.KeyFiller, vector: str, final: KeyLayout, values: object, void: object) -> object:
         return row(self, vector, final, values, self.linking.keys.void_keys)  # type: ignore[arg-type]
 
     assert wrong(f"{CONVERTED}{{{key}}}") == []
-    monkeypatch.setattr(keyframes.Reference, "row", emptying)
+    monkeypatch.setattr(keyframes.KeyFiller, "row", emptying)
     (found,) = wrong(f"{CONVERTED}{{{key}}}")
     assert found.message.startswith("`ctrl` of the actuator `m` is 0, not 0.3, in the key ")
     assert found.span is not None
     assert (found.span.file, found.span.line) == ("recipe.yaml", line)
 
 
-def _as_a_block(self: object, child: object, within: object, layout: Layout, twists: Layout) -> None:
+def _as_a_block(self: object, child: object, within: object, layout: KeyLayout, twists: KeyLayout) -> None:
     """Lay a replicate out as it was before: joint by joint of its first copy, then of the second."""
     inner = _as_is(self, child, within, layout, twists)  # type: ignore[arg-type]
     if child.tag == "replicate":  # type: ignore[attr-defined]
@@ -169,7 +169,7 @@ def test_twists_that_stand_with_their_rod_are_found(wrong: Wrong, monkeypatch: p
     recipe = "base: ./posts.xml\nattach: {t: {model: ./rod.xml}}\nadd: [{to: t/in, body: {name: x, joint: {name: xj}, geom: {size: 1}}}]"
     assert wrong(recipe) == []
 
-    def beside(self: object, child: object, within: object, layout: Layout, twists: Layout) -> None:
+    def beside(self: object, child: object, within: object, layout: KeyLayout, twists: KeyLayout) -> None:
         _as_is(self, child, within, layout, layout)  # type: ignore[arg-type]
 
     monkeypatch.setattr(key_layout._Reader, "_inner", beside)
@@ -188,15 +188,15 @@ def test_twists_that_stand_with_their_rod_are_found(wrong: Wrong, monkeypatch: p
 def test_a_damage_to_any_vector_is_found(
     wrong: Wrong, monkeypatch: pytest.MonkeyPatch, vector: str, damage: str
 ) -> None:
-    row = keyframes.Reference.row
+    row = keyframes.KeyFiller.row
 
-    def damaged(self: keyframes.Reference, which: str, final: Layout, values: object, void: object) -> object:
+    def damaged(self: keyframes.KeyFiller, which: str, final: KeyLayout, values: object, void: object) -> object:
         found = row(self, which, final, {} if which == vector and damage == "lost" else values, void)  # type: ignore[arg-type]
         if which == vector and damage == "negated":
             return [each._replace(text=numbers.text([-float(each.text)])) for each in found]
         return found[::-1] if which == vector and damage == "reversed" else found
 
-    monkeypatch.setattr(keyframes.Reference, "row", damaged)
+    monkeypatch.setattr(keyframes.KeyFiller, "row", damaged)
     found = wrong(
         "base: ./posts.xml\nattach: {t: {model: ./tool.xml, pos: [1, 2, 3]}}\nkeyframe: {mine: {from: {t: k}}}"
     )
@@ -220,6 +220,6 @@ def test_only_a_bare_model_with_the_same_names_is_a_measure(names: str) -> None:
 
 
 def test_a_layout_that_reads_sources_wrongly_is_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:
-    cut = Layout.holders
-    monkeypatch.setattr(Layout, "holders", lambda layout, vector: cut(layout, vector)[::-1])
+    cut = KeyLayout.holders
+    monkeypatch.setattr(KeyLayout, "holders", lambda layout, vector: cut(layout, vector)[::-1])
     assert wrong("base: ./posts.xml\nattach: {t: {model: {base: ./posts.xml}, pos: [0, 0, 5]}}")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 MODEL = """<mujoco><worldbody>
@@ -24,7 +24,7 @@ def warned(folder: Path, key: str) -> list[Diagnostic]:
     (folder / "m.xml").write_text(MODEL)
     (folder / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\nkeyframe: {{k: {{{key}}}}}\n")
     context = Context(environment={}, folder=folder)
-    assert build(Request(folder / "r.yaml"), context) is not None, context.sink.errors
+    assert build(ModelRequest(folder / "r.yaml"), context) is not None, context.sink.errors
     return [each for each in context.sink.diagnostics if each.code == "out-of-range"]
 
 

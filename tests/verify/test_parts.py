@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mjcompose.mujoco.compare import Keys
-from mjcompose.mujoco.engine import Request, Session
+from mjcompose.mujoco.compare import KeyMode
+from mjcompose.mujoco.engine import CompileRequest, Session
 from mjcompose.mujoco.match import Difference
 from mjcompose.verify.parts import compare_part, differences_of
 
@@ -31,10 +31,10 @@ def test_the_answer_comes_back_as_differences(
     tmp_path: Path, damping: float, expected: list[tuple[object, ...]]
 ) -> None:
     pose = {"pos": (0, 0, 0.5), "quat": (1, 0, 0, 0)}
-    question = {"prefix": "p/", "body": "base", "pose": pose, "keys": Keys.PREFIX}
+    question = {"prefix": "p/", "body": "base", "pose": pose, "keys": KeyMode.PREFIX}
     with Session() as session:
         for name, text in (("part", PART.format(damping)), ("whole", WHOLE)):
-            answer, _ = session.ask(Request(tmp_path, text=text, keep=name))
+            answer, _ = session.ask(CompileRequest(tmp_path, text=text, keep=name))
             assert answer["ok"], answer
         answer = session.call(compare_part, ["part", "whole"], question)
     assert answer["ok"], answer
@@ -46,7 +46,7 @@ def test_the_answer_comes_back_as_differences(
 def test_an_unknown_pose_is_taken_from_the_composition(tmp_path: Path) -> None:
     with Session() as session:
         for name, text in (("part", PART.format(1)), ("whole", WHOLE)):
-            session.ask(Request(tmp_path, text=text, keep=name))
+            session.ask(CompileRequest(tmp_path, text=text, keep=name))
         questions = [{"prefix": "p/", "body": body, "pose": None} for body in ("base", None)]
         at_base, in_world = (session.call(compare_part, ["part", "whole"], each) for each in questions)
     assert at_base["value"] == []
@@ -56,6 +56,6 @@ def test_an_unknown_pose_is_taken_from_the_composition(tmp_path: Path) -> None:
 def test_a_body_that_the_composition_does_not_have_has_no_answer(tmp_path: Path) -> None:
     with Session() as session:
         for name, text in (("part", PART.format(1)), ("whole", WHOLE)):
-            session.ask(Request(tmp_path, text=text, keep=name))
+            session.ask(CompileRequest(tmp_path, text=text, keep=name))
         gone = session.call(compare_part, ["part", "whole"], {"prefix": "p/", "body": "gone"})
     assert gone["ok"] and gone["value"] is None

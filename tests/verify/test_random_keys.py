@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from link.test_key_layout import World
 from lxml import etree
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 pytestmark = pytest.mark.slow
@@ -100,5 +100,5 @@ def test_no_key_is_wrong(place: tuple[Path, Session], case: tuple[str, str, str]
     for name, text in zip(("base.xml", "part.xml", "recipe.yaml"), case, strict=True):
         (folder / name).write_text(text)
     context = Context(environment={}, folder=folder)
-    build(Request(folder / "recipe.yaml"), context, session=session)
+    build(ModelRequest(folder / "recipe.yaml"), context, session=session)
     assert [each.message for each in context.sink.errors if each.code == "keyframe-wrong"] == []

@@ -8,11 +8,11 @@ from types import SimpleNamespace
 
 import pytest
 from mjcompose.base.diagnostic import Note
-from mjcompose.bundle.bundle import Outcome
+from mjcompose.bundle.bundle import CheckOutcome
 from mjcompose.bundle.manifest import from_json
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.engine import Limits, Session
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.mujoco.engine import RequestLimits, Session
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.plan.read import read_source
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
@@ -112,7 +112,7 @@ def run(tmp_path: Path) -> Run:
     def run(text: str) -> tuple[Built | None, list[str]]:
         (tmp_path / "recipe.yaml").write_text(text.lstrip())
         context = Context(folder=tmp_path, environment={})
-        built = build(Request(tmp_path / "recipe.yaml"), context)
+        built = build(ModelRequest(tmp_path / "recipe.yaml"), context)
         told = [
             f"{each.span.file}:{each.span.line}:{each.span.column} {each.code}" if each.span else each.code
             for each in context.sink.errors
@@ -184,7 +184,7 @@ def test_what_the_recipe_changes_on_purpose_is_in_the_manifest(run: Run) -> None
 def test_expected_and_actual_are_told(tmp_path: Path, run: Run) -> None:
     run(CHANGING + "  a: {unchanged: {}}\n")
     context = Context(folder=tmp_path, environment={})
-    build(Request(tmp_path / "recipe.yaml"), context)
+    build(ModelRequest(tmp_path / "recipe.yaml"), context)
     (error,) = context.sink.errors
     assert error.message == (
         "check `a`: `part/` differs from `cube.xml` alone: 3 differences (`geom_rgba`, `dof_armature`)"
@@ -201,7 +201,7 @@ def test_the_help_names_the_attribute_that_the_array_follows_from(tmp_path: Path
     forces = "edit: [{select: {joint: part/j}, set: {actuatorfrcrange: [-1, 1], actuatorfrclimited: 'true'}}]"
     run(f"recipe: 1\nattach: {{part: {{model: ./cube.xml}}}}\n{forces}\ncheck: {{a: {{unchanged: {{}}}}}}\n")
     context = Context(folder=tmp_path, environment={})
-    build(Request(tmp_path / "recipe.yaml"), context)
+    build(ModelRequest(tmp_path / "recipe.yaml"), context)
     (error,) = context.sink.errors
     assert error.help == "to accept it, write `except: [actuatorfrclimited]`"
 
@@ -215,11 +215,11 @@ def test_a_check_in_a_nested_recipe_is_told_there(tmp_path: Path, run: Run) -> N
 
 def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run: Run) -> None:
     run(EVERYTHING)
-    heard: list[Outcome] = []
+    heard: list[CheckOutcome] = []
     recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  both: {expect: {attr: nq, equals: 2}, settles: {max_speed: 9e9}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
     context = Context(folder=tmp_path, environment={})
-    assert build(Request(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, context.sink.diagnostics
+    assert build(ModelRequest(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, context.sink.diagnostics
     assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [
         ("both", "expect", "recipe.yaml", 5, True),
         ("both", "settles", "recipe.yaml", 5, True),
@@ -232,8 +232,8 @@ def test_a_check_that_takes_too_long_is_told_at_its_place(tmp_path: Path, run: R
         "recipe: 1\nbase: ./cube.xml\ncheck:\n  rest: {settles: {seconds: 1e9}}\n  have: {expect: {select: {body: cube}}}\n"
     )
     context = Context(folder=tmp_path, environment={})
-    with Session(Limits(seconds=3)) as session:
-        assert build(Request(tmp_path / "recipe.yaml"), context, session=session) is None
+    with Session(RequestLimits(seconds=3)) as session:
+        assert build(ModelRequest(tmp_path / "recipe.yaml"), context, session=session) is None
     (late,) = context.sink.errors
     assert late.code == "mujoco-timeout"
     assert late.span is not None and late.span.line == 4
@@ -374,7 +374,7 @@ def test_assets_that_were_merged_are_the_ones_that_stand_for_them(tmp_path: Path
         "recipe: 1\nattach:\n  a: {model: ./m.xml}\n  b: {model: ./m.xml}\ncheck: {a: {unchanged: {}}}\n"
     )
     context = Context(folder=tmp_path, environment={})
-    built = build(Request(tmp_path / "recipe.yaml", deduplicated=True), context)
+    built = build(ModelRequest(tmp_path / "recipe.yaml", deduplicated=True), context)
     assert built is not None, context.sink.diagnostics
     assert built.composed.merged == {"mesh": {"b/t": "a/t"}}
 

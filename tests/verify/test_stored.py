@@ -14,7 +14,7 @@ import pytest
 from mjcompose.bundle.write import write
 from mjcompose.compose.attach import Changes, ChangesOfParts
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tree.pattern import Selector
 from mjcompose.verify.stored import VerifiedBundle, verify_stored
@@ -47,7 +47,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "parts" / "cube.obj").write_text(CUBE)
     (tmp_path / "recipe.yaml").write_text(RECIPE)
     context = Context(folder=tmp_path, environment={})
-    built = build(Request(tmp_path / "recipe.yaml"), context)
+    built = build(ModelRequest(tmp_path / "recipe.yaml"), context)
     assert built is not None, context.sink.diagnostics
     write(built.bundle, f"{tmp_path / 'out'}{os.sep}", environment={})
     write(built.bundle, str(tmp_path / "out.zip"), environment={})
@@ -213,7 +213,7 @@ def _again(folder: Path, recipe: str) -> None:
     """Another recipe in the place of the bundle."""
     (folder / "recipe.yaml").write_text(recipe)
     context = Context(folder=folder, environment={})
-    built = build(Request(folder / "recipe.yaml"), context)
+    built = build(ModelRequest(folder / "recipe.yaml"), context)
     assert built is not None, context.sink.diagnostics
     write(built.bundle, f"{folder / 'out'}{os.sep}", environment={})
 
@@ -322,7 +322,7 @@ def test_a_part_without_its_settings_or_keys_is_compared(folder: Path, check: Ch
     (folder / "parts" / "part.xml").write_text(PART.replace("</mujoco>", SETTINGS))
     part = f"{{model: ./parts/part.xml, drop: [{dropped}]}}"
     (folder / "recipe.yaml").write_text(f"recipe: 1\nconflict: base\nattach:\n  one: {part}\n")
-    built = build(Request(folder / "recipe.yaml"), Context(folder=folder, environment={}))
+    built = build(ModelRequest(folder / "recipe.yaml"), Context(folder=folder, environment={}))
     assert built is not None
     write(built.bundle, f"{folder / 'out'}{os.sep}", environment={})
     stored, told = check(recipe="recipe.yaml")

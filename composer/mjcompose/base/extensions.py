@@ -80,7 +80,7 @@ def load(group: str, word: str) -> Any | None:
     return loaded
 
 
-class Table(dict[str, Row]):
+class ExtensionTable(dict[str, Row]):
     """Our rows by their words; `[]` adds the row of another package if we have none.
 
     `in` and `get` load nothing, so a recipe loads nothing by itself. `attribute` is the name of the row in the module

@@ -289,7 +289,7 @@ Identity = tuple[int, int]
 """The device and the inode of a file, which are the same under each of its names."""
 
 
-class Run:
+class RunSources:
     """The sources of one run."""
 
     def __init__(self) -> None:
@@ -387,24 +387,24 @@ class Run:
         return self._named
 
 
-class _NoRun(Run):
+class _NoRun(RunSources):
     """The state outside a run: another program reads and writes files freely."""
 
     def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
         """Note nothing."""
 
 
-_runs: list[Run] = [_NoRun()]
+_runs: list[RunSources] = [_NoRun()]
 
 
-def current() -> Run:
+def current() -> RunSources:
     return _runs[-1]
 
 
 @contextmanager
-def run() -> Iterator[Run]:
+def run() -> Iterator[RunSources]:
     """Start a run without sources for the block."""
-    _runs.append(Run())
+    _runs.append(RunSources())
     try:
         yield _runs[-1]
     finally:

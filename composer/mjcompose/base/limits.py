@@ -110,14 +110,14 @@ def allow(**changed: float) -> Iterator[Limits]:
         _IN_FORCE.reset(token)
 
 
-class Advice(str):
+class LimitAdvice(str):
     """The help of an error about a limit: for the command line, and for a program."""
 
     __slots__ = ("in_python",)
     in_python: str
 
 
-def advice(name: str, needed: float | None = None) -> Advice:
+def advice(name: str, needed: float | None = None) -> LimitAdvice:
     """Return the help of an error about a limit: how to raise it, to `needed` if known.
 
     >>> advice("copies", 12000)
@@ -126,12 +126,12 @@ def advice(name: str, needed: float | None = None) -> Advice:
     'to allow it, raise the limit: `with mjcompose.base.limits.allow(copies=12000):`'
     """
     if needed is not None and not needed < 1e18:  # an int that no float can hold, too, and NaN
-        given = Advice("no limit allows that many: write a smaller number")
+        given = LimitAdvice("no limit allows that many: write a smaller number")
         given.in_python = str(given)
         return given
     attribute = name.replace("-", "_")
     value = 2 * getattr(in_force(), attribute) if needed is None else needed
-    given = Advice(f"to allow it, raise the limit: `--limit {name}={written(name, value)}`")
+    given = LimitAdvice(f"to allow it, raise the limit: `--limit {name}={written(name, value)}`")
     given.in_python = f"to allow it, raise the limit: `with mjcompose.base.limits.allow({attribute}={value:.12g}):`"
     return given
 

@@ -13,7 +13,7 @@ from xml.etree import ElementTree as Xml
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked, plain_data
-from mjcompose.base.limits import Advice
+from mjcompose.base.limits import LimitAdvice
 from mjcompose.base.naming import BIDIRECTIONAL, UNSEEN
 
 _COLOR = {
@@ -433,7 +433,8 @@ class MjcomposeError(Exception):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics: tuple[Diagnostic, ...] = tuple(
-            replace(each, help=each.help.in_python) if isinstance(each.help, Advice) else each for each in diagnostics
+            replace(each, help=each.help.in_python) if isinstance(each.help, LimitAdvice) else each
+            for each in diagnostics
         )
         super().__init__(self.diagnostics)
 

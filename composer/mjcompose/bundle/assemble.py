@@ -35,17 +35,19 @@ from mjcompose.tree.xml_text import write
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from mjcompose.bundle.bundle import Outcome
+    from mjcompose.bundle.bundle import CheckOutcome
     from mjcompose.compose.compose import Composed
     from mjcompose.mujoco.engine import Compiled
-    from mjcompose.mujoco.index import Index
+    from mjcompose.mujoco.index import CompiledIndex
 
 _Model = TypeVar("_Model", bound="BaseModel")
 _OF_BODIES = {"joint": ("joint", "freejoint"), "camera": ("camera",)}
 _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 
 
-def written_in(model: Unit, index: Index, place: Callable[[Span], str]) -> dict[tuple[str, int], tuple[str, str]]:
+def written_in(
+    model: Unit, index: CompiledIndex, place: Callable[[Span], str]
+) -> dict[tuple[str, int], tuple[str, str]]:
     """Return the tag and the place by kind and number, without copies that MuJoCo made."""
     kinds = {
         "joint": index.joints,
@@ -198,7 +200,7 @@ class ManifestInput(Struct):
     plan: Plan
     composed: Composed
     compiled: Compiled | None
-    checks: tuple[Outcome, ...]
+    checks: tuple[CheckOutcome, ...]
     cell: str | None
     pictured: bool
     deduplicated: bool
@@ -230,7 +232,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
         extensions=packages_of(plan),
-        recipe=entries.Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
+        recipe=entries.RecipeFile(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
         separator=plan.separator,
         cell=making.cell,
         variants=dict(plan.variants),
@@ -241,7 +243,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         inputs=inputs,
         parts=tuple(_part(member, number, renamed) for number, member in enumerate(composed.members)),
         adopted=tuple(
-            _as(entries.Adopted, each, origin=names.place(each.span)) for each in model.adopted if each.is_written
+            _as(entries.AdoptedSetting, each, origin=names.place(each.span))
+            for each in model.adopted
+            if each.is_written
         ),
         read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
         licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
@@ -253,7 +257,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
             _as(entries.GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
             for each in composed.shapes
         ),
-        checks=tuple(_as(entries.Check, each, origin=names.place(each.span)) for each in making.checks),
+        checks=tuple(_as(entries.PassedCheck, each, origin=names.place(each.span)) for each in making.checks),
         index=index,
         warnings=tuple(
             f"{each.code}: {names.text(each.message)}"
@@ -320,10 +324,10 @@ def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table:
         origin = None
         path = portable.name(source.path)
     else:
-        origin = _as(entries.Origin, source.origin)
+        origin = _as(entries.InputOrigin, source.origin)
         path = Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
     urdf = (
-        _as(entries.OfUrdf, row, became=row.became or None, why=row.why or None, origin=portable.place(row.span))
+        _as(entries.UrdfElements, row, became=row.became or None, why=row.why or None, origin=portable.place(row.span))
         for row in table
     )
     return _as(
@@ -340,10 +344,10 @@ def _input(source: Source, licenses: tuple[str, ...], portable: Portable, table:
     )
 
 
-def _part(member: PartRecord, number: int, renamed: Renamed) -> entries.Part:
+def _part(member: PartRecord, number: int, renamed: Renamed) -> entries.ManifestPart:
     pose = member.pose
     return _as(
-        entries.Part,
+        entries.ManifestPart,
         member,
         input=number,
         pos=pose and pose.pos,

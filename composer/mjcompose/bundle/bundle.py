@@ -359,7 +359,7 @@ def _segment(name: str) -> str:
     return portable_step(_UNSAFE.sub("_", name).strip(".") or "_")
 
 
-class Outcome(Struct):
+class CheckOutcome(Struct):
     """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and values."""
 
     name: str

@@ -87,7 +87,7 @@ class ListingError(DiagnosticError):
     """There is no index, or the file is not an index."""
 
 
-class Row(Struct):
+class IndexRow(Struct):
     """One model of an index: `file` is its bundle, and `values` are the non-empty values by column."""
 
     file: Location
@@ -103,7 +103,7 @@ def column(name: str) -> str:
     return f"value {name}" if name in COLUMNS else name
 
 
-def rows(path: Location, shown: str) -> Iterator[Row]:
+def rows(path: Location, shown: str) -> Iterator[IndexRow]:
     """Yield the models of an index: a folder, an address, one of its parts, or itself. Raises ListingError."""
     if isinstance(path, str):
         yield from _rows_at(path, shown)
@@ -118,7 +118,7 @@ def rows(path: Location, shown: str) -> Iterator[Row]:
             yield from _rows(stream, str(file), file.parent)
 
 
-def _rows_at(address: str, shown: str) -> Iterator[Row]:
+def _rows_at(address: str, shown: str) -> Iterator[IndexRow]:
     from mjcompose.bundle.remote import RemoteError, open_remote
 
     try:
@@ -145,14 +145,14 @@ def _readable(file: str) -> Iterator[None]:
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error
 
 
-def _rows(stream: IO[bytes], file: str, folder: Location) -> Iterator[Row]:
+def _rows(stream: IO[bytes], file: str, folder: Location) -> Iterator[IndexRow]:
     for number, each in enumerate(_records(stream, file), 1):
         inside = PurePosixPath(each["path"])
         if not each["path"] or inside.is_absolute() or ".." in inside.parts:
             message = f"row {number} of `{file}` names no model below its folder: `{each['path']}`"
             raise ListingError("source-outside", message)
         values = {name: _value(name, text) for name, text in each.items() if text is not None and text != ""}
-        yield Row(folder / inside if isinstance(folder, Path) else f"{folder}/{inside}", values)
+        yield IndexRow(folder / inside if isinstance(folder, Path) else f"{folder}/{inside}", values)
 
 
 def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
@@ -226,7 +226,7 @@ def with_fields(values: Mapping[str, T]) -> dict[str, T]:
     return {**alone, **values}
 
 
-class Condition:
+class RowCondition:
     """A condition for all rows of an index. Raises ListingError if it is not a valid expression.
 
     A model without a value for a name does not match, for example if its cell does not set it; `lacking` counts such
@@ -244,7 +244,7 @@ class Condition:
         self.lacking: dict[str, int] = {}
         self.count = 0
 
-    def holds(self, row: Row) -> bool:
+    def holds(self, row: IndexRow) -> bool:
         """Return whether a model matches. Raises ListingError."""
         self.count += 1
         self._known.update(dict.fromkeys(row.values))

@@ -26,7 +26,7 @@ from mjcompose.mujoco.arrays import BY_WORD
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
-    from mjcompose.mujoco.index import Index as CompiledIndex
+    from mjcompose.mujoco.index import CompiledIndex
 
 
 def newer_format(error: ValueError) -> int | None:
@@ -96,14 +96,14 @@ _Path = Annotated[str, AfterValidator(_in_bundle)]
 _PathOrShared = Annotated[str, AfterValidator(_in_bundle_or_shared)]
 
 
-class Recipe(_Part):
+class RecipeFile(_Part):
     """The recipe of the build."""
 
     path: FileName = Field(description="The name of its file.")
     sha256: Sha256 = Field(description="The hash of the recipe file.")
 
 
-class Origin(_Part):
+class InputOrigin(_Part):
     """The repository, archive or package of an input."""
 
     id: str = Field(description="The model reference without the file in it.")
@@ -118,7 +118,7 @@ def _list_kinds(schema: dict[str, Any]) -> None:
     schema["description"] = f"The kind of reference: {', '.join(kind.name for kind in KINDS)}."
 
 
-class OfUrdf(_Part):
+class UrdfElements(_Part):
     """Elements of one kind in a URDF, and their result."""
 
     what: str = Field(description="The tag with its parent, such as `joint/limit`, and the attribute if there is one.")
@@ -135,12 +135,14 @@ class Input(_Part):
     reference: str = Field(description="The model reference as the recipe writes it.")
     kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
     sha256: Sha256
-    origin: Origin | None = Field(None, description="null for a file that is named by its path.")
+    origin: InputOrigin | None = Field(None, description="null for a file that is named by its path.")
     license: str | None = Field(None, description="As an SPDX expression; null when it is not known.")
     licenses: tuple[_Path, ...] = Field((), description="Its license files in this bundle, each stored once.")
     package: str | None = Field(None, description="The Python package it came from.")
     version: str | None = Field(None, description="The version of that package, or the commit.")
-    urdf: tuple[OfUrdf, ...] = Field((), description="The elements of a URDF, read or not; omitted for other models.")
+    urdf: tuple[UrdfElements, ...] = Field(
+        (), description="The elements of a URDF, read or not; omitted for other models."
+    )
     compiler: dict[str, str] = Field(
         {}, description="Settings of `<compiler>` that the recipe gives for the file; omitted if there are none."
     )
@@ -152,7 +154,7 @@ def _finite(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
-class Part(_Part):
+class ManifestPart(_Part):
     """A part of the model: the place of its own world, and the changes that the recipe makes."""
 
     part: str = Field(description="Its name in the recipe; `base` is the model that the recipe starts from.")
@@ -175,7 +177,7 @@ class Part(_Part):
     subtree: str | None = Field(None, description="The body that was taken from its source, if not all.")
 
 
-class Adopted(_Part):
+class AdoptedSetting(_Part):
     """A setting that neither the base nor the recipe writes, but on which all parts that write it agree."""
 
     setting: str = Field(description="Its path, such as `option.cone`.")
@@ -207,7 +209,7 @@ Range = tuple[float | None, float | None]
 """Lower and upper end; None for no limit."""
 
 
-class Joint(_Part):
+class IndexedJoint(_Part):
     """A joint and its entries in qpos and qvel."""
 
     name: str
@@ -223,7 +225,7 @@ class Joint(_Part):
     origin: str | None = _ORIGIN
 
 
-class Actuator(_Part):
+class IndexedActuator(_Part):
     """An actuator and its entries in ctrl and act."""
 
     name: str
@@ -247,7 +249,7 @@ class Actuator(_Part):
     origin: str | None = _ORIGIN
 
 
-class Sensor(_Part):
+class IndexedSensor(_Part):
     """A sensor and its entries in sensordata."""
 
     name: str
@@ -259,7 +261,7 @@ class Sensor(_Part):
     origin: str | None = _ORIGIN
 
 
-class Camera(_Part):
+class IndexedCamera(_Part):
     """A camera; its number is its index in the list."""
 
     name: str
@@ -270,7 +272,7 @@ class Camera(_Part):
     origin: str | None = _ORIGIN
 
 
-class Keyframe(_Part):
+class IndexedKeyframe(_Part):
     """A keyframe; its number is its index in the list."""
 
     name: str
@@ -278,17 +280,17 @@ class Keyframe(_Part):
     origin: str | None = _ORIGIN
 
 
-class Index(_Part):
+class ManifestIndex(_Part):
     """The elements in the order of the compiled model, by which simulators address them. Unnamed ones are ""."""
 
-    joints: tuple[Joint, ...]
-    actuators: tuple[Actuator, ...]
-    sensors: tuple[Sensor, ...]
-    cameras: tuple[Camera, ...]
-    keyframes: tuple[Keyframe, ...]
+    joints: tuple[IndexedJoint, ...]
+    actuators: tuple[IndexedActuator, ...]
+    sensors: tuple[IndexedSensor, ...]
+    cameras: tuple[IndexedCamera, ...]
+    keyframes: tuple[IndexedKeyframe, ...]
 
 
-class Check(_Part):
+class PassedCheck(_Part):
     """A check that the compiled model passed."""
 
     name: str = Field(description="Its name in the outermost recipe.")
@@ -358,7 +360,7 @@ class Manifest(_Part):
     extensions: dict[str, str] = Field(
         {}, description="Other packages that the recipe uses: versions. Omitted if none."
     )
-    recipe: Recipe | None = Field(None, description="null for a model that Python composed.")
+    recipe: RecipeFile | None = Field(None, description="null for a model that Python composed.")
     separator: str = Field("/", description="Between a prefix and a name.")
     cell: Name | None = Field(None, description="The cell of the recipe's matrix; null for none.")
     variants: dict[str, str] = Field({}, description="The chosen value of every variant.")
@@ -367,8 +369,8 @@ class Manifest(_Part):
     sample: int | None = Field(None, ge=0, description="The sample's number; 0 is the nominal model.")
     draws: tuple[Draw, ...] = ()
     inputs: tuple[Input, ...] = ()
-    parts: tuple[Part, ...] = ()
-    adopted: tuple[Adopted, ...] = Field((), description="The settings that the model takes from its parts.")
+    parts: tuple[ManifestPart, ...] = ()
+    adopted: tuple[AdoptedSetting, ...] = Field((), description="The settings that the model takes from its parts.")
     read: tuple[Read, ...] = Field((), description="Every file that the model was made from.")
     licenses: dict[str, tuple[str, ...]] = Field({}, description="The parts by license, or under `unknown`.")
     files: tuple[File, ...]
@@ -388,8 +390,8 @@ class Manifest(_Part):
         default=None, ge=2, description="The number of models in a union; omitted for other models."
     )
     made: tuple[GeneratedShape, ...] = Field((), description="The shapes made of meshes; omitted if none.")
-    checks: tuple[Check, ...] = Field((), description="The checks that the model passed.")
-    index: Index | None = Field(None, description="null when the model was not verified.")
+    checks: tuple[PassedCheck, ...] = Field((), description="The checks that the model passed.")
+    index: ManifestIndex | None = Field(None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
 
 
@@ -455,7 +457,7 @@ _NAMES = {"qpos": "qpos_address", "dof": "dof_address", "ctrl": "ctrl_address"}
 """Fields that have other names in the index of a compiled model."""
 
 
-def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
+def index_of(index: CompiledIndex, written: Written | None = None) -> ManifestIndex:
     """Return the manifest's index of a compiled model; `written` has the places of its elements."""
     known = written or {}
 
@@ -467,7 +469,7 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
             yield of(**{**values, "origin": origin})
 
     joints = entries(
-        Joint,
+        IndexedJoint,
         "joint",
         index.joints,
         unit=lambda joint: BY_WORD[joint.type].unit,
@@ -475,7 +477,7 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
         range=lambda joint: _range(joint.range if joint.limited else None),
     )
     actuators = entries(
-        Actuator,
+        IndexedActuator,
         "actuator",
         index.actuators,
         act=lambda each: each.act_address if each.act_size else None,
@@ -484,12 +486,12 @@ def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
         force_range=lambda each: _range(each.force_range),
     )
     cutoff = {"cutoff": lambda sensor: None if sensor.cutoff == math.inf else sensor.cutoff}
-    return Index(
+    return ManifestIndex(
         joints=tuple(joints),
         actuators=tuple(actuators),
-        sensors=tuple(entries(Sensor, "sensor", index.sensors, **cutoff)),
-        cameras=tuple(entries(Camera, "camera", index.cameras)),
-        keyframes=tuple(entries(Keyframe, "key", index.keyframes)),
+        sensors=tuple(entries(IndexedSensor, "sensor", index.sensors, **cutoff)),
+        cameras=tuple(entries(IndexedCamera, "camera", index.cameras)),
+        keyframes=tuple(entries(IndexedKeyframe, "key", index.keyframes)),
     )
 
 
@@ -534,9 +536,9 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
             sink.error("bundle-changed", f"`{path}` is in `{shown}`, and its manifest does not list it")
 
 
-def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
+def check_index(expected: ManifestIndex, actual: ManifestIndex, shown: str, sink: Sink) -> None:
     """Report differences in order, addresses and limits between the compiled model and its manifest."""
-    for kind in Index.model_fields:
+    for kind in ManifestIndex.model_fields:
         how_written = {"origin", "type"} if kind == "actuators" else {"origin"}
         said, found = (
             [each.model_dump_json(exclude=how_written) for each in getattr(index, kind)] for index in (expected, actual)

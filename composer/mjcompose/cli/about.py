@@ -29,7 +29,7 @@ _MOST_WORDS = 4096
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 
-class Finding(Struct):
+class SetupFinding(Struct):
     """A finding; `fine` is None if something optional is missing."""
 
     what: str
@@ -37,12 +37,12 @@ class Finding(Struct):
     fine: bool | None = True
 
 
-class Options(Group):
+class DoctorOptions(Group):
     form: str = formats("text", "json")
 
 
-@command(Options)
-def doctor(options: Options, run: Run) -> Answer:
+@command(DoctorOptions)
+def doctor(options: DoctorOptions, run: Run) -> Answer:
     """Check this installation, and show its features.
 
     The exit code is 1 if something that every build needs is missing.
@@ -67,18 +67,18 @@ def doctor(options: Options, run: Run) -> Answer:
     )
 
 
-def _installed() -> Iterator[Finding]:
-    yield Finding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
+def _installed() -> Iterator[SetupFinding]:
+    yield SetupFinding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
     others = sorted(set(metadata.packages_distributions().get("mjcompose", [])) - {"mjcompose"})
     if others:
         named = ", ".join(f"`{name}`" for name in others)
-        yield Finding("package mjcompose", f"{named} also install it: use a separate environment for each", False)
+        yield SetupFinding("package mjcompose", f"{named} also install it: use a separate environment for each", False)
     for name in _CORE:
         version = _version(name)
-        yield Finding(name, version or "is not installed", version is not None)
+        yield SetupFinding(name, version or "is not installed", version is not None)
 
 
-def _mujoco() -> Iterator[Finding]:
+def _mujoco() -> Iterator[SetupFinding]:
     """Yield MuJoCo's version and its renderer, both checked in a process of their own."""
     from mjcompose.mujoco.engine import Session, call, compile
     from mjcompose.mujoco.pictures import pictures
@@ -87,87 +87,89 @@ def _mujoco() -> Iterator[Finding]:
         (folder / "model.xml").write_text(_MODEL, encoding="utf-8")
         compiled = compile(folder, keep="model", session=session)
         if not compiled.ok:
-            yield Finding("mujoco", compiled.error or str(compiled.crash), False)
+            yield SetupFinding("mujoco", compiled.error or str(compiled.crash), False)
             return
-        yield Finding("mujoco", str(compiled.mujoco_version))
+        yield SetupFinding("mujoco", str(compiled.mujoco_version))
         answer = call(session, pictures, ["model", "model"], argument=str(folder))
         reason = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
         reason = session.no_opengl or reason
-    yield Finding("OpenGL", f"none: {reason}" if reason else "renders", None if reason else True)
+    yield SetupFinding("OpenGL", f"none: {reason}" if reason else "renders", None if reason else True)
 
 
-def _programs() -> Iterator[Finding]:
+def _programs() -> Iterator[SetupFinding]:
     """Yield the MuJoCos of other versions, with the reason if one is not trusted."""
     from mjcompose.mujoco.programs import ProgramError, installed, python_in
 
     try:
         versions = installed(os.environ)
     except ProgramError as error:
-        yield Finding("programs", str(error), False)
+        yield SetupFinding("programs", str(error), False)
         return
     for version in versions:
         try:
-            yield Finding(f"mujoco=={version}", str(python_in(version, os.environ)))
+            yield SetupFinding(f"mujoco=={version}", str(python_in(version, os.environ)))
         except ProgramError as error:
-            yield Finding(f"mujoco=={version}", str(error), False)
+            yield SetupFinding(f"mujoco=={version}", str(error), False)
 
 
-def _plugin() -> Finding:
+def _plugin() -> SetupFinding:
     from mjcompose.tools.open.decoder import PluginError, library_in, mujoco_folder
 
     what = "plugin"
     try:
         place = library_in(mujoco_folder())
     except PluginError as error:
-        return Finding(what, str(error), None)
+        return SetupFinding(what, str(error), None)
     if not os.path.isfile(place):
-        return Finding(what, "is not installed; it lets C++ programs open recipes: `mjcompose plugin install`", None)
-    return Finding(what, f"{place}: MuJoCo {_version('mujoco')} opens recipes, in Python and C++ programs")
+        return SetupFinding(
+            what, "is not installed; it lets C++ programs open recipes: `mjcompose plugin install`", None
+        )
+    return SetupFinding(what, f"{place}: MuJoCo {_version('mujoco')} opens recipes, in Python and C++ programs")
 
 
-def _git() -> Finding:
+def _git() -> SetupFinding:
     git = program("git", os.environ)
     if git is None:
-        return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
+        return SetupFinding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
     try:
         with Process([git, "--version"], stdout=PIPE) as process:
             out, _ = process.finish(seconds=_ANSWERING, most=_MOST_WORDS)
     except (OSError, Overrun) as error:
-        return Finding("git", f"`{git}` cannot be run: {error}", None)
-    return Finding("git", out.decode("utf-8", "replace").strip().removeprefix("git version "))
+        return SetupFinding("git", f"`{git}` cannot be run: {error}", None)
+    return SetupFinding("git", out.decode("utf-8", "replace").strip().removeprefix("git version "))
 
 
-def _store() -> Finding:
+def _store() -> SetupFinding:
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
     try:
         store = Store.of(os.environ)
     except SourceError as error:
-        return Finding("store", str(error), False)
+        return SetupFinding("store", str(error), False)
     try:
         store.folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=store.folder).close()
     except OSError as error:
         reason = f"cannot be written: {(error.strerror or str(error)).lower()}; `MJCOMPOSE_CACHE` names another folder"
-        return Finding("store", f"{store.folder} {reason}", None)
+        return SetupFinding("store", f"{store.folder} {reason}", None)
     fetched, built = (sum(each.size for each in found) for found in (store.entries(), blobs_in(store.folder)))
-    return Finding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
+    return SetupFinding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
 
 
-def _templates() -> Finding:
+def _templates() -> SetupFinding:
     """Return the confinement of the process that expands templates, as the process reports it."""
     with scratch("doctor") as folder:
         answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
     if not answer["ok"]:
-        return Finding("templates", f"cannot be expanded: {answer['error']}", False)
+        return SetupFinding("templates", f"cannot be expanded: {answer['error']}", False)
     ways = answer["confined"]
     can = [each for each, is_possible in answer["value"].items() if is_possible]
     by = f"confined by {', '.join(ways)}" if ways else "this system has no way to confine their process"
-    return Finding("templates", f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
+    return SetupFinding("templates", f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
 
 
-def _extras() -> Iterator[Finding]:
+def _extras() -> Iterator[SetupFinding]:
     from mjcompose.sources.kinds import KINDS
     from mjcompose.sources.reference import Library
 
@@ -181,20 +183,20 @@ def _extras() -> Iterator[Finding]:
         version = _version(library.name)
         package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'
         missing = f"is not installed; it is for {use}: pip install {package}"
-        yield Finding(library.name, version or missing, True if version else None)
+        yield SetupFinding(library.name, version or missing, True if version else None)
 
 
-def _extensions() -> Iterator[Finding]:
+def _extensions() -> Iterator[SetupFinding]:
     """Yield the extensions of other packages. It loads each extension, to test whether it works."""
     from mjcompose.base.extensions import GROUPS, load, names
 
     for group, what in GROUPS.items():
         for word, owner in names(group).items():
-            finding = Finding(f"{what} `{word}`", owner)
+            finding = SetupFinding(f"{what} `{word}`", owner)
             try:
                 load(group, word)
             except DiagnosticError as error:
-                finding = Finding(finding.what, error.message, None)
+                finding = SetupFinding(finding.what, error.message, None)
             yield finding
 
 

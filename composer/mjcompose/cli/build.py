@@ -33,7 +33,7 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
         raise click.BadParameter(f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}.")
 
 
-class Options(BuildingOptions):
+class BuildCommandOptions(BuildingOptions):
     recipe: Path = RECIPE_OR_STDIN
     out: str | None = output(
         "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets, '-' is standard output),"
@@ -101,8 +101,8 @@ class Options(BuildingOptions):
         return self.cells.one and self.table is None
 
 
-@command(Options)
-def build(options: Options, run: Run) -> int:
+@command(BuildCommandOptions)
+def build(options: BuildCommandOptions, run: Run) -> int:
     """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     code = _build(options, run)
     if code or (options.depfile is None and options.sbom is None):
@@ -119,7 +119,7 @@ def build(options: Options, run: Run) -> int:
     return FINDINGS if context.sink.has_errors else 0
 
 
-def _build(options: Options, run: Run) -> int:
+def _build(options: BuildCommandOptions, run: Run) -> int:
     from mjcompose.pipeline.cache.builder import Maker
     from mjcompose.pipeline.cache.cache_key import BuildOptions
 
@@ -166,7 +166,7 @@ def _build(options: Options, run: Run) -> int:
             return task.build_one(reasons)
 
 
-def _check_usage(options: Options) -> None:
+def _check_usage(options: BuildCommandOptions) -> None:
     check_readers(options.recipe, options.workers.cluster)
     workers = options.workers
     samples = options.samples
@@ -188,7 +188,7 @@ def _check_usage(options: Options) -> None:
         raise click.UsageError("--sample-table is for --all, --pick and --sample: here is one model.")
 
 
-def _check_usage_of_worlds(options: Options) -> None:
+def _check_usage_of_worlds(options: BuildCommandOptions) -> None:
     values = {
         "--shard": options.workers.shard,
         "--cluster": options.workers.cluster,
@@ -207,7 +207,7 @@ def _is_bundle_here(out: str | None) -> bool:
     return (out is None or out.endswith(("/", ".zip", ".mjz"))) and not is_address(out)
 
 
-def _output_spec(options: Options, run: Run) -> OutputSpec:
+def _output_spec(options: BuildCommandOptions, run: Run) -> OutputSpec:
     out = options.out
     with run.stopping(USAGE):
         out, kind = _for_shared_assets(out, options.one) if options.shared_assets else (out, kind_of_output(out))
@@ -260,7 +260,7 @@ _MORE = {"isaac": ("usd",)}
 """Other kinds of output that a target reads: Isaac Sim opens USD without its importer."""
 
 
-def _check_target(options: Options, kind: str) -> None:
+def _check_target(options: BuildCommandOptions, kind: str) -> None:
     target = options.target
     if target is None:
         return

@@ -43,7 +43,7 @@ from mjcompose.tools.worlds.names import LoadError
 from mjcompose.tools.worlds.worlds import Worlds
 
 if TYPE_CHECKING:
-    from mjcompose.cli.build import Options
+    from mjcompose.cli.build import BuildCommandOptions
     from mjcompose.language.expand import Cell
 
 
@@ -51,7 +51,7 @@ SAMPLES = "samples"
 MODELS = "models"
 
 
-def build_cells(task: Task, options: Options) -> int:
+def build_cells(task: Task, options: BuildCommandOptions) -> int:
     """Build the cells, and report a fault in several cells once. Return the exit code."""
     maker = task.maker
     spec = task.spec
@@ -98,7 +98,7 @@ def build_cells(task: Task, options: Options) -> int:
     return FINDINGS if context.sink.has_errors else 0
 
 
-def _chosen(task: Task, options: Options) -> tuple[list[Cell], int]:
+def _chosen(task: Task, options: BuildCommandOptions) -> tuple[list[Cell], int]:
     recipe = task.maker.recipe
     worlds = task.maker.options.worlds
     return options.cells.chosen(recipe, task.given, context=task.run.context, verb="build", worlds=worlds)
@@ -237,7 +237,7 @@ class _Failed(Exception):
     pass
 
 
-def build_worlds(task: Task, options: Options, table: Path) -> int:
+def build_worlds(task: Task, options: BuildCommandOptions, table: Path) -> int:
     """Build all models into `table`, and with `--as union` their common model. Return the exit code."""
     spec = task.spec
     context = task.run.context
@@ -274,7 +274,7 @@ class _Worlds:
         self.tally = Tally(task.maker.recipe, 0)
         self.last: Span | None = None
 
-    def worlds(self, chosen: list[Cell], shelf: Shelf, options: Options) -> tuple[Worlds, Bundle | None]:
+    def worlds(self, chosen: list[Cell], shelf: Shelf, options: BuildCommandOptions) -> tuple[Worlds, Bundle | None]:
         """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
         self.tally.total = len(chosen)
         joining = Joining(len(chosen), options.gives == "union")

@@ -92,13 +92,13 @@ def list(options: ListOptions, run: Run) -> int:
     FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
     path of a model, and its values from the matrix and from draws. JSON has all columns of the index.
     """
-    from mjcompose.bundle.listing import Condition, ListingError, rows
+    from mjcompose.bundle.listing import ListingError, RowCondition, rows
 
     context = run.context
     folder = options.folder
     condition = None
     try:
-        condition = Condition(options.where or "true")
+        condition = RowCondition(options.where or "true")
         for row in rows(folder if is_address(folder) else Path(folder), folder):
             if condition.holds(row):
                 path = row.file if isinstance(row.file, str) else context.shown(row.file)

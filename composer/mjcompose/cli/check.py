@@ -17,7 +17,7 @@ from mjcompose.base.files import STDIN
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import Case, Suite, as_lines, counted, json_text, one_line, printable
 from mjcompose.base.sink import Sink
-from mjcompose.bundle.bundle import Outcome, license_rows, license_table
+from mjcompose.bundle.bundle import CheckOutcome, license_rows, license_table
 from mjcompose.cli.cells import BuildingOptions, ModelOptions, Tally, check_readers, check_several, counting, stopped
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching
 from mjcompose.cli.reporting import FINDINGS, exit_code, note_files, progress, say, say_details
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mjcompose.plan.plan import Plan, PlanPreview
 
 
-class Options(BuildingOptions):
+class CheckOptions(BuildingOptions):
     recipes: tuple[Path, ...] = argument(type=RECIPE_PATH, nargs=-1, required=True)
     no_compile: bool = flag("--no-compile", help="Do not compile the models in MuJoCo, and do not run their checks.")
     junit: str | None = option(
@@ -40,8 +40,8 @@ class Options(BuildingOptions):
     )
 
 
-@command(Options)
-def check(options: Options, run: Run) -> int:
+@command(CheckOptions)
+def check(options: CheckOptions, run: Run) -> int:
     """Check each of RECIPES: read, plan and compose it, compile it in MuJoCo, and run its checks.
 
     Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
@@ -80,7 +80,7 @@ class _Result(Struct):
 class _Checking:
     """Checks one or several recipes, and reports their common diagnostics once."""
 
-    def __init__(self, options: Options, run: Run) -> None:
+    def __init__(self, options: CheckOptions, run: Run) -> None:
         from mjcompose.pipeline.cache.cache_key import BuildOptions
 
         self.options = options
@@ -243,7 +243,7 @@ class _Checking:
 
 def _suite(
     recipe: Path,
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[CheckOutcome],
     found: Iterable[Diagnostic],
     context: Context,
     cell: CellName | None = None,

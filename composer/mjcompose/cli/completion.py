@@ -27,12 +27,12 @@ _LINES = {
 }
 
 
-class Options(Group):
+class CompletionOptions(Group):
     shell: str = argument(type=click.Choice(tuple(_LINES)))
 
 
-@command(Options)
-def completion(options: Options, run: Run) -> Answer:
+@command(CompletionOptions)
+def completion(options: CompletionOptions, run: Run) -> Answer:
     """Print the line that enables completion of commands, options, cells and names; put it in SHELL's start file."""
     return Answer(_LINES[options.shell])
 

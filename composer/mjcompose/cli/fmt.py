@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mjcompose.lint.rule import Rule
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.fix import Fixed
-    from mjcompose.tools.lint import Linted, Target
+    from mjcompose.tools.lint import Linted, LintFile
 
 
 STDIN = "-"
@@ -388,7 +388,7 @@ def _selected(options: LintOptions) -> Sequence[Rule]:
         raise click.UsageError(f"There is no rule or family `{error.name}`.{hint}") from error
 
 
-def _targets(files: Sequence[Path], context: Context) -> list[Target]:
+def _targets(files: Sequence[Path], context: Context) -> list[LintFile]:
     """Return the models in files and folders."""
     from mjcompose.tools.lint import targets_of
 
@@ -438,7 +438,7 @@ def _separated(values: Sequence[str]) -> list[str]:
     return [name for value in values for name in value.replace(",", " ").split()]
 
 
-def _fix_all(targets: Sequence[Target], selected: Sequence[Rule], context: Context) -> None:
+def _fix_all(targets: Sequence[LintFile], selected: Sequence[Rule], context: Context) -> None:
     """Apply the exact fixes of findings in all files, and say how many were made."""
     from mjcompose.mujoco.engine import Session
 
@@ -448,7 +448,7 @@ def _fix_all(targets: Sequence[Target], selected: Sequence[Rule], context: Conte
         say(f"fixed {counted(fixed, 'finding')}")
 
 
-def _fix(target: Target, selected: Sequence[Rule], context: Context, session: Session) -> int:
+def _fix(target: LintFile, selected: Sequence[Rule], context: Context, session: Session) -> int:
     from mjcompose.tools.fix import Fixing, Judged
     from mjcompose.tools.lint import lint
 

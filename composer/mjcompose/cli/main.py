@@ -226,12 +226,12 @@ def _extension(ctx: click.Context, name: str) -> click.Command | None:
     if not _is_extension(name):
         return None
     from mjcompose.base.diagnostic import DiagnosticError
-    from mjcompose.base.extensions import Table
+    from mjcompose.base.extensions import ExtensionTable
     from mjcompose.cli.reporting import report_as_chosen
     from mjcompose.sources.context import Context
 
     try:
-        return Table[click.Command]("commands", {}, "", kind=click.Command)[name]
+        return ExtensionTable[click.Command]("commands", {}, "", kind=click.Command)[name]
     except DiagnosticError as error:
         context = Context()
         context.sink.add(error.diagnostic)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _SHOWN = 5
 
 
-class Options(Group):
+class MigrateOptions(Group):
     model: str = argument(shell_complete=completion.files)
     before: str | None = option(
         "--from", metavar="VERSION", help="The MuJoCo version that MODEL is written for, 3.0 to 4.0."
@@ -63,8 +63,8 @@ class Options(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(Options)
-def migrate(options: Options, run: Run) -> Answer | int:
+@command(MigrateOptions)
+def migrate(options: MigrateOptions, run: Run) -> Answer | int:
     """Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
 
     Without -o and --in-place, the changes are only shown. The model keeps its meaning: attributes get their new names,
@@ -72,14 +72,14 @@ def migrate(options: Options, run: Run) -> Answer | int:
 
     Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
     """
-    from mjcompose.tools.migrate.migrate import Wish, run as migrated
+    from mjcompose.tools.migrate.migrate import MigrateRequest, run as migrated
 
     _check_usage(options)
     model = options.model
     out = options.out
     context = run.context
     progress(f"reading {model}")
-    wish = Wish(
+    wish = MigrateRequest(
         model, options.before, options.after, adopt=options.adopt, pythons=options.pythons, proves=options.prove
     )
     result = migrated(wish, context, progress)
@@ -102,7 +102,7 @@ def migrate(options: Options, run: Run) -> Answer | int:
     return Answer(words, code=code, is_outcome=True)
 
 
-def _check_usage(options: Options) -> None:
+def _check_usage(options: MigrateOptions) -> None:
     from mjcompose.tools.migrate.changes import TABLE
 
     model = options.model
@@ -251,12 +251,12 @@ def upgrade(options: UpgradeOptions, run: Run) -> Answer:
 
     Exit codes: 0 the model moves the same, 1 something moves differently or fails, 2 wrong usage.
     """
-    from mjcompose.tools.migrate.upgrade import Request, upgrade as upgraded
+    from mjcompose.tools.migrate.upgrade import UpgradeRequest, upgrade as upgraded
 
     if Path(options.model).suffix.lower() in RECIPES:
         help = f"in the recipe, write `check: {{moves: {{moves_alike: mujoco=={options.before}}}}}`"
         raise click.UsageError(f"{options.model} is a recipe: {help}")
-    request = Request(
+    request = UpgradeRequest(
         options.model,
         options.before,
         options.after,

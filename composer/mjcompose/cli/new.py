@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.importing.search import Search
 
 
-class Options(Group):
+class NewOptions(Group):
     path: Path | None = argument(type=PATH, required=False)
     project: bool = flag(
         "--project",
@@ -40,8 +40,8 @@ class Options(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(Options)
-def new(options: Options, run: Run) -> Answer | None:
+@command(NewOptions)
+def new(options: NewOptions, run: Run) -> Answer | None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
     path = options.path
     context = run.context

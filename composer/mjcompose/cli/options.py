@@ -101,7 +101,7 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
             cache.close()
 
 
-class NamedFile(NamedTuple):
+class ParameterFile(NamedTuple):
     """A file of `--set-file`, and the parameter whose value it has; None if it has names of its own."""
 
     name: str | None
@@ -161,19 +161,19 @@ class Choices(Group):
                 found[name] = value
         return found
 
-    def _files(self, context: Context) -> Iterator[NamedFile]:
+    def _files(self, context: Context) -> Iterator[ParameterFile]:
         """Yield the files. `NAME=FILE` is a name and a file, unless there is a file with that whole name."""
         for file in self.set_files:
             name, equals, rest = str(file).partition("=")
             if equals and name.isidentifier() and not os.path.exists(context.folder / file):
-                yield NamedFile(name, Path(rest))
+                yield ParameterFile(name, Path(rest))
             else:
-                yield NamedFile(None, file)
+                yield ParameterFile(None, file)
 
     def files(self, context: Context) -> list[Path]:
         return [named.file for named in self._files(context)]
 
-    def _values_of(self, named: NamedFile, context: Context) -> dict[str, Node]:
+    def _values_of(self, named: ParameterFile, context: Context) -> dict[str, Node]:
         """Return the values of a file by name. Report errors to the context."""
         from mjcompose.text.load import load
         from mjcompose.text.node import Mapping

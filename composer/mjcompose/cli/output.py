@@ -68,7 +68,7 @@ class Picturing(Struct, frozen=False):
         from mjcompose.mujoco.engine import Session
         from mjcompose.sides.operand import read_operand
         from mjcompose.sides.side import load
-        from mjcompose.tools.view.render import Wish, render
+        from mjcompose.tools.view.render import RenderRequest, render
 
         if self._session is None:
             self._session = self.opened.enter_context(Session(rendering=True))
@@ -78,7 +78,7 @@ class Picturing(Struct, frozen=False):
             if operand is None or side is None:
                 context.sink.error("no-rendering", f"no picture of `{target}` can be made: it cannot be read")
             else:
-                render(_KEPT, out, Wish(), context=context, session=self._session, option="--picture")
+                render(_KEPT, out, RenderRequest(), context=context, session=self._session, option="--picture")
 
 
 class OutputSpec(Struct):

@@ -348,13 +348,13 @@ def _wait(before: dict[Path, Mark]) -> None:
     """Wait until a file has changed, in a separate thread because a watch swallows the signal that ends a command."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from mjcompose.tools.view.builder import Watch
+    from mjcompose.tools.view.builder import FileWatch
 
     stop = Event()
     done = Event()
     # Register the stop of the thread before it starts: an interrupt in between would wait for it forever.
     with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
         at_the_end.callback(stop.set)
-        executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())
+        executor.submit(FileWatch(stop).wait, before).add_done_callback(lambda _: done.set())
         while not done.wait(_PATIENCE):
             pass

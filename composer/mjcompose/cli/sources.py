@@ -98,13 +98,13 @@ def prune(options: PruneOptions, run: Run) -> Answer:
     return Answer(words, {"removed": len(removed), "size": size_removed}, is_outcome=True)
 
 
-class VerifyOptions(Group):
+class CacheVerifyOptions(Group):
     fix: bool = flag("--fix", help="Remove damaged files. They are fetched again when they are needed.")
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(VerifyOptions, within=cache)
-def verify(options: VerifyOptions, run: Run) -> Answer | None:
+@command(CacheVerifyOptions, within=cache)
+def verify(options: CacheVerifyOptions, run: Run) -> Answer | None:
     """Hash every file in the store again, and report damaged files.
 
     Damaged files of built models are always removed. They are built again when they are needed.

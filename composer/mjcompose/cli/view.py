@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from mjcompose.text.node import Node
     from mjcompose.tools.view.builder import Shown, Workshop
     from mjcompose.tools.view.live import Service
-    from mjcompose.tools.view.render import Wish
+    from mjcompose.tools.view.render import RenderRequest
 
 
-class Options(Group):
+class ViewOptions(Group):
     target: str = argument()
     html: Path | None = option(
         "--html",
@@ -76,8 +76,8 @@ class Options(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(Options)
-def view(options: Options, run: Run) -> Answer | int:
+@command(ViewOptions)
+def view(options: ViewOptions, run: Run) -> Answer | int:
     """Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
 
     All files of the model are watched. When you save one, the page updates; errors appear above the last valid model.
@@ -97,11 +97,11 @@ def view(options: Options, run: Run) -> Answer | int:
         if html is None:
             from mjcompose.tools.view.builder import EDITOR, Workshop
             from mjcompose.tools.view.live import Service
-            from mjcompose.tools.view.page import Asked
+            from mjcompose.tools.view.page import ViewChoice
 
             workshop = Workshop(
                 options.target,
-                Asked(given, options.cell.pick, options.cell.sample),
+                ViewChoice(given, options.cell.pick, options.cell.sample),
                 session,
                 open=run.new_context,
                 words=words_of,
@@ -143,7 +143,7 @@ def _live(workshop: Workshop, service: Service, run: Run) -> int:
     return 0
 
 
-def _page(operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session) -> str | None:
+def _page(operand: Operand, out: Path, options: ViewOptions, given: dict[str, Node], session: Session) -> str | None:
     from mjcompose.sides.side import load
     from mjcompose.tools.view.page import write_page
     from mjcompose.tools.view.render import check_given
@@ -253,15 +253,15 @@ def render(options: RenderOptions, run: Run) -> Answer:
     """
     from mjcompose.mujoco.engine import Session
     from mjcompose.sides.operand import read_operand
-    from mjcompose.tools.view.render import FILM, TILE, Wish
+    from mjcompose.tools.view.render import FILM, TILE, RenderRequest
 
     given = options.choices.values(run.context)
     several = not options.cells.one
     moves = options.turntable or options.play is not None
     _check_usage_of_render(options, several=several, moves=moves)
     run.check()
-    wish = Wish(
-        options.size or (TILE if several else FILM if moves else Wish().size),
+    wish = RenderRequest(
+        options.size or (TILE if several else FILM if moves else RenderRequest().size),
         options.key,
         options.camera,
         background=options.background,
@@ -304,7 +304,7 @@ def _check_usage_of_render(options: RenderOptions, *, several: bool, moves: bool
 class _Rendering(Struct):
     operand: Operand
     out: Path
-    wish: Wish
+    wish: RenderRequest
     given: dict[str, Node]
     session: Session
 
@@ -332,7 +332,7 @@ class _Rendering(Struct):
 
     def sheet(self, options: RenderOptions) -> str | None:
         """Write a contact sheet."""
-        from mjcompose.sides.operand import Kind
+        from mjcompose.sides.operand import OperandKind
         from mjcompose.tools.view.render import Format, format_of, render_sheet
 
         operand = self.operand
@@ -342,7 +342,7 @@ class _Rendering(Struct):
             assert format_of(out, self.wish) is Format.PNG, out
         if context.sink.has_errors:
             return None
-        if operand.kind is not Kind.RECIPE:
+        if operand.kind is not OperandKind.RECIPE:
             context.sink.error(
                 "unknown-name",
                 f"`{operand.label}` is not a recipe and has neither cells nor samples",

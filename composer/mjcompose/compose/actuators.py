@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.sink import Sink
 from mjcompose.compose.lengths import why_a_length
 from mjcompose.link import numbers
-from mjcompose.link.linking import Linking, Measure
+from mjcompose.link.linking import Linking, ModelMeasure
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.grammar import GRAMMAR, Attribute
@@ -180,7 +180,7 @@ def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Nod
     return models_in(linking.flat(), linking.measure, found)
 
 
-def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+def models_in(unit: Unit, measure: ModelMeasure, found: list[Node]) -> dict[Node, ActuatorModel] | None:
     """Return the model of each of the actuators of a unit, or None if MuJoCo cannot compile it."""
     # `user` finds an actuator again: where a `<replicate>` multiplies some, MuJoCo puts their copies behind the others.
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}

@@ -20,11 +20,11 @@ from mjcompose.compose.load import PartRequest
 from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.unchanged import Unchanged
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.link import numbers
 from mjcompose.link.bodies import bodies, effective_pose
 from mjcompose.link.inertia import has_mass
-from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Sense
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, SensorBody
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import copy_poses
 from mjcompose.link.world import floats_by_itself
@@ -327,12 +327,12 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
             part.joints += (Joint("joint", {**named, **joint_attributes(element, making)}, spans),)
 
 
-def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
+def _sense(step: AttachPart, making: ElementBuilder) -> SensorBody | None:
     """Return the body, the site and the sensors of `sense`, by their names in the recipe."""
     if (wanted := step.attachment.sensors) is None:
         return None
     start = f"{wanted.name}_" if wanted.name else ""
-    return Sense(
+    return SensorBody(
         step.prefix + (wanted.name or SENSE),
         tuple((tag, f"{step.prefix}{start}{tag}") for tag in wanted.quantities),
         numbers.text([wanted.cutoff]) if wanted.cutoff else "",
@@ -344,7 +344,7 @@ def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> 
     """Report classes of the joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
     for element in joint if isinstance(joint, tuple) else (joint,):
-        if isinstance(element, Element) and (name := element.attributes.get("class")) is not None:
+        if isinstance(element, RecipeElement) and (name := element.attributes.get("class")) is not None:
             check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 
 

@@ -8,7 +8,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.compose.elements import ElementBuilder, Reference
+from mjcompose.compose.elements import ElementBuilder, WrittenReference
 from mjcompose.compose.lengths import why_a_length
 from mjcompose.language.value import is_angular, no_angle
 from mjcompose.link import numbers
@@ -20,7 +20,7 @@ from mjcompose.plan.plan import AttachPart
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import MAIN, NESTED, childclass_of, own, written
 from mjcompose.tree.edit import resolves, unresolved
-from mjcompose.tree.files import Settings
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import DECLARES, naming_table, own_references, word
 from mjcompose.tree.select import name_of
@@ -101,7 +101,7 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Report a joint whose body, and the bodies fixed to it, have no mass, unless only MuJoCo knows the mass."""
     settings = linking.base.settings
-    default = Settings()
+    default = SourceSettings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
         return
     if part.content is None or (body := part.content.getparent()) is None or body.tag != "body":
@@ -155,7 +155,7 @@ def _may_have_mass(body: Node, linking: Linking) -> bool:
 
 def check_names(linking: Linking, making: ElementBuilder) -> None:
     """Declare every new name, then look up every reference; those to keys wait for `check_names_of_keys`."""
-    references: list[Reference] = []
+    references: list[WrittenReference] = []
     seen: dict[str, set[Node]] = {}
     for top, section in making.registered:
         for node in _unseen(top, seen.setdefault(section, set())):
@@ -163,7 +163,9 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
             for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
                 if kind == DECLARES and name in written and (value := node.get(name)):
                     _declare(linking, making, node, name=name, namespace=namespace, value=str(value))
-            references += [Reference(node, *each) for each in own_references(node, section) if each[0] in written]
+            references += [
+                WrittenReference(node, *each) for each in own_references(node, section) if each[0] in written
+            ]
     for each in references:
         if each.namespace == "key":
             making.of_keys.append(each)
@@ -219,7 +221,7 @@ def _declare(linking: Linking, making: ElementBuilder, node: Node, name: str, na
         making.sink.error(code, message, span, notes=notes, help=help, subjects=(value,))
 
 
-def _look_up(linking: Linking, making: ElementBuilder, reference: Reference) -> None:
+def _look_up(linking: Linking, making: ElementBuilder, reference: WrittenReference) -> None:
     node, attribute, namespace, name, typed_by = reference
     if namespace == "default" and refer_to_top_class(linking, node, attribute):
         return

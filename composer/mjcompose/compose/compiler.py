@@ -6,18 +6,18 @@ from collections.abc import Iterable, Iterator
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.sink import Sink
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.link.inertia import INERTIA_RULES
 from mjcompose.link.linking import Linking
 from mjcompose.plan.plan import Plan
 from mjcompose.plan.steps import AddElement
 from mjcompose.sources.reference import CompilerSettings
 from mjcompose.text.node import locate
-from mjcompose.tree.files import Settings
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.unit import Unit
 
 UNUSED = "compiler-unused"
-_DEFAULT = Settings()
+_DEFAULT = SourceSettings()
 _BODIES = ("body", "flexcomp", "composite")
 
 
@@ -60,7 +60,7 @@ def note_rules_of_base(plan: Plan, linking: Linking) -> None:
     linking.sink.note("mass-rule", message, added[0].span, notes=notes, help=help)
 
 
-def _bodies(elements: Iterable[Element]) -> Iterator[Element]:
+def _bodies(elements: Iterable[RecipeElement]) -> Iterator[RecipeElement]:
     for each in elements:
         if each.tag in _BODIES:
             yield each

@@ -52,7 +52,7 @@ from mjcompose.link.excerpt import Excerpt
 from mjcompose.link.files import SHARED, Merged, add_file, dedup, share_in_copies
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import FileUse, Linking, Measure, Part, Request, common_angle
+from mjcompose.link.linking import FileUse, Linking, LinkRequest, ModelMeasure, Part, common_angle
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
@@ -65,7 +65,7 @@ from mjcompose.plan.plan import (
     Drawn,
     EditOutcome,
     ElementDraws,
-    Excluded,
+    ExcludedPair,
     GeneratedShapes,
     PartRecord,
     Plan,
@@ -113,7 +113,7 @@ class Composed(Struct):
     drawn: tuple[Drawn, ...] = ()
     tabled: tuple[ElementDraws, ...] = ()
     shapes: tuple[GeneratedShapes, ...] = ()
-    excluded: tuple[Excluded, ...] = ()
+    excluded: tuple[ExcludedPair, ...] = ()
     unsearched: int = 0
     keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
@@ -142,7 +142,7 @@ class Composer:
     def __init__(
         self,
         context: Context,
-        measure: Measure | None,
+        measure: ModelMeasure | None,
         session: Session | None = None,
         *,
         watch: Watch = nobody,
@@ -177,7 +177,7 @@ class Composer:
         shapes += tuple(shape for each in self.inner for shape in each.shapes)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)
         excluded = tuple(
-            Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.exclusions.written
+            ExcludedPair(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.exclusions.written
         )
         tables = dict(self.loader.tables())
         for each in self.inner:
@@ -385,7 +385,7 @@ class Composer:
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         mirror_places(plan, parts)
         top = [step.element for step in plan.steps if isinstance(step, SetDefault) and step.name == MAIN]
-        request = Request(
+        request = LinkRequest(
             plan.separator,
             plan.conflict,
             plan.settled,

@@ -24,14 +24,14 @@ from mjcompose.base.suggest import closest, exists_note, renaming, with_article
 from mjcompose.compose.actuators import ActuatorModel
 from mjcompose.compose.effects import may_be_idle
 from mjcompose.compose.elements import ElementBuilder
-from mjcompose.compose.values import UnusableValue, Values, matches_value
+from mjcompose.compose.values import EntryValues, UnusableValue, matches_value
 from mjcompose.language.datasheets import Sheet
 from mjcompose.language.value import attribute_and_index
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.link.linking import Linking
 from mjcompose.link.submodels import add_named_file
 from mjcompose.text.evaluate import Template
-from mjcompose.text.expression import ELEMENT, PARAMETERS, ExpressionError, Name, Value
+from mjcompose.text.expression import ELEMENT, PARAMETERS, ExpressionError, Value, Variable
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import Classes, text_in_effect
 from mjcompose.tree.edit import changing, names_in
@@ -312,7 +312,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     return None
 
 
-class Count(NamedTuple):
+class ExpectedCount(NamedTuple):
     """The number of elements that a selector may select: `expect`, written at `at`, or none if it is `optional`."""
 
     expect: int | None
@@ -320,7 +320,9 @@ class Count(NamedTuple):
     at: Path
 
 
-def select_counted(editing: Editing, selector: Selector, path: Path, count: Count, *, values: float = 1) -> list[Node]:
+def select_counted(
+    editing: Editing, selector: Selector, path: Path, count: ExpectedCount, *, values: float = 1
+) -> list[Node]:
     """Return the selected elements, each of which gets `values`; none if their number is wrong."""
     expect = count.expect
     if (found := select(editing, selector, path)) is None:
@@ -362,13 +364,13 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
     cost = _CONDITION + len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
     if not editing.cost.allows(cost, editing.sink, editing.span(at)):
         raise UnusableValue
-    values = Values(editing, node, 0, at=at, count=lambda: selection.number(node))
+    values = EntryValues(editing, node, 0, at=at, count=lambda: selection.number(node))
     if isinstance(selector.where, str):
         return _expression_holds(values, selector, condition=selector.where)
     return all(_has_value(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items())
 
 
-def _expression_holds(values: Values, selector: Selector, condition: str) -> bool:
+def _expression_holds(values: EntryValues, selector: Selector, condition: str) -> bool:
     """Return the value of a condition `${…}` for an element. Raises `UnusableValue` if it is not a boolean."""
     editing = values.editing
     # It may use an attribute that other elements of the family can have, but not this one.
@@ -384,7 +386,7 @@ def _expression_holds(values: Values, selector: Selector, condition: str) -> boo
     raise UnusableValue
 
 
-def _has_value(values: Values, selection: Selection, key: str, wanted: object) -> bool:
+def _has_value(values: EntryValues, selection: Selection, key: str, wanted: object) -> bool:
     """Return whether an attribute of the element, or one of its numbers, has the value that `where` gives."""
     name, index = attribute_and_index(key)
     if (attribute := kind_of(values.node).attributes.get(name)) is None:
@@ -399,7 +401,7 @@ def _has_value(values: Values, selection: Selection, key: str, wanted: object) -
 
 
 @lru_cache(maxsize=64)
-def _names_in(condition: str) -> tuple[Name, ...]:
+def _names_in(condition: str) -> tuple[Variable, ...]:
     """Return the names in a condition that may be attributes. Its errors are reported when it is evaluated."""
     try:
         return tuple(each for each in Template.parse(condition).names() if each.space != PARAMETERS)

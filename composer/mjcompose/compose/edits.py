@@ -13,10 +13,10 @@ from lxml.etree import _Element as Node
 from mjcompose import homes
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Path, Span
-from mjcompose.base.extensions import Table, check_rows
+from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.checks import check_intervals
-from mjcompose.compose.editing import Count, Editing, count_values, select_counted
+from mjcompose.compose.editing import Editing, ExpectedCount, count_values, select_counted
 from mjcompose.compose.elements import ElementBuilder
 from mjcompose.compose.load import PartRequest
 from mjcompose.compose.randomize import draw_values
@@ -29,7 +29,7 @@ from mjcompose.language.verbs.rename import Rename
 from mjcompose.language.verbs.set import Set
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
-from mjcompose.link.linking import Linking, Request
+from mjcompose.link.linking import Linking, LinkRequest
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
 from mjcompose.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
@@ -37,13 +37,15 @@ from mjcompose.plan.steps import DrawValues, EditElements
 from mjcompose.text.node import is_template, locate, texts
 from mjcompose.tree.pattern import paths_of
 from mjcompose.tree.select import section_of
-from mjcompose.tree.unit import Key, PartKeys, Unit
+from mjcompose.tree.unit import KeyValues, PartKeys, Unit
 
 if TYPE_CHECKING:
     from mjcompose.compose.compose import Composer
     from mjcompose.compose.mesh_jobs import MeshWorkshop
 
-EFFECTS: Table[Callable[[Any, Entry, Path], None]] = Table("verbs", {}, "carry_out", modules=homes.VERBS)
+EFFECTS: ExtensionTable[Callable[[Any, Entry, Path], None]] = ExtensionTable(
+    "verbs", {}, "carry_out", modules=homes.VERBS
+)
 """The effect of each verb on the selected elements. It gets the verb's form and its path.
 
 An effect raises `UnusableValue` after an error that it reported.
@@ -59,7 +61,9 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            found = select_counted(editing, entry.select, path, count=Count(entry.expect, entry.optional, at=path))
+            found = select_counted(
+                editing, entry.select, path, count=ExpectedCount(entry.expect, entry.optional, at=path)
+            )
         else:
             found = _elements_of_section(editing, str(entry.section), path)
         if found:
@@ -86,7 +90,7 @@ def _elements_of_section(editing: Editing, tag: str, path: Path) -> list[Node]:
 def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) -> EditOutcome | None:
     """Apply an entry to every element that it selects. Return the outcome, or None after its first error."""
     entry = step.edit
-    count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
+    count = ExpectedCount(entry.expect, entry.optional, at=(*entry.at, "expect"))
     found = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=count_values(entry.verbs))
     if not found:
         return EditOutcome({}) if (entry.expect == 0 or entry.optional) and not editing.cost.ended else None
@@ -127,7 +131,7 @@ class PartEdits(Struct, frozen=False):
         before = composer.context.sink.error_count
         if wanted.keyframes == "none":
             remove_keys(unit.root)
-        linking = Linking(unit, [], sink, request=Request(plan.separator), measure=composer.measure)
+        linking = Linking(unit, [], sink, request=LinkRequest(plan.separator), measure=composer.measure)
         # This comes first: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
@@ -181,7 +185,7 @@ def _carry_out(step: EditElements, editing: Editing, plan: Plan, composer: Compo
 def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: AbstractSet[Node]) -> dict[str, PartKeys]:
     """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
-    def kept(key: Key) -> Key:
+    def kept(key: KeyValues) -> KeyValues:
         values: dict[str, Any] = {}
         for vector, columns in key.values.items():
             values[vector] = {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}

@@ -38,7 +38,7 @@ _REFERENCES = {("joint", "springref"): "stiffness", ("tendon", "springlength"): 
 _KNOWN = frozenset((*(name for _, name in _SWITCHES), *(name for _, name in _REFERENCES), *_OF_CONTACTS, *_OF_MASS))
 
 
-class Reason(Struct):
+class NoEffect(Struct):
     """Why a value has no effect, the element that decides it, and what to write instead."""
 
     why: str
@@ -60,7 +60,7 @@ class _Rules(Struct):
     def effective(self, node: Node, name: str) -> str | None:
         return text_in_effect(node, kind_of(node), name, classes=self.classes)
 
-    def reason(self, node: Node, attribute: str) -> Reason | None:
+    def reason(self, node: Node, attribute: str) -> NoEffect | None:
         """Return why an attribute of an element has no effect; None if it has one, or if nobody knows."""
         if section_of(node) == "default":
             return self._of_class(node, attribute)
@@ -78,48 +78,48 @@ class _Rules(Struct):
             return self._of_inertial(node)
         return None
 
-    def _of_switch(self, node: Node, switch: str) -> Reason | None:
+    def _of_switch(self, node: Node, switch: str) -> NoEffect | None:
         if self.effective(node, switch) != "false":
             return None
-        return Reason(f"`{switch}` is false", help=f"write `{switch}: true` next to it")
+        return NoEffect(f"`{switch}` is false", help=f"write `{switch}: true` next to it")
 
-    def _of_spring(self, node: Node, needs: str) -> Reason | None:
+    def _of_spring(self, node: Node, needs: str) -> NoEffect | None:
         if any(numbers.read(self.effective(node, needs) or "0")):
             return None
-        return Reason(f"its `{needs}` is 0", help=f"write its `{needs}`, too")
+        return NoEffect(f"its `{needs}` is 0", help=f"write its `{needs}`, too")
 
-    def _of_mass(self, geom: Node, attribute: str) -> Reason | None:
+    def _of_mass(self, geom: Node, attribute: str) -> NoEffect | None:
         body = _body_of(geom)
         if body is not None and self.unit.settings.inertiafromgeom != "true" and (inertials := own(body, "inertial")):
             called = f"`{name_of(body)}`" if name_of(body) else "its body"
-            return Reason(
+            return NoEffect(
                 f"{called} has an `<inertial>`, which holds instead of the masses of its geoms",
                 inertials[-1],
                 "write the mass of the body: `set: {mass: …}`; or add the geom in a body of its own",
             )
         mass = self.effective(geom, "mass")
         if attribute == "density" and mass is not None and not math.isnan(numbers.read(mass)[0]):
-            return Reason("the geom has a `mass`, which holds instead", help="change its `mass`")
+            return NoEffect("the geom has a `mass`, which holds instead", help="change its `mass`")
         return None
 
-    def _of_inertial(self, inertial: Node) -> Reason | None:
+    def _of_inertial(self, inertial: Node) -> NoEffect | None:
         body = _body_of(inertial)
         if body is None or self.unit.settings.inertiafromgeom != "true":
             return None
         if not any(has_mass(geom, self.classes) for geom in own(body, "geom")):
             return None
         why = "`inertiafromgeom` is true, so the geoms of its body hold instead"
-        return Reason(why, help="write the mass of the body: `set: {mass: …}`")
+        return NoEffect(why, help="write the mass of the body: `set: {mass: …}`")
 
-    def _of_contacts(self, geom: Node) -> Reason | None:
+    def _of_contacts(self, geom: Node) -> NoEffect | None:
         if str(geom.get("name") or "") in self.paired:
             return None
         bits = (self.effective(geom, name) or "1" for name in ("contype", "conaffinity"))
         if any(any(numbers.read(each)) for each in bits):
             return None
-        return Reason("the geom collides with nothing: its `contype` and `conaffinity` are 0")
+        return NoEffect("the geom collides with nothing: its `contype` and `conaffinity` are 0")
 
-    def _of_class(self, setting: Node, attribute: str) -> Reason | None:
+    def _of_class(self, setting: Node, attribute: str) -> NoEffect | None:
         """Return why a value of a class has no effect: every element of the class has a value of its own."""
         uses, takers = self._of_tag(str(setting.tag), attribute).get(setting, (0, 0))
         if takers:
@@ -127,9 +127,9 @@ class _Rules(Struct):
         if not uses:
             default = setting.getparent()
             name = None if default is None else default.get("class")
-            return Reason(f"no `{setting.tag}` has {f'the class `{name}`' if name else 'this class'}")
+            return NoEffect(f"no `{setting.tag}` has {f'the class `{name}`' if name else 'this class'}")
         why = "its only element writes its own" if uses == 1 else f"all of its {uses} elements write their own"
-        return Reason(why, help="change the elements, or remove their values: `set: {…: null}`")
+        return NoEffect(why, help="change the elements, or remove their values: `set: {…: null}`")
 
     def _of_tag(self, tag: str, attribute: str) -> Mapping[Node, tuple[int, int]]:
         """Return for each setting of a class the number of elements that have it, and of those that take a value."""
@@ -198,7 +198,7 @@ def report_without_effect(unit: Unit, sink: Sink) -> None:
             _report(unit, sink, span, attribute=attribute, nodes=nodes, reasons=[each for each in reasons if each])
 
 
-def _report(unit: Unit, sink: Sink, span: Span, attribute: str, nodes: list[Node], reasons: Iterable[Reason]) -> None:
+def _report(unit: Unit, sink: Sink, span: Span, attribute: str, nodes: list[Node], reasons: Iterable[NoEffect]) -> None:
     first = next(iter(reasons))
     node = nodes[0]
     name = name_of(node)

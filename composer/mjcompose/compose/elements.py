@@ -17,7 +17,7 @@ from mjcompose.base.diagnostic import Fault, Note, Span
 from mjcompose.base.rotation import quat_from_euler
 from mjcompose.base.sink import Sink
 from mjcompose.language.element import CONFIG
-from mjcompose.language.value import Element, Single, Value, is_angular, no_angle
+from mjcompose.language.value import RecipeElement, Single, Value, is_angular, no_angle
 from mjcompose.link import numbers
 from mjcompose.link.angles import in_sequence
 from mjcompose.link.files import NamedFile
@@ -34,7 +34,7 @@ from mjcompose.tree.unit import FileText, Origins, Unit, line_of
 from mjcompose.tree.values import is_in_degrees
 
 
-class Reference(NamedTuple):
+class WrittenReference(NamedTuple):
     """A name in a node that the recipe wrote. `typed_by` is the attribute with its kind, if any."""
 
     node: Node
@@ -67,12 +67,12 @@ class ElementBuilder(Struct, frozen=False):
     base_file: str
     origins: Origins
     door_of_text: Callable[[Path], Door]
-    made: dict[Node, Element] = field(default_factory=dict)
+    made: dict[Node, RecipeElement] = field(default_factory=dict)
     fragments: dict[Node, int] = field(default_factory=dict)
     registered: list[tuple[Node, str]] = field(default_factory=list)
-    pending: list[tuple[Node, Element, str]] = field(default_factory=list)
-    of_keys: list[Reference] = field(default_factory=list)
-    of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
+    pending: list[tuple[Node, RecipeElement, str]] = field(default_factory=list)
+    of_keys: list[WrittenReference] = field(default_factory=list)
+    of_classes: list[tuple[Node, RecipeElement, str, bool]] = field(default_factory=list)
     of_targets: list[tuple[Node, Attribute, Angle, Span]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
@@ -94,7 +94,7 @@ class ElementBuilder(Struct, frozen=False):
             door_of_text=context.door_of_text,
         )
 
-    def span(self, element: Element, attribute: str | None = None) -> Span:
+    def span(self, element: RecipeElement, attribute: str | None = None) -> Span:
         """Return where an element is written: its key, or the value of the attribute if it is written there."""
         # `_set_euler` writes an `euler` as a `quat`.
         is_turned = attribute == "quat" and "euler" in element.attributes
@@ -106,7 +106,7 @@ class ElementBuilder(Struct, frozen=False):
         is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
         return locate(self.document, element.at, key=not is_value)
 
-    def angle_settings_of(self, element: Element, attribute: str) -> AngleSettings:
+    def angle_settings_of(self, element: RecipeElement, attribute: str) -> AngleSettings:
         """Return the angle settings for an attribute of an element, which may come from its fragment."""
         path = (*element.at, attribute)
         written = self.angle_context.others and find(self.document, path) is not None
@@ -116,7 +116,7 @@ class ElementBuilder(Struct, frozen=False):
         """Return where a node, or the value of its attribute, is written. In a fragment, it searches for the place."""
         return self._span_of(node, self.made[node], self.fragments.get(node), attribute=attribute)
 
-    def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
+    def _span_of(self, node: Node, element: RecipeElement, start: int | None, attribute: str | None) -> Span:
         if start is None:
             return self.span(element, attribute)
         written = {str(name): str(value) for name, value in node.items()}
@@ -163,7 +163,7 @@ class ElementBuilder(Struct, frozen=False):
         self.registered.append((node, section))
 
 
-def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
+def make_node(element: RecipeElement, kind: ElementType, making: ElementBuilder) -> Node:
     if element.xml is not None:  # an MJCF fragment, whose angles are in the recipe's unit
         # A recipe from elsewhere must not open files or addresses.
         parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
@@ -183,13 +183,13 @@ def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> No
     return node
 
 
-def _set_attributes(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
+def _set_attributes(node: Node, element: RecipeElement, kind: ElementType, making: ElementBuilder) -> None:
     for name, value in element.attributes.items():
         if name in kind.attributes:
             _set_attribute(node, element, kind.attributes[name], value=value, making=making)
 
 
-def update_node(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
+def update_node(node: Node, element: RecipeElement, kind: ElementType, making: ElementBuilder) -> None:
     """Overwrite the attributes of an existing node, and of its children, with a recipe element's attributes."""
     before = making.origins.owner(node, making.base_file)
 
@@ -210,7 +210,9 @@ def update_node(node: Node, element: Element, kind: ElementType, making: Element
             update_node(existing, child, child_kind, making=making)
 
 
-def _set_attribute(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
+def _set_attribute(
+    node: Node, element: RecipeElement, attribute: Attribute, value: object, making: ElementBuilder
+) -> None:
     name = attribute.name
     if attribute.is_interval:
         making.intervals[node, name] = making.span(element, name)
@@ -234,7 +236,7 @@ def _set_attribute(node: Node, element: Element, attribute: Attribute, value: ob
         node.set(name, to_text(attribute, _plain(value, "degree" if in_degrees else "radian")))
 
 
-def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
+def _set_euler(node: Node, element: RecipeElement, name: str, value: object, making: ElementBuilder) -> None:
     assert isinstance(value, tuple)
     settings = making.angle_settings_of(element, name)
     angles = [turned(angle, settings, making.model_angle) for angle in value]
@@ -283,7 +285,7 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
     making.pending.clear()
 
 
-def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
+def joint_attributes(element: RecipeElement, making: ElementBuilder) -> dict[str, str]:
     """Return the attributes of a joint between a place and a part. It has no class unless it names one."""
     kind = GRAMMAR.element("body").children["joint"]
     node = etree.Element("joint", {"class": MAIN})
@@ -330,7 +332,7 @@ def pose_number(value: Single) -> float:
     return float(_plain(value, "radian"))  # type: ignore[arg-type]
 
 
-def _read_fragment(node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int) -> None:
+def _read_fragment(node: Node, element: RecipeElement, kind: ElementType, making: ElementBuilder, line: int) -> None:
     """Read the numbers of a fragment as numbers of the recipe. Its other attributes stay as they are written."""
     values: dict[str, Value] = {}
     written = {str(name): str(text) for name, text in node.items() if name in kind.attributes}
@@ -341,7 +343,7 @@ def _read_fragment(node: Node, element: Element, kind: ElementType, making: Elem
             values[name] = tuple(read) if attribute.max_length != 1 else read[0]
         elif attribute.type == "file":
             values[name] = text
-    own = Element(element.tag, {**element.attributes, **values}, at=element.at)
+    own = RecipeElement(element.tag, {**element.attributes, **values}, at=element.at)
     making.made[node] = own
     making.fragments[node] = line + (line_of(node) or 1)
     for name, value in values.items():

@@ -23,7 +23,7 @@ from mjcompose.text.node import locate
 from mjcompose.tree.unit import Unit
 
 if TYPE_CHECKING:
-    from mjcompose.mujoco.index import Index
+    from mjcompose.mujoco.index import CompiledIndex
 
 _SHOWN = 8
 _PLAIN = re.compile(r"(?!(?:true|false|null|yes|no|on|off|y|n|nan|inf)$)[A-Za-z_][\w./-]*", re.ASCII | re.IGNORECASE)
@@ -44,13 +44,13 @@ def order_elements(plan: Plan, linking: Linking, *, keys: bool = False) -> None:
             _check(order, [name for _, name in elements_in_order(unit, order.kind)], plan, sink=linking.sink, unit=unit)
 
 
-def check_index(plan: Plan, index: Index, sink: Sink) -> None:
+def check_index(plan: Plan, index: CompiledIndex, sink: Sink) -> None:
     """Report names and orders of the compiled model that differ from the interface."""
     for order in plan.interface:
         _check(order, [each.name for each in _rows(index, order.kind)], plan, sink=sink)
 
 
-def locked_interface(orders: Sequence[Order], index: Index) -> dict[str, list[LockedName]]:
+def locked_interface(orders: Sequence[Order], index: CompiledIndex) -> dict[str, list[LockedName]]:
     """Return the names that a recipe lists, as a lock has them."""
     found: dict[str, list[LockedName]] = {}
     for order in orders:
@@ -59,7 +59,7 @@ def locked_interface(orders: Sequence[Order], index: Index) -> dict[str, list[Lo
     return found
 
 
-def _rows(index: Index, kind: str) -> Sequence[Any]:
+def _rows(index: CompiledIndex, kind: str) -> Sequence[Any]:
     return {"joint": index.joints, "actuator": index.actuators, "sensor": index.sensors, "key": index.keyframes}[kind]
 
 
@@ -74,7 +74,7 @@ def _locked(row: Any) -> LockedName:
     return LockedName(name=row.name, type=type, unit=unit, sizes=sizes, ranges=exact)
 
 
-def check_locked_interface(plan: Plan, index: Index, context: Context) -> None:
+def check_locked_interface(plan: Plan, index: CompiledIndex, context: Context) -> None:
     """Report differences of the compiled model from the interface in the lock, if it has one."""
     fetching = context.fetching
     if fetching is None or fetching.lock is None or not fetching.lock.interface or fetching.lock_file is None:

@@ -21,7 +21,7 @@ from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, WAYS, 
 from mjcompose.language.value import Single, no_angle, shown
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, element_of
-from mjcompose.link.key_layout import BLOCK, Layout, Slot
+from mjcompose.link.key_layout import BLOCK, KeyLayout, Slot
 from mjcompose.link.keyframes import part_keys
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import without_void
@@ -35,7 +35,7 @@ from mjcompose.text.node import find, locate
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.names import may_be_generated, word
 from mjcompose.tree.pattern import BadPattern, is_pattern
-from mjcompose.tree.unit import Key, KeySource, Number, numbers_of, taken, texts
+from mjcompose.tree.unit import KeySource, KeyValues, Number, numbers_of, taken, texts
 
 _Holder = tuple[Node, Slot | None]
 """A joint, an actuator or a mocap body; the slot is None for an element that always has the same width."""
@@ -83,7 +83,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
         linking.keys.written.append(writer.key())
 
 
-def _joints(layout: Layout) -> dict[str, _Holder]:
+def _joints(layout: KeyLayout) -> dict[str, _Holder]:
     """Return the joints by name. An unnamed joint that is the only joint of its body has the name of the body."""
     named = {_name(element_of(joint)) for joint in layout.joints}
     found: dict[str, _Holder] = {}
@@ -99,7 +99,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
     return found
 
 
-def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
+def _passed_on(key: KeyValues, span: Span, void: Collection[Node]) -> KeyValues:
     """Return the key with a mark on each number that the `from` entry at `span` passed on, unless it is `void`."""
     values = {
         vector: {holder: taken(row, span) for holder, row in columns.items()} for vector, columns in key.values.items()
@@ -159,7 +159,7 @@ class _KeyWriter(Struct, frozen=False):
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
     noted: WrittenKey = field(init=False)
 
-    def key(self) -> Key:
+    def key(self) -> KeyValues:
         recipe_key = self.step.key
         making = self.making
         linking = self.linking
@@ -168,7 +168,7 @@ class _KeyWriter(Struct, frozen=False):
         time = None
         if recipe_key.time is not None:
             time = Number(numbers.text([recipe_key.time]), KeySource("entry", TIME, span=self._at(TIME)))
-        key = Key(recipe_key.name, time, element, file=making.file, origins=making.origins, values=self.values)
+        key = KeyValues(recipe_key.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
         elements = tuple(source.element for source in sources)
         void = frozenset(linking.keys.void_keys)
@@ -310,10 +310,10 @@ class _KeyWriter(Struct, frozen=False):
     def _at(self, *path: str, key: bool = False) -> Span:
         return locate(self.making.document, (*self.step.key.at, *path), key=key)
 
-    def _sources(self) -> list[Key]:
+    def _sources(self) -> list[KeyValues]:
         """Return the keys that `from` names. Keys of a part follow the keys of the part that contains it."""
         known = part_keys(self.linking)
-        sources: list[tuple[int, Key]] = []
+        sources: list[tuple[int, KeyValues]] = []
         for part, name in self.step.key.sources.items():
             keys = known.get(part)
             span = self._at(FROM, part)
@@ -329,7 +329,7 @@ class _KeyWriter(Struct, frozen=False):
                 )
         return [key for _, key in sorted(sources, key=lambda each: each[0])]
 
-    def _take_time(self, key: Key, source: Key) -> None:
+    def _take_time(self, key: KeyValues, source: KeyValues) -> None:
         assert source.time is not None
         if key.time is None:
             key.time = source.time
@@ -573,7 +573,7 @@ class _PoseHolder(Struct):
     index: int
     key: Node
     step: WriteKeyframe | None
-    layout: Layout
+    layout: KeyLayout
     linking: Linking
     making: ElementBuilder
     is_whole: bool

@@ -23,7 +23,7 @@ from mjcompose.language.edit import Drop, Edit
 from mjcompose.language.placing import Mirror
 from mjcompose.link.collect import collect
 from mjcompose.link.files import ASSETS, path_in_assets, set_path
-from mjcompose.link.linking import FileUse, Measure
+from mjcompose.link.linking import FileUse, ModelMeasure
 from mjcompose.link.measure import folder_of
 from mjcompose.link.settings import FOLDERS
 from mjcompose.link.source_check import check_source
@@ -235,7 +235,7 @@ class PartRequest(Struct):
         sink.error("selector", message, locate(document, (*self.at, "drop", needless[0].index)), help=help)
         return False
 
-    def take(self, unit: Unit, excerpt: Excerpt | None, sink: Sink, measure: Measure | None) -> Subtree | None:
+    def take(self, unit: Unit, excerpt: Excerpt | None, sink: Sink, measure: ModelMeasure | None) -> Subtree | None:
         """Reduce the unit to the body. Return None after a reported error if that is impossible."""
         from mjcompose.link.subtree import take_from_excerpt, take_subtree  # few recipes need it
 

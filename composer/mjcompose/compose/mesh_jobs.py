@@ -283,7 +283,7 @@ class MeshWorkshop(Struct, frozen=False):
         if missing and not self.makes:
             return None
         if missing:
-            with engine.Session(engine.Limits(seconds=in_force().mesh_time)) as session:
+            with engine.Session(engine.RequestLimits(seconds=in_force().mesh_time)) as session:
                 for key in missing:
                     if (result := self._make(editing, by_key[key], session)) is not None:
                         self.store.keep(key, result)
@@ -345,7 +345,7 @@ class MeshWorkshop(Struct, frozen=False):
 
     def _doubt(self, editing: Editing, jobs: Sequence[MeshJob], results: dict[str, dict[str, Any]]) -> None:
         """Warn about meshes that are probably wrong. A flat mesh is an earlier error, because it gives no shape."""
-        from mjcompose.mujoco.shapes import SHAPE, Measured, doubts  # imports numpy
+        from mjcompose.mujoco.shapes import SHAPE, MeshMeasurements, doubts  # imports numpy
 
         # The greatest distance of a body from its parent, in meters.
         places = [numbers.read(body.get("pos") or "0 0 0") for body in editing.root.iter("body")]
@@ -353,7 +353,7 @@ class MeshWorkshop(Struct, frozen=False):
         reach = max((length for length in lengths if math.isfinite(length)), default=0.0)
         for each in {job.node: job for job in jobs if job.key in results}.values():
             mesh = results[each.key]["mesh"]
-            facts = Measured(float(mesh["size"]), is_closed=mesh["closed"])
+            facts = MeshMeasurements(float(mesh["size"]), is_closed=mesh["closed"])
             inside = "`decompose` fills its inside as well as it can" if each.method == "decompose" else None
             for doubt in doubts(facts, reach, inside=inside):
                 help = f"look at the pieces, or close the mesh; then write `allow: [{SHAPE}]`"

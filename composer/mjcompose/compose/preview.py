@@ -9,7 +9,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.compose.actuators import models_in
 from mjcompose.compose.compose import Composed, Composer, adopted_settings
 from mjcompose.compose.load import Library
-from mjcompose.link.linking import Measure
+from mjcompose.link.linking import ModelMeasure
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
 from mjcompose.plan.describe import acknowledge
@@ -49,7 +49,7 @@ def preview_plan(plan: Plan, context: Context) -> PlanPreview:
     )
 
 
-def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:
+def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: ModelMeasure) -> Iterator[Gains]:
     """Yield the gains of the servos at their joints if an edit is about actuators."""
     actuators = GRAMMAR.section("actuator").children
     if composed is None or not any(kind in ("actuator", *actuators) for each in edits for kind in each.selected):

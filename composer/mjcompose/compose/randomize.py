@@ -15,10 +15,10 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.draw_stream import bits
-from mjcompose.compose.editing import Count, Editing, cost_of_draws, select_counted
+from mjcompose.compose.editing import Editing, ExpectedCount, cost_of_draws, select_counted
 from mjcompose.compose.lengths import why_a_length
-from mjcompose.compose.values import Masses, UnusableValue, Values
-from mjcompose.compose.verbs.values import OPERATIONS, Change, report_only_zeros, zero_attributes
+from mjcompose.compose.values import EntryValues, Masses, UnusableValue
+from mjcompose.compose.verbs.values import OPERATIONS, ValueChange, report_only_zeros, zero_attributes
 from mjcompose.language.assign import MASS
 from mjcompose.language.value import attribute_and_index, must_not_be_negative, no_angle
 from mjcompose.link import numbers
@@ -34,7 +34,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     """Write and return the draws of every selected element, and for a table; for sample 0, check all samples."""
     entry = step.field
     assert entry.select is not None
-    count = Count(entry.expect, entry.optional, at=(*entry.at, "expect"))
+    count = ExpectedCount(entry.expect, entry.optional, at=(*entry.at, "expect"))
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
     nodes = select_counted(editing, entry.select, (*entry.at, "select"), count=count, values=cost)
     draws = _FieldDraws(step, editing, Masses(editing, nodes))
@@ -93,7 +93,7 @@ class _FieldDraws(Struct, frozen=False):
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
         self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
-        Change(self.editing, OPERATIONS[entry.operation], self.masses).carry_out(
+        ValueChange(self.editing, OPERATIONS[entry.operation], self.masses).carry_out(
             node, index, {entry.attr: written}, at=at
         )
         return self._stated(node, drawn)
@@ -189,8 +189,8 @@ class _FieldDraws(Struct, frozen=False):
     def _angle_settings(self) -> AngleSettings:
         return self.editing.making.angle_context.at(self.step.field.drawn_at)
 
-    def _values(self, node: Node) -> Values:
-        return Values(self.editing, node, 0, at=self.step.field.drawn_at)
+    def _values(self, node: Node) -> EntryValues:
+        return EntryValues(self.editing, node, 0, at=self.step.field.drawn_at)
 
     def _drawn(self, node: Node, sample: int) -> Any:
         """Return the draw in the recipe's unit: a number, a list with a number for each component, or the choice."""

@@ -27,17 +27,17 @@ from mjcompose.text.expression import (
     PARAMETERS,
     Angle,
     ExpressionError,
-    Name,
     Number,
     Unit,
     UnknownName,
     Value,
+    Variable,
     WrongUnits,
     written as as_written,
 )
 from mjcompose.text.node import Scalar, find, is_template, locate
 from mjcompose.tree.classes import childclass_of, own
-from mjcompose.tree.files import Settings
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.select import kind_of, name_of, parent_of
 from mjcompose.tree.values import is_in_degrees, parse_real
@@ -66,7 +66,7 @@ def _source(editing: Editing, node: Node, at: Path) -> Span | None:
         return None
     try:
         template = Template.parse(written.text)
-        return template.place(ElementScope(Values(editing, node, 0, at=at)))
+        return template.place(ElementScope(EntryValues(editing, node, 0, at=at)))
     except (ExpressionError, AmbiguousName):
         return None
 
@@ -97,7 +97,7 @@ class ElementScope(Mapping[str, Value]):
     `element.NAME` the attribute. Only the attribute that is `written` has a name of its own there, `value`.
     """
 
-    def __init__(self, values: Values, value: Value | None = None, written: str = "") -> None:
+    def __init__(self, values: EntryValues, value: Value | None = None, written: str = "") -> None:
         self.entry = values
         self.value = value
         self.written = written
@@ -141,7 +141,7 @@ class ElementScope(Mapping[str, Value]):
 
 
 @dataclass(frozen=True, slots=True)
-class Values:
+class EntryValues:
     """The values that an entry gives to one element, which has the `index` among the selected ones."""
 
     editing: Editing
@@ -268,7 +268,7 @@ def _turned(number: float, unit: Unit, to: Unit) -> float:
     return number * numbers.RADIANS_PER_DEGREE if to == "rad" else number / numbers.RADIANS_PER_DEGREE
 
 
-def _ambiguous(name: Name, called: str) -> ExpressionError:
+def _ambiguous(name: Variable, called: str) -> ExpressionError:
     message = f"`{name.name}` is a parameter, and an attribute of {called}"
     help = f"write `{PARAMETERS}.{name.name}` for the parameter, or `{ELEMENT}.{name.name}` for the attribute"
     return ExpressionError(message, name.at, help)
@@ -306,7 +306,7 @@ def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
 
 _DENSITY = 1000.0
 _OF_INERTIAL = ("mass", "diaginertia", "fullinertia")
-_DEFAULT = Settings()
+_DEFAULT = SourceSettings()
 
 
 class Masses:

@@ -16,7 +16,7 @@ SETTINGS = ("option", "visual", "statistic")
 """Kinds that are settings of the whole model, not elements."""
 
 
-class Change(Struct):
+class FieldChange(Struct):
     """One difference.
 
     ``kind`` is MJCF's word for the element, or one of ``SETTINGS``. ``name`` is its name in B, or in A if B lacks it.
@@ -41,7 +41,7 @@ class Change(Struct):
     note: str = ""
 
 
-class Move(Struct):
+class AddressMove(Struct):
     """An element whose address in a vector of the whole model changed; addresses count from 0."""
 
     vector: str
@@ -51,7 +51,7 @@ class Move(Struct):
     after: int
 
 
-class Count(Struct):
+class SizeChange(Struct):
     """A size of the whole model."""
 
     name: str
@@ -68,14 +68,14 @@ class Contrast(Struct):
     """
 
     identical: bool
-    changes: tuple[Change, ...]
-    moves: tuple[Move, ...]
-    counts: tuple[Count, ...]
+    changes: tuple[FieldChange, ...]
+    moves: tuple[AddressMove, ...]
+    counts: tuple[SizeChange, ...]
     arrays: tuple[str, ...]
     elements: dict[str, tuple[int, int]]
 
 
-class Cause(Struct):
+class CauseLines(Struct):
     """The place where the cause of a difference is written, in A, in B, or in both, and the lines that differ."""
 
     words: str
@@ -85,11 +85,11 @@ class Cause(Struct):
     lines_after: tuple[str, ...] = ()
 
 
-class Group(Struct):
+class CausedChanges(Struct):
     """The changes that one line causes; ``cause`` is None if no line is known."""
 
-    cause: Cause | None
-    changes: tuple[Change, ...]
+    cause: CauseLines | None
+    changes: tuple[FieldChange, ...]
 
 
 class View(Struct):
@@ -107,7 +107,7 @@ class Diff(Struct):
     a: End
     b: End
     contrast: Contrast
-    groups: tuple[Group, ...]
+    groups: tuple[CausedChanges, ...]
     files: tuple[str, ...]
     follows: int
     views: tuple[View, ...] = ()
@@ -125,12 +125,12 @@ class Diff(Struct):
 LEVELS = ("major", "minor", "patch")
 
 
-class Level(Struct):
+class LevelChanges(Struct):
     """The changes of one level, which is one of `LEVELS`."""
 
     name: str
-    groups: tuple[Group, ...]
-    moves: tuple[Move, ...]
+    groups: tuple[CausedChanges, ...]
+    moves: tuple[AddressMove, ...]
     arrays: tuple[str, ...] = ()
 
 
@@ -138,4 +138,4 @@ class Breaking(Struct):
     """A diff by levels, the most important first; levels without changes are missing."""
 
     diff: Diff
-    levels: tuple[Level, ...]
+    levels: tuple[LevelChanges, ...]

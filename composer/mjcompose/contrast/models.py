@@ -8,12 +8,12 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.contrast.changes import Change, Contrast, Count, Move, Value
+from mjcompose.contrast.changes import AddressMove, Contrast, FieldChange, SizeChange, Value
 from mjcompose.mujoco import compare
 from mjcompose.mujoco.addresses import VECTORS, span
 from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, NameTable, holder
-from mjcompose.mujoco.compare import Keys, Roots, key_differences
+from mjcompose.mujoco.compare import KeyMode, Roots, key_differences
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, unequal_references, values
 from mjcompose.mujoco.references import Array, links
@@ -34,21 +34,21 @@ def named(roster: NameTable, kind: str, index: int) -> str:
     return f"{name} ({described})" if described else name
 
 
-def counts(a: MjModel, b: MjModel, tolerance: float) -> Iterator[Count]:
+def counts(a: MjModel, b: MjModel, tolerance: float) -> Iterator[SizeChange]:
     """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
     for name in ("nq", "nv", "nu", "na", "nmocap", "nsensordata"):
         if getattr(a, name) != getattr(b, name):
-            yield Count(name, int(getattr(a, name)), int(getattr(b, name)))
+            yield SizeChange(name, int(getattr(a, name)), int(getattr(b, name)))
     for kind, known in KINDS.items():
         before, after = (len(getattr(model, known.addresses)) for model in (a, b))
         if before != after:
-            yield Count(kind, before, after)
+            yield SizeChange(kind, before, after)
     mass = float(a.body_mass.sum()), float(b.body_mass.sum())
     if not close(*mass, max(tolerance, 1e-12)):
-        yield Count("total mass", *mass, "kg")
+        yield SizeChange("total mass", *mass, "kg")
 
 
-def moves(matching: Correspondence) -> Iterator[Move]:
+def moves(matching: Correspondence) -> Iterator[AddressMove]:
     """Yield joints, actuators, sensors and mocap bodies of both models whose address in a vector changed."""
     a = matching.alone.model
     b = matching.composed.model
@@ -60,29 +60,31 @@ def moves(matching: Correspondence) -> Iterator[Move]:
                 after = span(b, vector, target)
                 if before and after and before.start != after.start:
                     name = matching.composed.describe(kind, target)
-                    yield Move(vector, kind, name, before=before.start, after=after.start)
+                    yield AddressMove(vector, kind, name, before=before.start, after=after.start)
 
 
 _SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": "Newton"}
 _FLAGS = {"disableflags": ("mjtDisableBit", "mjDSBL_", True), "enableflags": ("mjtEnableBit", "mjENBL_", False)}
 
 
-def setting_changes(mujoco: Any, a: MjModel, b: MjModel, tolerance: float) -> Iterator[Change]:
+def setting_changes(mujoco: Any, a: MjModel, b: MjModel, tolerance: float) -> Iterator[FieldChange]:
     """Yield changes of settings, flags one by one, with words instead of numbers."""
     for difference in compare.option_differences(a, b):
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)
         elif not _close(difference.expected, difference.actual, tolerance):
             before, after = (_word(mujoco, difference.name, each) for each in (difference.expected, difference.actual))
-            yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
+            yield FieldChange("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in compare.statistic_differences(a, b):
         before = difference.expected
         after = difference.actual
         if not _close(before, after, tolerance):
-            yield Change("changed", "statistic", "", field=difference.name, before=before, after=after, follows=True)
+            yield FieldChange(
+                "changed", "statistic", "", field=difference.name, before=before, after=after, follows=True
+            )
 
 
-def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
+def _flags(mujoco: Any, difference: Difference) -> Iterator[FieldChange]:
     enum, prefix, disables = _FLAGS[difference.name]
     assert isinstance(difference.expected, int) and isinstance(difference.actual, int)
     for word, bit in getattr(mujoco, enum).__members__.items():
@@ -90,7 +92,7 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
             states = [bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)]
             before, after = ("enable" if state else "disable" for state in states)
             field = f"flag {word.removeprefix(prefix).lower()}"
-            yield Change("changed", "option", "", field=field, before=before, after=after)
+            yield FieldChange("changed", "option", "", field=field, before=before, after=after)
 
 
 def _word(mujoco: Any, name: str, value: Value) -> Value:
@@ -126,7 +128,7 @@ def close(a: float, b: float, tolerance: float) -> bool:
     return math.isfinite(a - b) and abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
 
 
-class Values:
+class DifferingValues:
     """The numbers that differ, in the unit and words of MuJoCo's arrays."""
 
     def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
@@ -136,7 +138,7 @@ class Values:
         self.a = matching.alone.model
         self.b = matching.composed.model
 
-    def changes(self) -> Iterator[Change]:
+    def changes(self) -> Iterator[FieldChange]:
         """Yield changes in the order of kinds, and of elements in B."""
         unequal: dict[tuple[str, int, int], list[compare.Unequal]] = defaultdict(list)
         for each in compare.unequal_elements(self.matching, compare.Rules()):
@@ -146,7 +148,7 @@ class Values:
             names = named(self.matching.alone, kind, index), named(self.matching.composed, kind, target)
             for field, before, after in self._of(unequal[kind, target, index]):
                 note = str(after) if before is None and isinstance(after, str) else ""
-                yield Change(
+                yield FieldChange(
                     "changed",
                     kind,
                     names[1],
@@ -344,7 +346,7 @@ def contrast(mujoco: Any, a: MjModel, b: MjModel, given: Mapping[str, Any]) -> d
     names = renames(mine, theirs) if known is None else known
     matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     tolerance = float(given["tolerance"])
-    values = Values(mujoco, matching, tolerance)
+    values = DifferingValues(mujoco, matching, tolerance)
     changes = [
         *(_renamed(names, matching) if known is None else ()),
         *_presence(matching),
@@ -369,22 +371,22 @@ def contrast_of(data: Mapping[str, Any]) -> Contrast:
     frozen = ({name: _value(value) for name, value in each.items()} for each in data["changes"])
     return Contrast(
         identical=data["identical"],
-        changes=tuple(Change(**each) for each in frozen),
-        moves=tuple(Move(**each) for each in data["moves"]),
-        counts=tuple(Count(**each) for each in data["counts"]),
+        changes=tuple(FieldChange(**each) for each in frozen),
+        moves=tuple(AddressMove(**each) for each in data["moves"]),
+        counts=tuple(SizeChange(**each) for each in data["counts"]),
         arrays=tuple(data["arrays"]),
         elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
     )
 
 
-def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
+def _renamed(names: Names, matching: Correspondence) -> Iterator[FieldChange]:
     for kind, by_name in names.items():
         for before, after in by_name.items():
             index = matching.alone.ids[kind][before], matching.composed.ids[kind][after]
-            yield Change("renamed", kind, after, before=before, after=after, index=index, name_before=before)
+            yield FieldChange("renamed", kind, after, before=before, after=after, index=index, name_before=before)
 
 
-def _presence(matching: Correspondence) -> Iterator[Change]:
+def _presence(matching: Correspondence) -> Iterator[FieldChange]:
     """Yield elements that only one of the two models has; unnamed elements belong to their body."""
     lost = {kind: [i for i, j in enumerate(matching.ids[kind]) if j == ABSENT] for kind in KINDS}
     every = {kind: range(kind == "body", matching.composed.count(kind)) for kind in KINDS}  # the world is in both
@@ -392,9 +394,9 @@ def _presence(matching: Correspondence) -> Iterator[Change]:
     for kind in (each for each in KINDS if each != "key"):
         for index in _alone_there(matching.alone, kind, lost):
             name = named(matching.alone, kind, index)
-            yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
+            yield FieldChange("removed", kind, name, index=(index, ABSENT), name_before=name)
         for index in _alone_there(matching.composed, kind, new):
-            yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
+            yield FieldChange("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
 def _alone_there(roster: NameTable, kind: str, found: Mapping[str, list[int]]) -> Iterator[int]:
@@ -406,7 +408,7 @@ def _alone_there(roster: NameTable, kind: str, found: Mapping[str, list[int]]) -
             yield index
 
 
-def references(matching: Correspondence) -> Iterator[Change]:
+def references(matching: Correspondence) -> Iterator[FieldChange]:
     for kind, index, target, mine, other in unequal_references(matching):
         link = mine or other
         assert link is not None
@@ -414,7 +416,7 @@ def references(matching: Correspondence) -> Iterator[Change]:
             None if each is None or each.index < 0 else side.describe(each.kind, each.index)
             for each, side in ((mine, matching.alone), (other, matching.composed))
         )
-        yield Change(
+        yield FieldChange(
             "changed",
             kind,
             named(matching.composed, kind, target),
@@ -427,23 +429,23 @@ def references(matching: Correspondence) -> Iterator[Change]:
         )
 
 
-def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
+def _keys(matching: Correspondence, tolerance: float) -> Iterator[FieldChange]:
     """Yield changes of keyframes by joint, actuator and mocap body."""
     mine = matching.alone
     theirs = matching.composed
     types = matching.composed.model.jnt_type.tolist()
     joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
-    for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
+    for difference in key_differences(matching, None, KeyMode.MERGE, roots=Roots.KEPT, tolerance=tolerance):
         index = mine.ids["key"].get(difference.name, ABSENT)
         if difference.field == MISSING:
-            yield Change("removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name)
+            yield FieldChange("removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name)
             continue
         field, _, entry = difference.field.partition(" of ")
         name = entry.strip("`")
         before = _alone(difference.expected)
         after = _alone(difference.actual)
         both = index, theirs.ids["key"].get(difference.name, ABSENT)
-        yield Change(
+        yield FieldChange(
             "changed",
             "key",
             difference.name,
@@ -458,7 +460,7 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     known = set(mine.names["key"])
     for index, name in enumerate(theirs.names["key"]):
         if name not in known:
-            yield Change("added", "key", theirs.describe("key", index), index=(ABSENT, index))
+            yield FieldChange("added", "key", theirs.describe("key", index), index=(ABSENT, index))
 
 
 def _alone(value: Value) -> Value:

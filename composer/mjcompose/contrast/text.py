@@ -10,7 +10,18 @@ from typing import Any, TypeAlias
 
 from mjcompose.base.diagnostic import plain_data
 from mjcompose.base.report import as_lines, code_span, counted, markdown_text, printable
-from mjcompose.contrast.changes import SETTINGS, Breaking, Cause, Change, Count, Diff, Group, Move, Value, View
+from mjcompose.contrast.changes import (
+    SETTINGS,
+    AddressMove,
+    Breaking,
+    CausedChanges,
+    CauseLines,
+    Diff,
+    FieldChange,
+    SizeChange,
+    Value,
+    View,
+)
 from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.sides.side import End
 
@@ -28,13 +39,13 @@ Between: TypeAlias = Callable[[Value, Value, str], str]
 _ORDER = ("renamed", "removed", "added", "changed")
 
 
-def sentences(changes: Iterable[Change], between: Between | None = None) -> Iterator[str]:
+def sentences(changes: Iterable[FieldChange], between: Between | None = None) -> Iterator[str]:
     """Yield one line for each change, or for all equal changes of several elements.
 
     `between` puts a value and its new value into words, with their unit; the default is an arrow.
     """
     changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), about(each.field).rank))
-    found: dict[tuple[object, ...], list[Change]] = defaultdict(list)
+    found: dict[tuple[object, ...], list[FieldChange]] = defaultdict(list)
     for change in changes:
         key: tuple[object, ...] = (change.what, change.kind)
         if change.what == "renamed":
@@ -53,13 +64,13 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
     yield from (_sentence(alike, between) for alike in found.values())
 
 
-def count(size: Count) -> str:
+def count(size: SizeChange) -> str:
     """`nq 9 → 16`, `bodies 12 → 13`."""
     word = size.name if size.name.startswith(("n", "total")) and size.name != "numeric" else plural(size.name)
     return f"{word} {arrow(size.before, size.after, size.unit, share=bool(size.unit))}"
 
 
-def moved(moves: Iterable[Move]) -> Iterator[str]:
+def moved(moves: Iterable[AddressMove]) -> Iterator[str]:
     """Yield changed addresses: one line for a run of elements that all move by the same number of places."""
     for (vector, kind, by), run in groupby(moves, key=lambda each: (each.vector, each.kind, each.after - each.before)):
         several = list(run)
@@ -150,7 +161,7 @@ def shown(value: Value, digits: int | None = 6) -> str:
     return str(value)
 
 
-def _sentence(alike: Sequence[Change], between: Between | None) -> str:
+def _sentence(alike: Sequence[FieldChange], between: Between | None) -> str:
     change = alike[0]
     names = [each.name for each in alike]
     if change.what in ("added", "removed"):
@@ -176,7 +187,7 @@ def _sentence(alike: Sequence[Change], between: Between | None) -> str:
     return f"{words} of {subject(change.kind, names)}: {values}"
 
 
-def _prefixes(change: Change) -> tuple[str, str] | None:
+def _prefixes(change: FieldChange) -> tuple[str, str] | None:
     """Return the outermost prefixes, if nothing else differs."""
     ours, separator, rest = str(change.before).partition("/")
     theirs, _, other = str(change.after).partition("/")
@@ -207,7 +218,7 @@ def as_data(diff: Diff) -> dict[str, Any]:
     }
 
 
-def _groups(groups: Iterable[Group]) -> list[dict[str, Any]]:
+def _groups(groups: Iterable[CausedChanges]) -> list[dict[str, Any]]:
     pairs = ((each.cause and plain_data(each.cause), list(map(_change, each.changes))) for each in groups)
     return [{"cause": cause, "changes": changes} for cause, changes in pairs]
 
@@ -218,7 +229,7 @@ def _end(end: End) -> dict[str, Any]:
     return {"name": end.label, "kind": end.kind, "sha256": end.sha256, **outside, **cells}
 
 
-def _change(change: Change) -> dict[str, Any]:
+def _change(change: FieldChange) -> dict[str, Any]:
     data: dict[str, Any] = {"what": change.what, "kind": change.kind, "name": change.name}
     if change.what == "renamed":
         data["before"] = change.before
@@ -254,7 +265,7 @@ def verdict(diff: Diff) -> str:
     return f"different: {counted(changes, 'change')}" + (f" at {counted(causes, 'place')}" if causes else "")
 
 
-def place(cause: Cause) -> str:
+def place(cause: CauseLines) -> str:
     """Return `recipe.yaml:12`, with A's place if it differs by more than the revision."""
     spans = [None if span is None else f"{span.file}:{span.line}" for span in (cause.before, cause.after)]
     if spans[0] is None or spans[0] == spans[1] or (spans[1] and spans[0].endswith(f":{spans[1]}")):
@@ -304,7 +315,9 @@ def _head(diff: Diff, said: str, *, markdown: bool) -> Iterator[str]:
         yield from ("", f"<sub>{remark[0].upper()}{remark[1:]}</sub>")
 
 
-def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[str], *, markdown: bool) -> Iterator[str]:
+def _changes(
+    groups: Iterable[CausedChanges], moves: Sequence[AddressMove], arrays: Sequence[str], *, markdown: bool
+) -> Iterator[str]:
     for group in groups:
         yield from ("", *(_group_markdown(group) if markdown else _group(group)))
     if moves:
@@ -316,7 +329,7 @@ def _changes(groups: Iterable[Group], moves: Sequence[Move], arrays: Sequence[st
         yield from ("", f"{of} that differ: {', '.join(names)}")
 
 
-def _group(group: Group) -> Iterator[str]:
+def _group(group: CausedChanges) -> Iterator[str]:
     lines = _differing(group.cause)
     if group.cause is None:
         yield "without a line of its own"
@@ -327,7 +340,7 @@ def _group(group: Group) -> Iterator[str]:
     yield from (f"{indent}{each}" for each in sentences(group.changes))
 
 
-def _differing(cause: Cause | None) -> list[str]:
+def _differing(cause: CauseLines | None) -> list[str]:
     pairs = () if cause is None else (("-", cause.lines_before), ("+", cause.lines_after))
     return [f"{sign} {line}" for sign, lines in pairs for line in lines]
 
@@ -351,7 +364,7 @@ def _cut(lines: Iterable[str]) -> str:
     return f"{kept}\n\n… and more: `mjcompose diff` prints all of it.\n"
 
 
-def _group_markdown(group: Group) -> Iterator[str]:
+def _group_markdown(group: CausedChanges) -> Iterator[str]:
     lines = _differing(group.cause)
     if group.cause is None:
         yield "#### Without a line of its own"

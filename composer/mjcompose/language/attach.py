@@ -28,7 +28,7 @@ from mjcompose.language.forms.model import IT, Bars, Exclusive, Model, Needs, On
 from mjcompose.language.forms.scalars import (
     LENGTHS,
     AtLeastOne,
-    Attribute,
+    AttributeValue,
     Checked,
     Codes,
     Count,
@@ -43,7 +43,7 @@ from mjcompose.language.forms.scalars import (
     When,
 )
 from mjcompose.language.placing import ORIENTATIONS, Inline, JointField, JointWord, Mirror, ModelReference, Offset
-from mjcompose.language.value import EXCLUSIVE, Element, Single, odd_name
+from mjcompose.language.value import EXCLUSIVE, RecipeElement, Single, odd_name
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.merged_settings import KeyPolicy
 
@@ -99,9 +99,9 @@ class Axis(Model):
 
     count: AtLeastOne = Field(1, examples=["3"])
     """how many"""
-    offset: Annotated[Vector, Attribute("replicate", "offset")] = (0, 0, 0)
+    offset: Annotated[Vector, AttributeValue("replicate", "offset")] = (0, 0, 0)
     """from each to the next, in the frame of the copy before it"""
-    euler: Annotated[Vector, Attribute("replicate", "euler")] = (0, 0, 0)
+    euler: Annotated[Vector, AttributeValue("replicate", "euler")] = (0, 0, 0)
     """the rotation from one copy to the next"""
     scatter: Scatter | None = None
     """copies at random places on a surface, instead of a row"""
@@ -229,7 +229,7 @@ class FileCompiler(ByGrammar):
     def schema(self) -> Schema:
         return reference("attributes:compiler")
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> RecipeElement | None:
         below = [*self.kind.children, FRAGMENT]
         refused = [name for name in value if name in below] if isinstance(value, dict) else []
         for name in refused:
@@ -259,7 +259,7 @@ class Attachment(Model):
     is a ROS workspace with all of its packages."""
     urdf: UrdfKeys = Field(default_factory=UrdfKeys)
     """The reading of a URDF: visuals, fixed links, actuators."""
-    compiler: Annotated[Element | None, FileCompiler()] = None
+    compiler: Annotated[RecipeElement | None, FileCompiler()] = None
     """Attributes of `<compiler>` for a file that does not write them, such as `{angle: radian}`. The file is read as if
     it began with this `<compiler>`."""
     given: Given = Field(default_factory=dict, alias="with")
@@ -292,7 +292,7 @@ class Attachment(Model):
     """Rotation in the frame of that place, as the z axis of the part, turned the shortest way."""
     mirror: Mirror | None = None
     """The pose of another part, reflected, at the same site, body or frame unless the part has its own."""
-    joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
+    joint: Annotated[JointWord | RecipeElement | tuple[RecipeElement, ...] | None, JointField()] = None
     """The joint between the place and the part. By default no joint is added, and a free joint at the part's root
     stays if the place allows it; `none` removes it."""
     sense: _Sense | None = None

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mjcompose import homes
 from mjcompose.base.diagnostic import Fault, Path
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
@@ -52,7 +52,7 @@ class Check(CheckPart):
         return self.model_dump(warnings=False)
 
 
-KINDS: Table[type[Check]] = Table("checks", {}, "KIND", kind=type, modules=MODULES)
+KINDS: ExtensionTable[type[Check]] = ExtensionTable("checks", {}, "KIND", kind=type, modules=MODULES)
 _INSTEAD = {
     "size": "write `expect: {attr: nu, equals: 7}`",
     "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",

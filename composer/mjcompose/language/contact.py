@@ -13,7 +13,7 @@ from mjcompose.language.element import Reader, label
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, reference
 from mjcompose.language.forms.model import Model, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Name, Turns, When, whole
-from mjcompose.language.value import Element, kind_of
+from mjcompose.language.value import RecipeElement, kind_of
 from mjcompose.tree.grammar import GRAMMAR
 
 BETWEEN = "between"
@@ -42,7 +42,7 @@ class _ElementOf(ByGrammar):
     def schema(self) -> Schema:
         return reference(f"element:{self.kind.path}")
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Element | None:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> RecipeElement | None:
         return Reader(settings, faults).element(self.kind, value, (), label(self.kind.tag, value))
 
 
@@ -93,7 +93,7 @@ class Excluded(Model):
 
 
 def _form_of(entry: Any) -> str:
-    if isinstance(entry, Element):
+    if isinstance(entry, RecipeElement):
         return "<element>"
     if not isinstance(entry, dict):
         return "<word>" if isinstance(entry, str) else "<mapping>"
@@ -110,7 +110,7 @@ def _lone_fault(value: Any) -> Fault | None:
 
 _Word = Annotated[Literal["touching", "auto"], Tag("<word>")]
 _Bodies = Annotated[Excluded, Tag("<mapping>")]
-_Element = Annotated[Element, _ElementOf("contact/exclude"), Tag("<element>")]
+_Element = Annotated[RecipeElement, _ElementOf("contact/exclude"), Tag("<element>")]
 _Exclude = Annotated[_Word | _Bodies | _Element, Discriminator(_form_of)]
 _Lone = Annotated[_Word | _Bodies, Discriminator(_form_of)]
 
@@ -122,7 +122,7 @@ class Contact(Model):
     depth: ClassVar = 3
     example: ClassVar = "{exclude: [{body1: NAME, body2: NAME}]}"
 
-    pair: Annotated[tuple[Annotated[Element, _ElementOf("contact/pair")], ...], Items(), Expects("a list")] = ()
+    pair: Annotated[tuple[Annotated[RecipeElement, _ElementOf("contact/pair")], ...], Items(), Expects("a list")] = ()
     """Pairs of geoms that may touch."""
     exclude: Annotated[tuple[_Exclude, ...], Items(single=_Lone), Checked(_lone_fault, first=True)] = ()
     """Pairs of bodies that must not collide: two bodies, all bodies `between` two sides, bodies that are `touching`, or
@@ -140,9 +140,9 @@ class Contact(Model):
         return made
 
     @property
-    def elements(self) -> tuple[Element, ...]:
+    def elements(self) -> tuple[RecipeElement, ...]:
         entries = (each for key in self._written for each in getattr(self, key))
-        return tuple(each for each in entries if isinstance(each, Element))
+        return tuple(each for each in entries if isinstance(each, RecipeElement))
 
     @property
     def collisions(self) -> tuple[Collisions, ...]:

@@ -9,10 +9,10 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, ValidationError
 
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.language.forms.context import validated
 from mjcompose.language.forms.model import Belongs, Exclusive, Model
-from mjcompose.language.forms.scalars import Expects, NotNegative, Positive, Text, Unit
+from mjcompose.language.forms.scalars import Expects, NotNegative, NumberUnit, Positive, Text
 from mjcompose.language.forms.translate import faults
 
 _LIBRARY = File(__file__).with_name("datasheets.yaml")
@@ -36,23 +36,23 @@ class Sheet(Model):
     """who makes it"""
     source: Text = Field(examples=["the data sheet"])
     """the origin of these numbers: a data sheet, with its address"""
-    effort: Annotated[Positive, Unit("N·m")] = Field(examples=[4.1])
+    effort: Annotated[Positive, NumberUnit("N·m")] = Field(examples=[4.1])
     """the greatest torque at the output, in N·m"""
-    rated: Annotated[Positive, Unit("N·m")] | None = None
+    rated: Annotated[Positive, NumberUnit("N·m")] | None = None
     """the torque that it can hold, in N·m"""
-    speed: Annotated[Positive, Unit("rad/s")] | None = None
+    speed: Annotated[Positive, NumberUnit("rad/s")] | None = None
     """the speed of the output without load, in rad/s"""
     gear: Positive | None = None
     """the reduction: turns of the rotor for one turn of the output"""
-    rotor_inertia: Annotated[Positive, Unit("kg·m²")] | None = None
+    rotor_inertia: Annotated[Positive, NumberUnit("kg·m²")] | None = None
     """the inertia of the rotor before the reduction, in kg·m²"""
-    armature: Annotated[Positive, Unit("kg·m²")] | None = None
+    armature: Annotated[Positive, NumberUnit("kg·m²")] | None = None
     """the inertia of rotor and gears at the output, in kg·m²"""
-    friction: Annotated[NotNegative, Unit("N·m")] | None = None
+    friction: Annotated[NotNegative, NumberUnit("N·m")] | None = None
     """the dry friction at the output, in N·m"""
-    damping: Annotated[NotNegative, Unit("N·m·s/rad")] | None = None
+    damping: Annotated[NotNegative, NumberUnit("N·m·s/rad")] | None = None
     """the viscous friction at the output, in N·m·s/rad"""
-    delay: Annotated[NotNegative, Unit("s")] | None = None
+    delay: Annotated[NotNegative, NumberUnit("s")] | None = None
     """the time from a command to the torque, in seconds"""
 
     @property
@@ -71,7 +71,7 @@ Datasheets = Annotated[
     dict[str, Sheet], Expects("a mapping from names to data sheets", "{NAME: {effort: 4.1, source: …}}")
 ]
 
-SHEETS: Table[Sheet] = Table("datasheets", {}, "", kind=Sheet)
+SHEETS: ExtensionTable[Sheet] = ExtensionTable("datasheets", {}, "", kind=Sheet)
 """The data sheets of other packages that recipes have named."""
 
 

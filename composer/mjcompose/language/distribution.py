@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE, MAKERS, Distribution, Integers, LogUniform, TruncNormal, Uniform
 from mjcompose.base.draw_stream import below, bits
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.language.forms.context import Rows
 from mjcompose.language.forms.model import IT, OWNER, WHOLE, Model, OneOf
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
@@ -108,7 +108,7 @@ def _bounds(example: str) -> tuple[Items, Expects]:
     return Items(2, 2), Expects("a list of two bounds", example)
 
 
-class Written(Model):
+class WrittenDistribution(Model):
     """A distribution as it is written, with one number for all components of a value, or a list."""
 
     @classmethod
@@ -123,7 +123,7 @@ class Written(Model):
         return {name: getattr(self, name) for name in type(self).model_fields}
 
 
-class _Whole(Written):
+class _Whole(WrittenDistribution):
     """A distribution that is written as a list."""
 
     @classmethod
@@ -163,7 +163,7 @@ class IntegerBounds(Interval):
 _MEAN = Field(None, description="the middle; by default the value that changes nothing")
 
 
-class BellOfChange(Written):
+class BellOfChange(WrittenDistribution):
     """Numbers from a normal distribution around `mean`, with the standard deviation `std`."""
 
     instead: ClassVar = {"mu": "mean", **dict.fromkeys(("sigma", "stddev", "sd"), "std"), "low": "min", "high": "max"}
@@ -174,7 +174,7 @@ class BellOfChange(Written):
     """the standard deviation"""
 
 
-class TruncatedOfChange(Written):
+class TruncatedOfChange(WrittenDistribution):
     """The part of a normal distribution that is between `min` and `max`."""
 
     instead: ClassVar = BellOfChange.instead
@@ -189,7 +189,7 @@ class TruncatedOfChange(Written):
     """the upper bound"""
 
 
-class LogarithmsOfChange(Written):
+class LogarithmsOfChange(WrittenDistribution):
     """Numbers whose logarithm is normal, with this mean and standard deviation."""
 
     instead: ClassVar = BellOfChange.instead
@@ -200,7 +200,9 @@ class LogarithmsOfChange(Written):
     """the standard deviation of the logarithm"""
 
 
-def _of_value(form: type[Written], name: str, mean: Any, about: str = "the middle") -> type[Written]:
+def _of_value(
+    form: type[WrittenDistribution], name: str, mean: Any, about: str = "the middle"
+) -> type[WrittenDistribution]:
     """Return the form of a value with the distribution: its mean must be written."""
     required = Field(examples=["0" if mean is Plain else "1"], description=about)
     return create_model(name, __base__=form, __doc__=form.__doc__, __module__=__name__, mean=(mean, required))
@@ -221,7 +223,7 @@ class Choice(_Whole):
     """the values"""
 
 
-_OF_VALUES: dict[str, type[Written]] = {
+_OF_VALUES: dict[str, type[WrittenDistribution]] = {
     "uniform": UniformBounds,
     "loguniform": LogUniformBounds,
     "normal": _of_value(BellOfChange, "Bell", Numbers),
@@ -230,17 +232,19 @@ _OF_VALUES: dict[str, type[Written]] = {
     CHOICE: Choice,
     "integers": IntegerBounds,
 }
-DISTRIBUTIONS: Table[type[Written]] = Table("distributions", _OF_VALUES, "")
-_OF_CHANGES: dict[str, type[Written]] = {
+DISTRIBUTIONS: ExtensionTable[type[WrittenDistribution]] = ExtensionTable("distributions", _OF_VALUES, "")
+_OF_CHANGES: dict[str, type[WrittenDistribution]] = {
     "normal": BellOfChange,
     "truncnormal": TruncatedOfChange,
     "lognormal": LogarithmsOfChange,
 }
-CHANGES: Table[type[Written]] = Table("distributions", {**DISTRIBUTIONS, **_OF_CHANGES}, "")
+CHANGES: ExtensionTable[type[WrittenDistribution]] = ExtensionTable(
+    "distributions", {**DISTRIBUTIONS, **_OF_CHANGES}, ""
+)
 KINDS = DISTRIBUTIONS.own
 
 
-class Change(Model):
+class DrawnChange(Model):
     """A distribution of factors, or of offsets."""
 
     rules: ClassVar = (
@@ -249,7 +253,7 @@ class Change(Model):
     example: ClassVar = "{uniform: [0.8, 1.2]}"
     noun: ClassVar = "distribution"
 
-    written: Annotated[Mapping[str, Written], Rows(lambda: CHANGES)] = Field({}, alias="<kinds>")
+    written: Annotated[Mapping[str, WrittenDistribution], Rows(lambda: CHANGES)] = Field({}, alias="<kinds>")
     """the distribution"""
 
     @classmethod
@@ -261,7 +265,7 @@ class Change(Model):
         return f"field `{at[-2]}`"
 
 
-def read(kind: str, written: Written, operation: Operation) -> FieldDistribution | Fault:
+def read(kind: str, written: WrittenDistribution, operation: Operation) -> FieldDistribution | Fault:
     """Return the written distribution, or the fault of the combination of its numbers."""
     if isinstance(written, Choice):
         return FieldDistribution(CHOICE, values=written.values)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, Field, PrivateAttr
 
 from mjcompose.base.diagnostic import Fault, Note
-from mjcompose.base.extensions import Table, check_rows
+from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.base.suggest import advised, closest
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
@@ -97,7 +97,7 @@ _OWN = (
     "rename",
     "remove",
 )
-VERBS: Table[type[Verb]] = Table(
+VERBS: ExtensionTable[type[Verb]] = ExtensionTable(
     "verbs",
     {},
     "VERB",

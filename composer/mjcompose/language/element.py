@@ -14,7 +14,7 @@ from mjcompose.language.condition import is_item
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
 from mjcompose.language.value import (
-    Element,
+    RecipeElement,
     Value,
     bare_angle,
     element_instead,
@@ -141,9 +141,9 @@ class Reader(Struct, frozen=False):
         *,
         keyed: AbcMapping[str, str] | None = None,
         own: Collection[str] = (),
-        children: tuple[Element, ...] = (),
+        children: tuple[RecipeElement, ...] = (),
         joint: str | None = None,
-    ) -> Element | None:
+    ) -> RecipeElement | None:
         """Return the element of a mapping of attributes and children, or None if it is not a mapping.
 
         `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
@@ -184,7 +184,7 @@ class Reader(Struct, frozen=False):
         report_missing(kind, present, owner, at=at, faults=self.faults)
         report_clashing(kind.constraints, present, owner, at=at, faults=self.faults)
         self.angles(kind, attributes, at, owner=owner, joint=joint)
-        return Element(kind.tag, attributes, tuple(below), at=path_of(value))
+        return RecipeElement(kind.tag, attributes, tuple(below), at=path_of(value))
 
     def keyed(self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str) -> AbcMapping[str, str]:
         """Return the attributes that an entry's key gives to its element, one of `kinds`: none if `name` is empty."""
@@ -195,7 +195,7 @@ class Reader(Struct, frozen=False):
             self.faults.append(Fault("bad-name", message, (*at, NAME), help=f"leave `{NAME}` out: the key is the name"))
         return {}
 
-    def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
+    def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[RecipeElement]:
         if isinstance(value, list):
             if kind.max_count is not None and len(value) > kind.max_count:
                 few = "one" if kind.max_count == 1 else str(kind.max_count)
@@ -211,7 +211,7 @@ class Reader(Struct, frozen=False):
         element = self.element(kind, value, at, owner=label(kind.tag, value))
         return () if element is None else (element,)
 
-    def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[Element]:
+    def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[RecipeElement]:
         """Yield a plugin's settings `{key: value}` as `config` elements."""
         if not isinstance(value, dict):
             self.faults.append(_no_mapping(f"`{CONFIG}` of {owner}", value, at))
@@ -228,7 +228,7 @@ class Reader(Struct, frozen=False):
             elif is_unprintable(text):
                 self.faults.append(unprintable(f"`{key}` in the `{CONFIG}` of {owner}", (*at, key)))
             else:
-                yield Element(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
+                yield RecipeElement(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
 
     def fragment(
         self,
@@ -238,7 +238,7 @@ class Reader(Struct, frozen=False):
         at: Path,
         keyed: AbcMapping[str, str] | None = None,
         own: Collection[str] = (),
-    ) -> Element | None:
+    ) -> RecipeElement | None:
         """Return the element of a mapping with a fragment of MJCF, `{xml: <geom …/>}`, or None after a fault."""
         keyed = keyed or {}
         for name in value:
@@ -273,7 +273,7 @@ class Reader(Struct, frozen=False):
                 message = f"the fragment's `{name}` is `{written[name]}`, its key says `{given}`"
                 help = f"leave `{name}` out of the fragment, or write `{written[name]}` as the key"
                 self.faults.append(Fault("name-clash", message, path, help=help))
-        return Element(tag, dict(keyed), xml=text, at=path_of(value))
+        return RecipeElement(tag, dict(keyed), xml=text, at=path_of(value))
 
     def angles(
         self, kind: ElementType, attributes: AbcMapping[str, Value], at: Path, owner: str, joint: str | None

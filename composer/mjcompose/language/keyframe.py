@@ -16,7 +16,7 @@ from mjcompose.language.element import Reader
 from mjcompose.language.element_schema import by_name
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import OWNER, Model
-from mjcompose.language.forms.scalars import Expects, Name, Turns, Unit, When
+from mjcompose.language.forms.scalars import Expects, Name, NumberUnit, Turns, When
 from mjcompose.language.value import Single, kind_of, read_value, shown
 from mjcompose.tree.grammar import GRAMMAR
 
@@ -169,7 +169,7 @@ class Keyframe(Model):
         default_factory=dict, alias="from"
     )
     """A key of each part to start from, by the path of the part: `base`, `left`, `left/gripper`."""
-    time: Annotated[float, Unit("s")] | None = None
+    time: Annotated[float, NumberUnit("s")] | None = None
     """The time of the key, in seconds."""
     qpos: Annotated[_Vector, _Entries("qpos")] = Field(default_factory=dict)
     qvel: Annotated[_Vector, _Entries("qvel")] = Field(default_factory=dict)

@@ -16,9 +16,9 @@ from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.language.element import Reader, label
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import IT, Model
-from mjcompose.language.forms.scalars import Attribute, Checked, Name
+from mjcompose.language.forms.scalars import AttributeValue, Checked, Name
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import Element, Single, is_unprintable, kind_of, shown, unprintable
+from mjcompose.language.value import RecipeElement, Single, is_unprintable, kind_of, shown, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.key_order import WHOLE
 from mjcompose.text.node import Key, Mapping as Located, Scalar, Sequence as List, find
@@ -180,7 +180,7 @@ _NEUTRAL = {
 }
 
 
-class Offset(Attribute):
+class Offset(AttributeValue):
     """Form of `pos` or an orientation of the frame of a place: a tuple, with `Angle`s if it is an angle."""
 
     def __init__(self, name: str) -> None:
@@ -214,7 +214,7 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
 
 @dataclass(frozen=True, slots=True)
 class JointField(ByGrammar):
-    """Form of `joint`: a word, a mapping (an `Element` without a name), or a list of mappings with names."""
+    """Form of `joint`: a word, a mapping (a `RecipeElement` without a name), or a list of mappings with names."""
 
     def schema(self) -> Schema:
         kind = computable({"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc})
@@ -222,7 +222,9 @@ class JointField(ByGrammar):
         several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
         return {"anyOf": [computable({"enum": [*WORDS]}), {"type": "object", **one}, several]}
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str | Element | tuple[Element, ...] | None:
+    def read(
+        self, value: Any, faults: list[Fault], settings: Settings
+    ) -> str | RecipeElement | tuple[RecipeElement, ...] | None:
         reader = Reader(settings, faults)
         if isinstance(value, str) and value in WORDS:
             return value
@@ -236,10 +238,10 @@ class JointField(ByGrammar):
         return None
 
 
-def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
+def _joints(reader: Reader, value: list[Any]) -> tuple[RecipeElement, ...]:
     if not value:
         reader.faults.append(Fault("wrong-length", "`joint` is an empty list", help="leave `joint` out"))
-    elements: list[Element] = []
+    elements: list[RecipeElement] = []
     names: dict[object, Path] = {}
     for index, item in enumerate(value):
         element = _joint(reader, item, (index,))
@@ -259,7 +261,7 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
     return tuple(elements)
 
 
-def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
+def _joint(reader: Reader, value: Any, at: Path) -> RecipeElement | None:
     kind = GRAMMAR.element("joint")
     written = value.get("type", "hinge") if isinstance(value, dict) else None
     if written == "free":

@@ -13,7 +13,15 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.limits import advice, in_force
 from mjcompose.language.assign import MASS, Checker
-from mjcompose.language.distribution import DISTRIBUTIONS, KINDS, Change, FieldDistribution, Operation, Written, read
+from mjcompose.language.distribution import (
+    DISTRIBUTIONS,
+    KINDS,
+    DrawnChange,
+    FieldDistribution,
+    Operation,
+    WrittenDistribution,
+    read,
+)
 from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT, OWNER, Bars, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Selects, Text, whole
@@ -54,11 +62,11 @@ class DrawField(Model):
     """an attribute of MJCF, with an index for one number: `friction[0]`"""
     param: Annotated[str, Name(what="the name of a parameter")] | None = None
     """a parameter to draw, instead of `select` and `attr`"""
-    written: Annotated[Mapping[str, Written], Rows(lambda: DISTRIBUTIONS)] = Field({}, alias="<kinds>")
+    written: Annotated[Mapping[str, WrittenDistribution], Rows(lambda: DISTRIBUTIONS)] = Field({}, alias="<kinds>")
     """the distribution of the value itself"""
-    scale: Change | None = None
+    scale: DrawnChange | None = None
     """a distribution of factors"""
-    offset: Change | None = None
+    offset: DrawnChange | None = None
     """a distribution of the amount to add"""
     per: Literal["element", "body", "part", "sample"] = "element"
     """a draw for each element, for each body, for each part, or one for all in a sample"""

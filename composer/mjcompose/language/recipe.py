@@ -24,8 +24,8 @@ from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Key
 from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
-from mjcompose.language.sections import ByTag, DefaultClass, Defaults, Extension, Section, Singleton, Typed
-from mjcompose.language.value import Element, exclusive, is_unprintable, kind_of, name_fault, unprintable
+from mjcompose.language.sections import ByTag, Defaults, PluginForm, RecipeClass, Section, Singleton, Typed
+from mjcompose.language.value import RecipeElement, exclusive, is_unprintable, kind_of, name_fault, unprintable
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 MORE = ("…", "...")
@@ -33,7 +33,7 @@ MORE = ("…", "...")
 KINDS = ("joint", "actuator", "sensor", "key")
 
 
-class Entry(Model):
+class NameEntry(Model):
     """One name, and the builds that have it."""
 
     example: ClassVar = "{name: NAME, when: {…}}"
@@ -60,10 +60,10 @@ def _order_fault(entries: tuple[Any, ...]) -> Fault | None:
 
 
 def _form_of(entry: Any) -> str:
-    return "<mapping>" if isinstance(entry, dict | list | Entry) else "<word>"
+    return "<mapping>" if isinstance(entry, dict | list | NameEntry) else "<word>"
 
 
-_Entry = Annotated[Entry, Tag("<mapping>")]
+_Entry = Annotated[NameEntry, Tag("<mapping>")]
 _Joint = Annotated[Annotated[str, Name("joint"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
 _Actuator = Annotated[Annotated[str, Name("actuator"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
 _Sensor = Annotated[Annotated[str, Name("sensor"), Tag("<word>")] | _Entry, Discriminator(_form_of)]
@@ -117,7 +117,7 @@ def addable(place: str) -> Mapping[str, ElementType]:
 
 def _elements(
     reader: Reader, value: dict[str, Any], at: Path, kinds: Mapping[str, ElementType], place: str
-) -> tuple[Element, ...]:
+) -> tuple[RecipeElement, ...]:
     """Return the element of an entry, or all of a list of elements of one kind; empty after a reported fault."""
     found = [name for name in value if name in kinds or name == FRAGMENT]
     for name in value:
@@ -160,7 +160,7 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
 class _Added(ByGrammar):
     """The elements of an entry of `add`, which are written by their tag next to the entry's own keys."""
 
-    def _validate(self, value: Any, info: ValidationInfo) -> tuple[Element, ...]:
+    def _validate(self, value: Any, info: ValidationInfo) -> tuple[RecipeElement, ...]:
         context = settings(info.context)
         faults: list[Fault] = []
         place = info.data.get(TO)
@@ -171,7 +171,7 @@ class _Added(ByGrammar):
             raise validation_error(faults, value)
         return elements
 
-    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Element, ...]:
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[RecipeElement, ...]:
         raise NotImplementedError
 
     def schema(self) -> Schema:
@@ -192,7 +192,7 @@ class Addition(Model):
     """A name for merging: an item with the same name replaces this item."""
     to: Place = Field(examples=["world"])
     """The name of a body, `world`, or `{frame: NAME}`."""
-    elements: Annotated[tuple[Element, ...], _Added(), Rest()] = Field(alias="<element>")
+    elements: Annotated[tuple[RecipeElement, ...], _Added(), Rest()] = Field(alias="<element>")
     repeats: Turns = Field(None, alias="for")
     when: When = None
 
@@ -272,38 +272,38 @@ class Recipe(Model):
         dict[str, Attachment], Prefixes, Expects("a mapping from prefix to part", "{PREFIX: {model: …}}")
     ] = Field(default_factory=dict)
     """The parts by prefix, each with a model and a place."""
-    compiler: Annotated[Element | None, Singleton("compiler", SETTABLE)] = None
+    compiler: Annotated[RecipeElement | None, Singleton("compiler", SETTABLE)] = None
     """Compiler settings of the whole model. Each part keeps its own values of the others."""
-    option: Annotated[Element | None, Singleton("option")] = None
+    option: Annotated[RecipeElement | None, Singleton("option")] = None
     """Simulation options."""
-    size: Annotated[Element | None, Singleton("size")] = None
+    size: Annotated[RecipeElement | None, Singleton("size")] = None
     """Memory and array sizes."""
-    visual: Annotated[Element | None, Singleton("visual")] = None
+    visual: Annotated[RecipeElement | None, Singleton("visual")] = None
     """Rendering settings."""
-    statistic: Annotated[Element | None, Singleton("statistic")] = None
+    statistic: Annotated[RecipeElement | None, Singleton("statistic")] = None
     """Model statistics that override MuJoCo's own."""
-    extension: Annotated[tuple[Element, ...], Extension("extension")] = ()
+    extension: Annotated[tuple[RecipeElement, ...], PluginForm("extension")] = ()
     """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
-    default: Annotated[tuple[DefaultClass, ...], Defaults("default")] = ()
+    default: Annotated[tuple[RecipeClass, ...], Defaults("default")] = ()
     """Default classes by name, each with settings by tag; `main` is the top class."""
-    asset: Annotated[tuple[Element, ...], ByTag("asset")] = ()
+    asset: Annotated[tuple[RecipeElement, ...], ByTag("asset")] = ()
     """Meshes, textures, materials and other assets, by tag and name."""
     add: Annotated[tuple[Addition, ...], Items(), Expects("a list of entries", "[{to: NAME, TAG: {…}}]")] = ()
     """Elements under a body, a frame or the world."""
-    deformable: Annotated[tuple[Element, ...], ByTag("deformable")] = ()
+    deformable: Annotated[tuple[RecipeElement, ...], ByTag("deformable")] = ()
     """Flexes and skins, by tag and name."""
     contact: Contact = Field(default_factory=Contact)
     """Pairs of geoms that may touch and bodies that may not: lists by tag, or `exclude: touching`, `exclude` and
     `collide: {between: [ARM, TABLE]}`."""
-    tendon: Annotated[tuple[Element, ...], Typed("tendon")] = ()
+    tendon: Annotated[tuple[RecipeElement, ...], Typed("tendon")] = ()
     """Tendons by name; `path` has their steps in order."""
-    equality: Annotated[tuple[Element, ...], Typed("equality")] = ()
+    equality: Annotated[tuple[RecipeElement, ...], Typed("equality")] = ()
     """Equality constraints by name."""
-    actuator: Annotated[tuple[Element, ...], Typed("actuator")] = ()
+    actuator: Annotated[tuple[RecipeElement, ...], Typed("actuator")] = ()
     """Actuators by name."""
-    sensor: Annotated[tuple[Element, ...], Typed("sensor")] = ()
+    sensor: Annotated[tuple[RecipeElement, ...], Typed("sensor")] = ()
     """Sensors by name."""
-    custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
+    custom: Annotated[tuple[RecipeElement, ...], ByTag("custom")] = ()
     """Custom numbers, texts and tuples, by tag and name."""
     datasheets: Datasheets = Field(default_factory=dict)
     """Data sheets of motors for the verb `datasheet` of `edit`: a mapping from their names to torque, speed, gear,

@@ -17,7 +17,7 @@ from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
 from mjcompose.language.element_schema import by_name, described, element, mapping, nameless, unless_fragment
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, definition, reference
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import EXCLUSIVE, Element, kind_of, read_value
+from mjcompose.language.value import EXCLUSIVE, RecipeElement, kind_of, read_value
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 
@@ -64,16 +64,16 @@ class Section(ByGrammar):
 
 @dataclass(frozen=True, slots=True)
 class Elements(Section):
-    """Base class of sections that are read as a tuple of `Element`, each appended to the section of the model."""
+    """Base class of sections that are read as a tuple of `RecipeElement`, each appended to the section of the model."""
 
 
 @dataclass(frozen=True, slots=True)
 class ByTag(Elements):
-    """Form of a mapping from tags to names to elements, a tuple of `Element`: `asset`, `custom`, `deformable`."""
+    """Form of a mapping from tags to names to elements, a tuple of `RecipeElement`: `asset`, `custom`, `deformable`."""
 
     depth = 3
 
-    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[RecipeElement, ...]:
         read = (
             self.element(reader, kind, name, value=item, at=(*at, name))
             for kind, items, at in self.tags(reader, value)
@@ -85,7 +85,7 @@ class ByTag(Elements):
         kinds = self.kind.children.values()
         return mapping({kind.tag: described(by_name(reference(f"named:{kind.path}")), kind.doc) for kind in kinds})
 
-    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
+    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> RecipeElement | None:
         owner = f"{kind.tag} `{name}`"
         keyed = reader.keyed([kind], name, value, at=at, owner=owner)
         return reader.element(kind, value, at, owner, keyed=keyed, own=() if keyed else (NAME,))
@@ -93,11 +93,11 @@ class ByTag(Elements):
 
 @dataclass(frozen=True, slots=True)
 class Singleton(Section):
-    """Form of a section that is one `Element` with attributes and children, or with only the `settable` ones."""
+    """Form of a section that is one `RecipeElement` with attributes and children, or with only the `settable` ones."""
 
     settable: frozenset[str] = frozenset()
 
-    def content(self, reader: Reader, value: Any) -> Element | None:
+    def content(self, reader: Reader, value: Any) -> RecipeElement | None:
         if self.settable and isinstance(value, dict):
             kind = self.kind
             value = dict(value)
@@ -122,7 +122,7 @@ class Singleton(Section):
 
 
 @dataclass(frozen=True, slots=True)
-class Extension(ByTag):
+class PluginForm(ByTag):
     """Form of plugins and instances: `plugin: {mujoco.sdf.torus: {instance: {small: {config: {radius1: 0.3}}}}}`."""
 
     def schema(self) -> Schema:
@@ -131,8 +131,8 @@ class Extension(ByTag):
         instances = {"instance": described(by_name(reference(f"named:{instance.path}")), instance.doc)}
         return mapping({"plugin": described(by_name(element(kind, keyed=("plugin",), properties=instances)), kind.doc)})
 
-    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
-        instances: list[Element] = []
+    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> RecipeElement | None:
+        instances: list[RecipeElement] = []
         if isinstance(value, dict) and "instance" in value:
             below = (*at, "instance")
             for each, item in reader.names(value["instance"], below, f"`instance` of plugin `{name}`"):
@@ -148,12 +148,12 @@ class Extension(ByTag):
 PARENT = "parent"
 
 
-class DefaultClass(Struct):
+class RecipeClass(Struct):
     """A default class: `element` is its `<default>`, at `locate(node, element.at, key=True)`; `parent` as written."""
 
     name: str
     parent: str | None
-    element: Element
+    element: RecipeElement
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,21 +163,21 @@ class Defaults(Section):
     first = ("parent",)
     depth = 2
 
-    def content(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[RecipeClass, ...]:
         entries = reader.names(value, (), "`default`")
         return tuple(filter(None, (self._class(reader, name, item) for name, item in entries)))
 
     def schema(self) -> Schema:
         return by_name(reference("class"))
 
-    def _class(self, reader: Reader, name: str, value: Any) -> DefaultClass | None:
+    def _class(self, reader: Reader, name: str, value: Any) -> RecipeClass | None:
         owner = f"class `{name}`"
         if not isinstance(value, dict):
             message = f"{owner} expects a mapping from tags to settings, got {kind_of(value)}"
             reader.faults.append(Fault("wrong-type", message, (name,)))
             return None
         parent: str | None = None
-        rows: list[Element] = []
+        rows: list[RecipeElement] = []
         for tag, item in value.items():
             at = (name, tag)
             if tag == PARENT:
@@ -191,7 +191,7 @@ class Defaults(Section):
                 rows += [row] if row is not None else []
             else:
                 reader.faults.append(self._unknown_row(tag, name, at))
-        return DefaultClass(name, parent, Element(self.tag, children=tuple(rows), at=path_of(value)))
+        return RecipeClass(name, parent, RecipeElement(self.tag, children=tuple(rows), at=path_of(value)))
 
     def _parent(self, reader: Reader, name: str, value: Any, at: Path) -> str | None:
         if not isinstance(value, str) or not value:
@@ -236,7 +236,7 @@ PATH = "path"
 MARKS: dict[str, str] = {"site": "site", "geom": "geom", "pulley": "divisor", "joint": "joint"}
 
 
-def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> tuple[Element, ...]:
+def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> tuple[RecipeElement, ...]:
     """Return the steps of a tendon.
 
     They are written as `[{site: a}, {geom: g, sidesite: s}, {pulley: 2}, {site: b}]`, or for a fixed tendon as
@@ -252,7 +252,7 @@ def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: st
     return tuple(filter(None, steps))
 
 
-def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> Element | None:
+def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> RecipeElement | None:
     place = f"the `{PATH}` of {owner}"
     if not isinstance(value, dict):
         message = f"a step in {place} is a mapping, got {kind_of(value)}"
@@ -287,7 +287,9 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     return _short(reader, step, tag, value=value, at=at, owner=label)
 
 
-def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str) -> Element | None:
+def _short(
+    reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str
+) -> RecipeElement | None:
     """Return a step such as `{pulley: 2}`, in which a tag has the value of its only attribute, or None."""
     for name in value:
         if name != tag:
@@ -296,7 +298,7 @@ def _short(reader: Reader, step: ElementType, tag: str, value: dict[str, Any], a
     read = read_value(
         step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults, tag=step.tag
     )
-    return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
+    return None if read is None else RecipeElement(tag, {MARKS[tag]: read}, at=path_of(value))
 
 
 def _example(kind: ElementType) -> str:
@@ -313,14 +315,14 @@ class Typed(Elements):
     first = ("type",)
     depth = 2
 
-    def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
+    def content(self, reader: Reader, value: Any) -> tuple[RecipeElement, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
         return tuple(filter(None, (self._element(reader, name, item) for name, item in entries)))
 
     def schema(self) -> Schema:
         return by_name(reference(f"typed:{self.tag}"))
 
-    def _element(self, reader: Reader, name: str, value: Any) -> Element | None:
+    def _element(self, reader: Reader, name: str, value: Any) -> RecipeElement | None:
         owner = f"{self.tag} `{name}`"
         if not isinstance(value, dict):
             message = f"{owner} expects a mapping with its `{TYPE}`, got {kind_of(value)}"
@@ -350,8 +352,8 @@ class Typed(Elements):
 
     def _tendon(
         self, reader: Reader, kind: ElementType, name: str, value: dict[str, Any], owner: str, keyed: Mapping[str, str]
-    ) -> Element | None:
-        steps: tuple[Element, ...] = ()
+    ) -> RecipeElement | None:
+        steps: tuple[RecipeElement, ...] = ()
         if PATH in value:
             steps = read_path(reader, kind, value[PATH], at=(name, PATH), owner=owner)
         elif not any(tag in value for tag in kind.children):

@@ -38,7 +38,7 @@ _ROUNDS = 8
 Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
 
-class Recovered(Struct):
+class TrimmedRecipe(Struct):
     """A recipe without faults, its located tree, and every omitted name and value."""
 
     recipe: Recipe
@@ -46,7 +46,7 @@ class Recovered(Struct):
     lost: frozenset[str]
 
 
-def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered | None:
+def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> TrimmedRecipe | None:
     """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain. No I/O."""
     lost: set[str] = set()
     for _ in range(_ROUNDS):
@@ -62,7 +62,7 @@ def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered |
                 node = Mapping({**node.entries, "angle": unit}, node.span)
         recipe, faults = judge(node)
         if recipe is not None:
-            return Recovered(recipe, node, frozenset(lost))
+            return TrimmedRecipe(recipe, node, frozenset(lost))
     return None
 
 
@@ -195,7 +195,7 @@ _UNKNOWN = ("unknown-key", "unknown-attribute", "unknown-element")
 _SEVERAL = 4
 
 
-def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Recovered | None:
+def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> TrimmedRecipe | None:
     """Return the recipe without the pieces that have faults, or None if too little would remain. No I/O.
 
     `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
@@ -207,7 +207,7 @@ def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -
         return None
     recipe, faults = judge(node)
     if recipe is not None:
-        return Recovered(recipe, node, frozenset())
+        return TrimmedRecipe(recipe, node, frozenset())
     report((each for each in faults if not _follows(each, node, gone)), node, sink)
     return recover(node, faults, judge)
 

@@ -106,7 +106,7 @@ Single = bool | int | float | str | Angle
 Value = Single | tuple[Single, ...]
 
 
-class Element(Struct):
+class RecipeElement(Struct):
     """An element with its children, and its attributes in the order of the file.
 
     `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))` is an
@@ -120,7 +120,7 @@ class Element(Struct):
 
     tag: str
     attributes: Mapping[str, Value] = field(default_factory=dict)
-    children: tuple[Element, ...] = ()
+    children: tuple[RecipeElement, ...] = ()
     xml: str | None = None
     at: Path = ()
 

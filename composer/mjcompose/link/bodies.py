@@ -15,7 +15,7 @@ from mjcompose.link.angles import undo_settings
 from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.key_layout import JOINTS, joint_type
-from mjcompose.link.linking import Linking, Part, Sense
+from mjcompose.link.linking import Linking, Part, SensorBody
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import original_of
 from mjcompose.link.settings import is_leaf
@@ -349,7 +349,7 @@ class _PartAttachment:
         if part.prefix:
             linking.names.declared.setdefault("body", {})[part.prefix] = body
 
-    def _add_sensing_body(self, sense: Sense) -> None:
+    def _add_sensing_body(self, sense: SensorBody) -> None:
         """Create the body that carries the part, with its site and its sensors."""
         unit = self.part.unit
         body = self._enter("body", {"name": sense.name})

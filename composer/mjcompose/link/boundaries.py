@@ -16,7 +16,7 @@ import copy
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.link.expansion import Crossing, Expansion, Name, Row, names_of_copies
+from mjcompose.link.expansion import Crossing, Expansion, Name, OutsideElement, names_of_copies
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.tree.names import WORLD, declaration, own_references, word
 from mjcompose.tree.unit import Unit
@@ -95,7 +95,7 @@ def crossings(linking: Linking) -> None:
     """Write out every element that MuJoCo would drop: one for each copy, with the names of the copies."""
     base = linking.base
     expansion = _expansion(base)
-    copies: dict[Node, list[Row]] = {crossing.row.element: [] for crossing in expansion.crossings}
+    copies: dict[Node, list[OutsideElement]] = {crossing.row.element: [] for crossing in expansion.crossings}
     for row in (row for rows in expansion.rows.values() for row in rows):
         if row.element in copies:
             copies[row.element].append(row)
@@ -103,7 +103,7 @@ def crossings(linking: Linking) -> None:
         _write_out(linking, element, rows)
 
 
-def _write_out(linking: Linking, element: Node, rows: list[Row]) -> None:
+def _write_out(linking: Linking, element: Node, rows: list[OutsideElement]) -> None:
     base = linking.base
     holder = element.getparent()
     assert holder is not None
@@ -124,7 +124,7 @@ def _write_out(linking: Linking, element: Node, rows: list[Row]) -> None:
         holder.insert(at + number, made)
 
 
-def _refer_to_copies(node: Node, row: Row) -> None:
+def _refer_to_copies(node: Node, row: OutsideElement) -> None:
     for attribute, namespace, name, _ in own_references(node, row.section):
         copied: Name | None = row.references.get((namespace, name))
         if copied is not None:

@@ -52,7 +52,7 @@ _HOLDERS = frozenset({"worldbody", "body", "frame", "replicate"})
 _GENERATORS = ("flexcomp", "composite", "attach")
 
 
-class Fault(NamedTuple):
+class ExistenceFault(NamedTuple):
     """An element that is compiled less or more often than it is written, or a kind of elements without names.
 
     `names` are the missing names, or the names that are too many. `element` is None if no element has such a name.
@@ -65,7 +65,7 @@ class Fault(NamedTuple):
     is_missing: bool
 
 
-class Written(Struct):
+class WrittenElements(Struct):
     """The elements of a model by kind, each with its name in MuJoCo; `""` for none."""
 
     elements: Mapping[str, Sequence[tuple[str, Node]]]
@@ -80,7 +80,7 @@ class Written(Struct):
     """Whether MuJoCo attaches other models, whose keys it names by the prefix of their own `<attach>` alone."""
 
     @classmethod
-    def of(cls, root: Node) -> Written:
+    def of(cls, root: Node) -> WrittenElements:
         """Return the elements of a model. It reads the tree only."""
         replicated = next(root.iter("replicate"), None) is not None
         elements: dict[str, list[tuple[str, Node]]] = {}
@@ -100,7 +100,7 @@ class Written(Struct):
             attached=next(root.iter("attach"), None) is not None,
         )
 
-    def faults(self, compiled: Mapping[str, Sequence[str]]) -> Iterator[Fault]:
+    def faults(self, compiled: Mapping[str, Sequence[str]]) -> Iterator[ExistenceFault]:
         """Yield the differences from the names in a compiled model, which are by kind."""
         for kind, names in compiled.items():
             elements = self.elements.get(kind, ())
@@ -109,7 +109,7 @@ class Written(Struct):
             if sorted(written) != sorted(found):
                 yield from self._differences(kind, Counter(written), Counter(found))
 
-    def _differences(self, kind: str, written: Counter[str], found: Counter[str]) -> Iterator[Fault]:
+    def _differences(self, kind: str, written: Counter[str], found: Counter[str]) -> Iterator[ExistenceFault]:
         missing = written - found
         extra = found - written
         if kind in self.dropped:
@@ -123,16 +123,16 @@ class Written(Struct):
                 if not _is_ignored(element):
                     by_element.setdefault(element, []).append(name)
         for element, names in by_element.items():
-            yield Fault(kind, element, tuple(names), len(names), is_missing=True)
+            yield ExistenceFault(kind, element, tuple(names), len(names), is_missing=True)
         yield from self._extra(kind, extra)
 
-    def _extra(self, kind: str, extra: Counter[str]) -> Iterator[Fault]:
+    def _extra(self, kind: str, extra: Counter[str]) -> Iterator[ExistenceFault]:
         by_element: dict[Node | None, list[str]] = {}
         for name in extra.elements():
             if not self._is_generated(kind, name):
                 by_element.setdefault(self._origin(kind, name), []).append(name)
         for element, names in by_element.items():
-            yield Fault(kind, element, tuple(dict.fromkeys(names)), len(names), is_missing=False)
+            yield ExistenceFault(kind, element, tuple(dict.fromkeys(names)), len(names), is_missing=False)
 
     def _is_generated(self, kind: str, name: str) -> bool:
         # MuJoCo 4.0 warns of "pending keyframes" if an attached model attaches another one: in a model with `<attach …
@@ -255,11 +255,11 @@ _SHOWN = 8
 
 def existence_faults(model: Unit, compiled: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     """Return an error for each element that MuJoCo dropped or multiplied, at the line that wrote it."""
-    written = Written.of(model.root)
+    written = WrittenElements.of(model.root)
     return [_diagnostic(fault, written, model) for fault in written.faults(compiled)]
 
 
-def _diagnostic(fault: Fault, written: Written, model: Unit) -> Diagnostic:
+def _diagnostic(fault: ExistenceFault, written: WrittenElements, model: Unit) -> Diagnostic:
     element = fault.element
     notes: list[Note] = []
     if element is None:
@@ -289,7 +289,7 @@ def _diagnostic(fault: Fault, written: Written, model: Unit) -> Diagnostic:
     )
 
 
-def _counted(fault: Fault, article: str = "") -> str:
+def _counted(fault: ExistenceFault, article: str = "") -> str:
     names = [f"`{name}`" for name in fault.names if name]
     nameless = fault.number - sum(1 for name in fault.names if name)
     if not names:

@@ -56,7 +56,7 @@ _ALL_OR_NOTHING = frozenset({"equality", "actuator", "custom"})
 """Sections whose elements MuJoCo drops if a replicate contains some of their references and not the others."""
 
 
-class Row(Struct):
+class OutsideElement(Struct):
     """An element outside the body tree, after the replicates carried out so far.
 
     `within` lists the copies of replicates that it belongs to, in the order in which they were carried out, and
@@ -70,7 +70,7 @@ class Row(Struct):
     references: Mapping[Name, Name]
 
     @classmethod
-    def of(cls, element: Node, section: str) -> Row:
+    def of(cls, element: Node, section: str) -> OutsideElement:
         references = {name: name for name in references_to_copied(element, section)}
         return cls(element, section, (), str(element.get("name") or ""), references=references)
 
@@ -78,7 +78,7 @@ class Row(Struct):
     def holder(self) -> Node | Copy:
         return Copy(self.element, self.within) if self.within else self.element
 
-    def copied(self, replicate: Node, number: int, suffix: str, inside: Collection[Name]) -> Row:
+    def copied(self, replicate: Node, number: int, suffix: str, inside: Collection[Name]) -> OutsideElement:
         references = {
             old: ((new[0], new[1] + suffix) if new in inside else new) for old, new in self.references.items()
         }
@@ -99,7 +99,7 @@ def references_to_copied(element: Node, section: str) -> list[Name]:
 class Crossing(NamedTuple):
     """An element that MuJoCo drops: it refers to something `inside` of a replicate, and to something `outside`."""
 
-    row: Row
+    row: OutsideElement
     replicate: Node
     inside: Name
     outside: Name
@@ -110,13 +110,13 @@ class _Section:
 
     def __init__(self, root: Node, tag: str) -> None:
         self.tag = tag
-        self.rows: dict[int, Row] = {}
+        self.rows: dict[int, OutsideElement] = {}
         self._users: dict[Name, list[int]] = {}
         self._count = 0
         for node in root.iterfind(f"{tag}/*"):
-            self._append(Row.of(node, tag))
+            self._append(OutsideElement.of(node, tag))
 
-    def _append(self, row: Row) -> None:
+    def _append(self, row: OutsideElement) -> None:
         self.rows[self._count] = row
         for name in row.references.values():
             self._users.setdefault(name, []).append(self._count)
@@ -142,7 +142,7 @@ class _Section:
 class Expansion(Struct):
     """The elements outside the body tree after all replicates, by section, and those that MuJoCo drops."""
 
-    rows: Mapping[str, Sequence[Row]]
+    rows: Mapping[str, Sequence[OutsideElement]]
     crossings: Sequence[Crossing] = field(default_factory=list)
 
     @classmethod
@@ -160,7 +160,7 @@ class Expansion(Struct):
         return cls({section.tag: list(section.rows.values()) for section in sections}, crossings)
 
 
-def _namespace(row: Row) -> str:
+def _namespace(row: OutsideElement) -> str:
     declared = declaration(row.element, row.section)
     return row.section if declared is None else declared[0]
 

@@ -19,7 +19,7 @@ from mjcompose.link.linking import FileUse, Linking, detach
 from mjcompose.tree.edit import BadSkin, rename_bones
 from mjcompose.tree.files import (
     NAMED_AFTER_FILE,
-    Settings,
+    SourceSettings,
     file_attributes,
     is_absolute,
     is_plain,
@@ -302,7 +302,7 @@ def _free_path(unit: Unit, tag: object, written: str, source: str, content: byte
     return next(each for each in chain([path], numbered) if taken.setdefault(each.lower(), here) == here)
 
 
-def path_in_assets(settings: Settings, written: str) -> str:
+def path_in_assets(settings: SourceSettings, written: str) -> str:
     """Return the path below the unit's own asset folder, which is not repeated in the bundle."""
     if is_absolute(written):
         return portable_step(written.rsplit("/", 1)[-1])

@@ -24,12 +24,12 @@ from mjcompose.link.linking import Linking, Part, detach
 from mjcompose.link.measure import BODIES, GEOMS, NAMED, KeptSettings, Survey
 from mjcompose.link.numbers import pose_below
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own, through_frames, walk_bodies
-from mjcompose.tree.files import Settings, stem
+from mjcompose.tree.files import SourceSettings, stem
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.names import LISTS, REFERS, naming_table
 from mjcompose.tree.unit import Unit
 
-_DEFAULT = Settings()
+_DEFAULT = SourceSettings()
 # Rules that change a whole model after its parts: only MuJoCo knows their result.
 # MuJoCo 4.0 gives an empty `<body/>` a mass of 3 under `boundmass="3"`, and makes moments of 1 1 5 three of 2.3333
 # under `balanceinertia`; `settotalmass` scales all bodies when everything else is done.

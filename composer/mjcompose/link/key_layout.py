@@ -23,7 +23,7 @@ from mjcompose.tree.unit import Unit
 
 def joints_in_order(unit: Unit) -> list[Holder]:
     """Return the joints of a model in the order of `qpos`, and the blocks that MuJoCo expands. It measures nothing."""
-    layout = Layout()
+    layout = KeyLayout()
     block = Slot(BLOCK, (0, 0))
     reader = _Reader(unit, dict.fromkeys(unit.root.iter(*BLOCKS), block))
     for worldbody in unit.root.iterchildren("worldbody"):
@@ -81,7 +81,7 @@ _ACTUATORS = {tag: actuator_slot(activations) for tag, activations in _ACTIVATIO
 _STATELESS = actuator_slot(0)
 
 
-class Layout(Struct, frozen=False):
+class KeyLayout(Struct, frozen=False):
     """The elements of a model in the order of their numbers in a key.
 
     The widths of `joints` are (nq, nv), and the widths of `actuators` are (nctrl, nact). `mocaps` has the number of
@@ -124,9 +124,9 @@ _SEVERAL = ("pid", "so3", "dcmotor")  # kinds of gain and dynamics that say how 
 _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
 
 
-def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
+def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> KeyLayout:
     """Return the layout of a whole model. Raises `Unknown` for a width that neither the tree nor `known` gives."""
-    layout = Layout()
+    layout = KeyLayout()
     reader = _Reader(unit, known)
     for worldbody in unit.root.iterchildren("worldbody"):
         joints = _plain_joints(worldbody)
@@ -192,21 +192,21 @@ class _Reader:
                     )
         return typed, stateful
 
-    def visit_world(self, worldbody: Node, layout: Layout) -> None:
+    def visit_world(self, worldbody: Node, layout: KeyLayout) -> None:
         """Lay out the bodies of the world, each followed by the twists of the rods in it."""
         # MuJoCo 4.0 puts the bodies that a rod is twisted in last into the world, as it reads the rod: `<body
         # name="a"><flexcomp name="rod" …/><body name="b"/></body><body name="c"/>` becomes a, rod_0, …, b, rod_twist_0,
         # …, rod_twist, c. The content of a `<replicate>` of the world is in the world only when MuJoCo has read all of
         # it, so they come first there. Either way there is one set of them, not one for each copy.
         for child in through_frames(worldbody):
-            inside = Layout()
-            twists = Layout()
+            inside = KeyLayout()
+            twists = KeyLayout()
             self._inner(child, (), inside, twists=twists)
             first, second = (twists, inside) if child.tag == "replicate" else (inside, twists)
             layout.joints |= first.joints
             layout.joints |= second.joints
 
-    def visit(self, body: Node, within: Within, layout: Layout, twists: Layout) -> None:
+    def visit(self, body: Node, within: Within, layout: KeyLayout, twists: KeyLayout) -> None:
         """Lay out a body's joints, then the elements inside it."""
         inner: list[Node] = []
         for child in through_frames(body):
@@ -219,7 +219,7 @@ class _Reader:
         for child in inner:
             self._inner(child, within, layout, twists=twists)
 
-    def _inner(self, child: Node, within: Within, layout: Layout, twists: Layout) -> None:
+    def _inner(self, child: Node, within: Within, layout: KeyLayout, twists: KeyLayout) -> None:
         if child.tag == "body":
             self.visit(child, within, layout, twists=twists)
         elif child.tag == "replicate":

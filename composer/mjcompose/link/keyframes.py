@@ -12,12 +12,23 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy
-from mjcompose.link.key_layout import BLOCK, Holder, Layout, Slot
+from mjcompose.link.key_layout import BLOCK, Holder, KeyLayout, Slot
 from mjcompose.link.linking import Linking, Part, detach, shown_name
-from mjcompose.link.measure import Reference
+from mjcompose.link.measure import KeyFiller
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
 from mjcompose.tree.classes import ORIENTATIONS
-from mjcompose.tree.unit import Key, KeyRecord, Number, PartKeys, Unit, line_of, moved, numbers_of, set_line, texts
+from mjcompose.tree.unit import (
+    KeyRecord,
+    KeyValues,
+    Number,
+    PartKeys,
+    Unit,
+    line_of,
+    moved,
+    numbers_of,
+    set_line,
+    texts,
+)
 
 BASE = "base"
 """The name of the base among the parts."""
@@ -48,11 +59,11 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
     return found
 
 
-def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -> Iterator[Key]:
+def _own_keys(linking: Linking, unit: Unit, layout: KeyLayout, part: Part | None) -> Iterator[KeyValues]:
     for element in keys_of(unit):
         record = unit.origins.keys.get(element)
         time = numbers_of(record, element, "time")
-        key = Key(
+        key = KeyValues(
             str(element.get("name") or ""), time[0] if time else None, element, file=unit.file, origins=unit.origins
         )
         for vector in VECTORS:
@@ -62,7 +73,7 @@ def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -
         yield _moved(linking, part, layout, key=key)
 
 
-def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
+def _moved(linking: Linking, part: Part | None, layout: KeyLayout, key: KeyValues) -> KeyValues:
     if part is None:
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
@@ -75,7 +86,7 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
 
 
 def cut_row(
-    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
+    linking: Linking, unit: Unit, layout: KeyLayout, element: Node, vector: str
 ) -> dict[Holder, list[Number]] | None:
     """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong rows are reported."""
     row = numbers_of(unit.origins.keys.get(element), element, vector)
@@ -105,7 +116,7 @@ def cut_row(
     return taken
 
 
-def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
+def _check_copies_of_part(linking: Linking, part: Part, layout: KeyLayout, key: KeyValues, vector: str) -> None:
     """Report poses in the world that a `<replicate>` around the part would move to several places."""
     taken = key.values[vector]
     holder = part.content
@@ -122,7 +133,7 @@ def _check_copies_of_part(linking: Linking, part: Part, layout: Layout, key: Key
         linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=(part.called,))
 
 
-def _check_flexes(linking: Linking, part: Part, layout: Layout, key: Key, vector: str) -> None:
+def _check_flexes(linking: Linking, part: Part, layout: KeyLayout, key: KeyValues, vector: str) -> None:
     """Report key numbers of a flex whose bodies do not turn with the frames above it, which changes directions."""
     for block, slot in layout.joints.items():
         if isinstance(block, Copy) or slot.kind != BLOCK or block not in key.values[vector]:
@@ -146,7 +157,7 @@ def called(key: Node) -> str:
     return f"{'the' if key.get('name') else 'a'} key {shown_name(key)}"
 
 
-def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Number]]) -> None:
+def _carry(part: Part, layout: KeyLayout, vector: str, taken: dict[Holder, list[Number]]) -> None:
     """Move the poses of free joints and mocap bodies, which are in world coordinates, with the part."""
     pose = part.pose_in_world
     if pose is None or pose.is_identity:
@@ -186,7 +197,7 @@ def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list
     return values
 
 
-def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
+def _carry_references(linking: Linking, part: Part, layout: KeyLayout) -> None:
     pose = part.pose_in_world
     if pose is None:
         return
@@ -220,12 +231,12 @@ def keyframes(linking: Linking) -> None:
         detach(element)
     if keys:
         measure_references_again(linking, final)
-    reference = Reference(linking)
+    reference = KeyFiller(linking)
     for key in keys.values():
         linking.base.section("keyframe").append(_element(linking, key, final, reference=reference))
 
 
-def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
+def _element(linking: Linking, key: KeyValues, final: KeyLayout, reference: KeyFiller) -> Node:
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
@@ -250,7 +261,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     return element
 
 
-def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
+def _check_copies(linking: Linking, key: KeyValues, reference: KeyFiller) -> None:
     for vector, element in reference.disagreeing[:1]:
         name = f"`{element.get('name')}`" if element.get("name") else f"a `<{element.tag}>`"
         which = f"the copies of {name}, which an edit moves out of its `<replicate>`"
@@ -261,7 +272,7 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
     reference.disagreeing.clear()
 
 
-def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
+def _warn_of_lost(linking: Linking, key: KeyValues, reference: KeyFiller) -> None:
     """Warn about numbers of a key that no longer fit, because an edit changed their count or the vertices of a flex."""
     for vector, element in dict.fromkeys(reference.lost):
         what = f"{element.tag if element.get('name') else f'`<{element.tag}>`'} {shown_name(element)}"
@@ -275,10 +286,10 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
     reference.lost.clear()
 
 
-def _merged_keys(linking: Linking) -> dict[str, Key]:
+def _merged_keys(linking: Linking) -> dict[str, KeyValues]:
     """Return the keys of the base and the parts, with equal names joined, and the recipe's keys, which replace them."""
     written = {key.name: key for key in linking.keys.written}
-    came: dict[str, Key] = {}
+    came: dict[str, KeyValues] = {}
     owners: dict[str, Part | None] = {}
     part_keys(linking)
     for part, key in [(part, key) for part, keys in linking.keys.own.items() for key in keys]:
@@ -306,7 +317,7 @@ def lay_out_replaced(linking: Linking) -> list[Node]:
     final = final_layout(linking) if linking.keys.replaced else None
     if final is None:
         return []
-    reference = Reference(linking)
+    reference = KeyFiller(linking)
     return [_element(linking, key, final, reference=reference) for key in linking.keys.replaced.values()]
 
 
@@ -314,7 +325,7 @@ def _policy(linking: Linking, part: Part | None) -> str:
     return linking.request.base_keyframes if part is None else part.keyframes
 
 
-def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
+def _merge_keys(linking: Linking, key: KeyValues, other: KeyValues, *, settled: bool) -> None:
     """Add to a key the values of another key with the same name. The times of a `settled` key need not agree."""
     key.others += (other.element, *other.others)
     if key.time is None:
@@ -333,7 +344,7 @@ def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> Non
 
 
 def _report_same_name(
-    linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
+    linking: Linking, first: KeyValues, its_part: Part | None, second: KeyValues, second_part: Part | None
 ) -> None:
     """Report two keys that would have the same name if at least one of them must not change."""
     rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"

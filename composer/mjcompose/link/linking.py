@@ -16,15 +16,15 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
-from mjcompose.link.key_layout import Holder, Layout, Slot
+from mjcompose.link.key_layout import Holder, KeyLayout, Slot
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.names import Names, may_be_generated
-from mjcompose.tree.unit import Key, PartKeys, Unit, Watch, nobody
+from mjcompose.tree.unit import KeyValues, PartKeys, Unit, Watch, nobody
 
 Policy = Literal["error", "base", "mujoco"]
 
 
-class Request(Struct):
+class LinkRequest(Struct):
     """How to join the parts, and the recipe's later changes of the model.
 
     `conflict` is the policy for options on which two units disagree; `overridden_options` are the options
@@ -67,7 +67,7 @@ class Joint(Struct):
     written: Mapping[str, Span] = field(default_factory=dict)
 
 
-class Sense(Struct):
+class SensorBody(Struct):
     """A body between a place and a part, with a site and sensors of the load that the body carries.
 
     `name` is the name of the body and of the site, and `sensors` has the tag and the name of each sensor. All names are
@@ -100,14 +100,14 @@ class Part:
     joints: tuple[Joint, ...] = ()
     weld: bool = False
     mocap: bool = False
-    sense: Sense | None = None
+    sense: SensorBody | None = None
     by_itself: bool = False
     span: Span | None = None
     key: str = ""
     outward: Mapping[str, str] = MappingProxyType({})
     mount: Node | None = None
     top_class: str = ""
-    layout: Layout | None = None
+    layout: KeyLayout | None = None
     pose_in_world: Pose | None = None
     content: Node | None = None
 
@@ -217,13 +217,13 @@ class KeyTable(Struct, frozen=False, eq=False):
     the recipe writes into its own keys.
     """
 
-    own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
+    own: dict[Part | None, tuple[KeyValues, ...]] = field(default_factory=dict)
     by_part: dict[str, PartKeys] | None = None
-    written: list[Key] = field(default_factory=list)
-    replaced: dict[str, Key] = field(default_factory=dict)
+    written: list[KeyValues] = field(default_factory=list)
+    replaced: dict[str, KeyValues] = field(default_factory=dict)
     attached: list[tuple[Part, Node]] = field(default_factory=list)
-    base_layout: Layout | None = None
-    final_layout: Layout | None = None
+    base_layout: KeyLayout | None = None
+    final_layout: KeyLayout | None = None
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Holder, list[str]] = field(default_factory=dict)
     mocap_references: dict[Holder, list[Pose]] = field(default_factory=dict)
@@ -235,7 +235,7 @@ class KeyTable(Struct, frozen=False, eq=False):
     noted: dict[Node, WrittenKey] = field(default_factory=dict)
 
 
-class Measure(Protocol):
+class ModelMeasure(Protocol):
     """Compiles a unit alone and returns arrays of `mjModel`; none after a refusal, reported unless `attempt`."""
 
     def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]: ...
@@ -296,8 +296,8 @@ class Linking:
     base: Unit
     parts: list[Part]
     sink: Sink
-    request: Request = field(default_factory=Request)
-    measure: Measure | None = None
+    request: LinkRequest = field(default_factory=LinkRequest)
+    measure: ModelMeasure | None = None
     watch: Watch = nobody
     names: Names = field(default_factory=Names)
     base_class: str | None = None

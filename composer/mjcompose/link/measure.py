@@ -20,8 +20,8 @@ from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, Within, actuators_in_order, copies_of, element_of
-from mjcompose.link.key_layout import BLOCK, BLOCKS, Holder, Layout, Slot, Unknown, actuator_slot, lay_out
-from mjcompose.link.linking import Linking, Measure
+from mjcompose.link.key_layout import BLOCK, BLOCKS, Holder, KeyLayout, Slot, Unknown, actuator_slot, lay_out
+from mjcompose.link.linking import Linking, ModelMeasure
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE, HINGE
@@ -39,8 +39,8 @@ _SIZES = ("nq", "nv", "narena")
 
 
 def measure_with(
-    context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
-) -> Measure:
+    context: Context, limits: engine.RequestLimits | None = None, session: engine.Session | None = None
+) -> ModelMeasure:
     """Return a function that compiles a unit alone, in the process of a `session`, and reports failures."""
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
@@ -240,7 +240,7 @@ def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]
 
 
 def _free_inside(
-    layout: Layout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
+    layout: KeyLayout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
 ) -> tuple[tuple[int, int], ...]:
     nq = nv = 0
     for joint, slot in layout.joints.items():
@@ -405,7 +405,7 @@ def _rows_of(marked: Sequence[Node], compiled: Mapping[str, Sequence[float]]) ->
     return rows
 
 
-class Reference:
+class KeyFiller:
     """Makes rows of keys and fills the missing values from the reference configuration."""
 
     def __init__(self, linking: Linking) -> None:
@@ -417,7 +417,7 @@ class Reference:
         self.class_refs = linking.base.classes.give("joint", "ref")
 
     def row(
-        self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
+        self, vector: str, layout: KeyLayout, values: Mapping[Holder, list[Number]], void: Collection[Node]
     ) -> list[Number]:
         """Return all numbers of a vector.
 

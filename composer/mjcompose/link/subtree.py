@@ -17,7 +17,7 @@ from mjcompose.link.expansion import element_of
 from mjcompose.link.inertia import MEASURED, write_inertias
 from mjcompose.link.key_layout import Holder
 from mjcompose.link.keyframes import cut_row
-from mjcompose.link.linking import Linking, Measure, detach
+from mjcompose.link.linking import Linking, ModelMeasure, detach
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.edit import attached_notes, bones, is_rod, twisted_by
@@ -101,7 +101,7 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
     return needed
 
 
-class Side(NamedTuple):
+class ReferenceSide(NamedTuple):
     """Whether an element refers inside the subtree, outside, both or neither; `lacks` is the first one outside."""
 
     inside: bool = False
@@ -139,7 +139,7 @@ class SideFinder:
         self._inside = _Names(inside)
         self._outside = _Names(outside)
         self._known = known
-        self._sides: dict[Node, Side] = {}
+        self._sides: dict[Node, ReferenceSide] = {}
         self._others: dict[tuple[str, str], tuple[Node, str]] = {}
         for section in unit.root.iterchildren(*SECTIONS):
             tag = str(section.tag)
@@ -148,12 +148,12 @@ class SideFinder:
                 if declared is not None and declared[0] not in SUPPORTING:
                     self._others.setdefault(declared, (element, tag))
 
-    def of(self, element: Node, section: str) -> Side:
+    def of(self, element: Node, section: str) -> ReferenceSide:
         """Return the side that an element of that section belongs to."""
         known = self._sides.get(element)
         if known is not None:
             return known
-        self._sides[element] = Side()  # for elements that refer to one another in a ring
+        self._sides[element] = ReferenceSide()  # for elements that refer to one another in a ring
         within = False
         without = False
         lacks = ""
@@ -175,7 +175,7 @@ class SideFinder:
         if not self._in_world and section == "equality" and side_of_world(element) is not None:
             without = True
             lacks = lacks or "the world"
-        side = self._sides[element] = Side(within, without, lacks)
+        side = self._sides[element] = ReferenceSide(within, without, lacks)
         return side
 
     def needed_by(self, elements: Iterable[tuple[Node, str]]) -> set[Node]:
@@ -196,20 +196,20 @@ class SideFinder:
             self._inside.names.discard(declared)
             self._outside.names.add(declared)
 
-    def _of_name(self, namespace: str, name: str) -> Side:
+    def _of_name(self, namespace: str, name: str) -> ReferenceSide:
         if namespace in SUPPORTING or (namespace == "body" and name == WORLD):
-            return Side()
+            return ReferenceSide()
         key = namespace, name
         if key in self._inside.names:
-            return Side(inside=True)
+            return ReferenceSide(inside=True)
         if key in self._outside.names or key in self._known:
-            side = Side(outside=True)
+            side = ReferenceSide(outside=True)
         elif (other := self._others.get(key)) is not None:
             side = self.of(*other)
         else:
             inside = self._inside.makes(name)
             outside = self._outside.makes(name)
-            side = Side(0 < inside >= outside, outside > inside)
+            side = ReferenceSide(0 < inside >= outside, outside > inside)
         return side._replace(lacks=f"the {word(namespace)} `{name}`") if side.outside else side
 
 
@@ -286,7 +286,7 @@ def take_from_excerpt(
     *,
     span: Span | None = None,
     keyframes: KeyPolicy = "merge",
-    measure: Measure | None = None,
+    measure: ModelMeasure | None = None,
 ) -> Subtree | None:
     """Do as `take_subtree` in an excerpt of its source. The list of all dropped elements is made on request."""
 
@@ -308,7 +308,7 @@ def take_subtree(
     *,
     span: Span | None = None,
     keyframes: KeyPolicy = "merge",
-    measure: Measure | None = None,
+    measure: ModelMeasure | None = None,
     known: Container[Name] = (),
 ) -> Subtree | None:
     """Keep the body `name` of `unit` and the elements that it needs. Return None after errors, which are reported.

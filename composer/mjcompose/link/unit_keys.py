@@ -22,7 +22,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, element_of, ends_of_copies
-from mjcompose.link.key_layout import Layout, Slot, Unknown, lay_out
+from mjcompose.link.key_layout import KeyLayout, Slot, Unknown, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured, strip
 from mjcompose.tree.files import read_settings
@@ -305,7 +305,7 @@ def remove_keys(root: Node) -> list[Node]:
     return sections
 
 
-def layout_of(linking: Linking, unit: Unit) -> Layout | None:
+def layout_of(linking: Linking, unit: Unit) -> KeyLayout | None:
     """Return the key layout of a unit alone, measured and with completed rows if needed, or None after an error."""
     layout = _layout_of(linking, unit)
     linking.keys.shapes |= {flex: _shape(flex) for flex in unit.root.iter("flexcomp")}
@@ -327,7 +327,7 @@ def _shape(flex: Node) -> str:
     return " ".join([*own, *(str(sorted(pin.items())) for pin in flex.iterchildren("pin"))])
 
 
-def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
+def _complete_rows(linking: Linking, unit: Unit, layout: KeyLayout) -> None:
     """Complete short rows with the numbers that MuJoCo would use, which are measured."""
     # MuJoCo 4.0 fills `qpos` up from the reference: `<key qpos="1"/>` with `<joint/><joint ref="30"/>` is 1 0.5236.
     keys = keys_of(unit)
@@ -362,7 +362,7 @@ def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) 
     unit.origins.keys[key] = replace(record, numbers={**record.numbers, vector: row})
 
 
-def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
+def _layout_of(linking: Linking, unit: Unit) -> KeyLayout | None:
     """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
     try:
         layout = lay_out(unit, {})
@@ -387,7 +387,7 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
         return None
 
 
-def final_layout(linking: Linking) -> Layout | None:
+def final_layout(linking: Linking) -> KeyLayout | None:
     known = {**linking.keys.measured, **_slots(linking)}
     for node, slots in product(linking.keys.reshaped, (known, linking.keys.measured)):
         slots.pop(node, None)
@@ -397,7 +397,7 @@ def final_layout(linking: Linking) -> Layout | None:
         return _measure_again(linking, known, unknown)
 
 
-def measure_references_again(linking: Linking, layout: Layout) -> None:
+def measure_references_again(linking: Linking, layout: KeyLayout) -> None:
     """Measure the references that only MuJoCo knows again if the recipe added some or may have changed them."""
     joints = (
         linking.keys.edited or joint not in linking.keys.references
@@ -413,7 +413,7 @@ def measure_references_again(linking: Linking, layout: Layout) -> None:
         _measure_again(linking, {}, None)
 
 
-def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
+def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> KeyLayout | None:
     """Measure the recipe's additions and changes, on the finished model without its keys."""
     unit = linking.flat()
     # MuJoCo refuses keys whose rows do not fit the model any more.

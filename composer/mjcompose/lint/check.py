@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 from pydantic import Discriminator, Field, Tag
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.report import with_rest
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Rows, Settings
@@ -22,10 +22,10 @@ from mjcompose.language.forms.scalars import (
     Items,
     Name,
     NotNegative,
+    NumberUnit,
     Positive,
     Range,
     Scaled,
-    Unit,
 )
 from mjcompose.lint.rule import FAMILIES, Subject, rules, subject_of
 from mjcompose.mujoco.arrays import HINGE, SLIDE
@@ -33,7 +33,7 @@ from mjcompose.mujoco.solids import Shapes, faults, largest_volume
 from mjcompose.verify.checks.check import CheckEnds, Scope, at_keys, check_globs, failed, keys_named, names_nothing
 
 
-class Rule(CheckPart):
+class RuleSettings(CheckPart):
     """The settings of a rule, and the `kinds` that `except` can name. With `limits`, it runs only if one is written."""
 
     word: ClassVar[str]
@@ -69,7 +69,7 @@ def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int) -> 
     return [failed(first, expected, actual, *at, more=more)]
 
 
-class InertiaImplausible(Rule):
+class InertiaImplausible(RuleSettings):
     """Each body has a mass and an inertia that its geoms can have."""
 
     word: ClassVar = "inertia-implausible"
@@ -78,7 +78,7 @@ class InertiaImplausible(Rule):
 
     body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
     """the bodies; by default all with a mass and geoms"""
-    density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), Unit("kg/m³")] | None = None
+    density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), NumberUnit("kg/m³")] | None = None
     """the smallest and largest density, in kg/m³; by default any"""
     gyration: Positive = 1.0
     """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
@@ -115,7 +115,7 @@ def _faults(scope: Scope, shapes: Shapes, body: int, settings: Mapping[str, Any]
             yield weighs.format(mass / volume.least, f"below {low:g}")
 
 
-class JointUnactuated(Rule):
+class JointUnactuated(RuleSettings):
     """An actuator moves every joint, directly or through a tendon or an equality."""
 
     word: ClassVar = "joint-unactuated"
@@ -155,7 +155,7 @@ def _moved(mujoco: Any, model: MjModel) -> set[int]:
     return moved
 
 
-class KeyOutOfRange(Rule):
+class KeyOutOfRange(RuleSettings):
     """In keyframes, positions, controls and activations are within their ranges."""
 
     word: ClassVar = "key-out-of-range"
@@ -203,7 +203,7 @@ _LENGTHS = {
 }
 
 
-class ShapeOffMesh(Rule):
+class ShapeOffMesh(RuleSettings):
     """Shapes and meshes from `collision` and `simplify` are close to the original meshes."""
 
     word: ClassVar = "shape-off-mesh"
@@ -278,7 +278,7 @@ def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: 
     return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)
 
 
-RULES: Table[type[Rule]] = Table(
+RULES: ExtensionTable[type[RuleSettings]] = ExtensionTable(
     "rules", {each.word: each for each in (InertiaImplausible, JointUnactuated, KeyOutOfRange, ShapeOffMesh)}, "RULE"
 )
 _PLAIN = {code: each for code, each in rules().items() if code not in RULES and not each.in_files}
@@ -291,7 +291,9 @@ def _globs(kinds: tuple[str, ...]) -> Any:
     return Annotated[tuple[Annotated[str, Name(*kinds, glob=True)], ...], Items(1, single=True), about]
 
 
-_EXCEPTED: Table[Any] = Table("rules", {word: _globs(rule.kinds) for word, rule in RULES.items()}, "RULE")
+_EXCEPTED: ExtensionTable[Any] = ExtensionTable(
+    "rules", {word: _globs(rule.kinds) for word, rule in RULES.items()}, "RULE"
+)
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
@@ -340,7 +342,7 @@ class Lint(Check):
     """rules to skip, as a list, or the elements that each ignores"""
 
     @property
-    def selected(self) -> dict[str, Rule | None]:
+    def selected(self) -> dict[str, RuleSettings | None]:
         """The rules that `select` selects, with their settings; None for a rule without settings."""
         if isinstance(self.select, SelectedRules):
             return dict(self.select.words)

@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from mjcompose.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.lint.rule import ElementEdit, Finding, Found, Subject, rule
 from mjcompose.tree.classes import class_in_force
 
 _DEEP = 2e-3
@@ -184,7 +184,7 @@ def exclude_needless(subject: Subject) -> Found:
         seen.add(signature)
         if why is not None and node is not None:
             message = f"this `<exclude>` of `{node.get('body1')}` and `{node.get('body2')}` has no effect: {why}"
-            yield Finding(node, message, help="remove it", edit=Edit(removes=True))
+            yield Finding(node, message, help="remove it", edit=ElementEdit(removes=True))
 
 
 @rule("frictionless-foot", in_mujoco=True)

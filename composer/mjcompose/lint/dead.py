@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-from mjcompose.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.lint.rule import ElementEdit, Finding, Found, Subject, rule
 from mjcompose.mujoco.addresses import rows_of
 from mjcompose.tree.names import GENERATORS, own_name
 
-_REMOVE = Edit(removes=True)
+_REMOVE = ElementEdit(removes=True)
 
 
 @rule("unused-class")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from lxml.etree import _Element as Node
 
-from mjcompose.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.lint.rule import ElementEdit, Finding, Found, Subject, rule
 from mjcompose.tree.names import own_references
 
 _ASSET = {"robot-asset": "OpenUSD and URDF identify each joint, link and sensor by a unique name"}
@@ -39,7 +39,7 @@ def unnamed_actuator(subject: Subject) -> Found:
     for element in subject.root.iterfind("actuator/*"):
         joint = element.get("joint")
         if isinstance(element.tag, str) and not element.get("name"):
-            edit = Edit((("name", str(joint)),)) if joint and joint not in taken else None
+            edit = ElementEdit((("name", str(joint)),)) if joint and joint not in taken else None
             taken.add(str(joint))
             of = f" for joint `{joint}`" if joint else ""
             message = f"the actuator{of} has no name, so programs reach its control only by its number"

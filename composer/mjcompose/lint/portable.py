@@ -12,7 +12,7 @@ from mjcompose.base.report import counted
 from mjcompose.lint.rule import Finding, Found, Subject, rule
 
 if TYPE_CHECKING:
-    from mjcompose.targets.target import Refusal
+    from mjcompose.targets.target import UnsupportedElement
 
 _PROGRAMS = {
     "mjx": "MJX, MuJoCo in JAX",
@@ -34,7 +34,7 @@ def _rule(name: str, title: str) -> Callable[[Subject], Found]:
 
         refusing = [limit.refuses for limit in TARGETS[name].limits if limit.refuses is not None]
         for refuses in refusing:
-            by_reason: dict[str, list[Refusal]] = {}
+            by_reason: dict[str, list[UnsupportedElement]] = {}
             for each in refuses(subject.mujoco, subject.model):
                 by_reason.setdefault(each.why, []).append(each)
             for why, (first, *others) in by_reason.items():
@@ -53,7 +53,7 @@ def _losses(subject: Subject, name: str) -> Found:
     """Yield the elements that a program ignores or refuses, one kind at a time."""
     from mjcompose.targets.plain import without_classes, without_frames
     from mjcompose.targets.table import TARGETS
-    from mjcompose.targets.target import Draft, Outcome, grouped, in_words
+    from mjcompose.targets.target import Draft, FeatureOutcome, grouped, in_words
 
     root = copy.deepcopy(subject.root)
     original = dict(zip(root.iter("*"), subject.root.iter("*"), strict=True))
@@ -74,7 +74,7 @@ def _losses(subject: Subject, name: str) -> Found:
     }
     draft = Draft(subject.mujoco, subject.model, root, files={}, elements=elements)
     for limit in TARGETS[name].limits:
-        if limit.outcome not in (Outcome.WRITTEN, Outcome.KEPT):
+        if limit.outcome not in (FeatureOutcome.WRITTEN, FeatureOutcome.KEPT):
             limit.apply(draft)
     places = {row: node for node, row in draft.rows.items()}
     for group in grouped(draft.losses):

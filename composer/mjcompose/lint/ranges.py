@@ -7,7 +7,7 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.lint.names import other_side, side_of
-from mjcompose.lint.rule import Edit, Finding, Found, Subject, rule
+from mjcompose.lint.rule import ElementEdit, Finding, Found, Subject, rule
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
 from mjcompose.mujoco.references import ON_JOINTS
@@ -44,7 +44,7 @@ def range_inverted(subject: Subject) -> Found:
         numbers = subject.numbers(element, attribute)
         if numbers is not None and len(numbers) == 2 and numbers[0] > numbers[1]:
             low, high = (subject.value(element, attribute) or "").split()
-            edit = Edit(((attribute, f"{high} {low}"),)) if element.get(attribute) else None
+            edit = ElementEdit(((attribute, f"{high} {low}"),)) if element.get(attribute) else None
             message = f"`{attribute}` of {subject.called(element)} runs from {low} down to {high}"
             yield Finding(element, message, attribute, help="write the smaller number first", edit=edit)
 

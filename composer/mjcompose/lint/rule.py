@@ -32,7 +32,7 @@ FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "
 """The modules of rules, in this folder."""
 
 
-class Edit(Struct):
+class ElementEdit(Struct):
     """An exact change of an element: attributes to set or, with None, to remove; or the removal of the element."""
 
     attributes: tuple[tuple[str, str | None], ...] = ()
@@ -50,7 +50,7 @@ class Finding(Struct):
     message: str
     attribute: str | None = None
     help: str | None = None
-    edit: Edit | None = None
+    edit: ElementEdit | None = None
 
 
 Found = Iterator[Finding]

@@ -103,7 +103,7 @@ def mesh_size(subject: Subject) -> Found:
     """A mesh that is in millimeters."""
     import numpy as np
 
-    from mjcompose.mujoco.shapes import Measured, doubts
+    from mjcompose.mujoco.shapes import MeshMeasurements, doubts
 
     model = subject.model
     reach = float(np.linalg.norm(model.body_pos, axis=1).max(initial=0.0))
@@ -113,7 +113,7 @@ def mesh_size(subject: Subject) -> Found:
         size = float(np.linalg.norm(np.ptp(model.mesh_vert[first : first + count], axis=0)))
         scale = model.mesh_scale[mesh].tolist()
         if size > 1:
-            for doubt in doubts(Measured(size), reach):
+            for doubt in doubts(MeshMeasurements(size), reach):
                 message = f"{subject.name('mesh', mesh)} {doubt.what}"
                 help = doubt.advice(scale, 'scale="{}"')
                 yield Finding(subject.node("mesh", mesh), message, help=help)

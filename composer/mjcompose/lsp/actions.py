@@ -19,7 +19,7 @@ from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.sources.fetching import model_files
 from mjcompose.text.expression import Angle
 from mjcompose.text.faults import quoted, word
-from mjcompose.text.node import Change, Mapping, find, position, with_item, with_key
+from mjcompose.text.node import Mapping, TextChange, find, position, with_item, with_key
 from mjcompose.tools.fix import edit_of, place_of
 
 
@@ -37,7 +37,7 @@ class Offer(Struct, slots=False):
     def tree(self) -> Mapping | None:
         return self.analysis.mapping if self.analysis.is_current else None
 
-    def with_key(self, path: Steps, value: str) -> Change | None:
+    def with_key(self, path: Steps, value: str) -> TextChange | None:
         analysis = self.analysis
         tree = self.tree
         return None if tree is None else with_key(tree, analysis.lines, analysis.file, path, value)
@@ -88,7 +88,7 @@ def offer_fixes(offered: Offer) -> Iterator[Action]:
         if edit is not None:
             line, column = position(text, edit.start)
             end_line, end_column = position(text, edit.end)
-            change = Change(Span(file, line, column, end_line=end_line, end_column=end_column), edit.text)
+            change = TextChange(Span(file, line, column, end_line=end_line, end_column=end_column), edit.text)
             title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
             yield Action(title, (change,), diagnostic, is_preferred=True)
 
@@ -104,7 +104,7 @@ def offer_near(offered: Offer) -> Iterator[Action]:
     labels = [item.label for item in complete(question).items if item.kind != "pattern"]
     for near in closest(written, [each for each in labels if each != written], _MOST):
         text = quoted(near)[1:-1] if cursor.quote else word(near)
-        yield Action(f"write `{near}`", (Change(question.word, text),), about)
+        yield Action(f"write `{near}`", (TextChange(question.word, text),), about)
 
 
 def offer_settle(offered: Offer) -> Iterator[Action]:
@@ -143,7 +143,7 @@ def offer_ignore(offered: Offer) -> Iterator[Action]:
             line = lines[span.line - 1] if span.line <= len(lines) else ""
             comment = f"<!-- mjcompose: ignore[{diagnostic.code}] -->"
             text = f"{line[: len(line) - len(line.lstrip())]}{comment}\n"
-            change = Change(Span(file, span.line, 1, end_line=span.line, end_column=1), text)
+            change = TextChange(Span(file, span.line, 1, end_line=span.line, end_column=1), text)
             yield Action(f"ignore this: `{comment}`", (change,), diagnostic)
 
 
@@ -157,12 +157,12 @@ def offer_units(offered: Offer) -> Iterator[Action]:
     for unit, other in _OTHER.items():
         if written.endswith(unit) and (angle := Angle.read(written)) is not None:
             text = f"{angle.in_unit(other):.10g}{other}"
-            yield Action(f"write it as `{text}`", (Change(question.word, text),), kind="refactor.rewrite")
+            yield Action(f"write it as `{text}`", (TextChange(question.word, text),), kind="refactor.rewrite")
     for diagnostic in offered.diagnostics:
         if diagnostic.code == "bare-angle":
             for unit in _OTHER:
                 if Angle.read(f"{written}{unit}") is not None:
-                    change = Change(question.word, f"{written}{unit}")
+                    change = TextChange(question.word, f"{written}{unit}")
                     yield Action(f"it is in {unit}: `{written}{unit}`", (change,), diagnostic)
 
 

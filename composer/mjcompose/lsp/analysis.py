@@ -16,11 +16,11 @@ from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.compose.load import Key, Library, source_key
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
-from mjcompose.lsp.language import Form, forms_at
+from mjcompose.lsp.language import ValueForm, forms_at
 from mjcompose.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.sources.reference import Source
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Node, find, lines_of, to_python
+from mjcompose.text.node import Mapping, Node, TextChange, find, lines_of, to_python
 from mjcompose.tree.names import WORLD, NameIndex
 from mjcompose.tree.unit import Unit
 
@@ -48,7 +48,7 @@ def is_saved(path: str, text: bytes) -> bool:
 _MOST = 64  # how many units are kept: a workspace has many recipes, and memory is bounded
 
 
-class Shelf:
+class FreshLibrary:
     """A `Library` that drops changed sources."""
 
     def __init__(self) -> None:
@@ -151,7 +151,7 @@ class Action(Struct):
     """A change that is offered for a diagnostic or a place. `is_preferred` marks the most likely one."""
 
     title: str
-    changes: tuple[Change, ...]
+    changes: tuple[TextChange, ...]
     diagnostic: Diagnostic | None = None
     is_preferred: bool = False
     kind: str = "quickfix"
@@ -220,7 +220,7 @@ class Known(Struct):
         return f"{self.tag}{of}{place}{', ' + self.words if self.words else ''}"
 
 
-class Names(Struct, slots=False):
+class ModelNames(Struct, slots=False):
     """The names of a model by namespace, the paths of its parts, and their units and prefixes by path."""
 
     known: dict[str, dict[str, Known]] = field(default_factory=dict)
@@ -231,7 +231,7 @@ class Names(Struct, slots=False):
     def find(self, namespace: str, name: str) -> Known | None:
         return self.known.get(namespace, {}).get(name)
 
-    def own(self, part: str) -> Names:
+    def own(self, part: str) -> ModelNames:
         """Return the names of a part without its prefix, from its source or from the model."""
         own: dict[str, dict[str, Known]] = {}
         if (unit := self.sources.get(part)) is not None:
@@ -241,10 +241,10 @@ class Names(Struct, slots=False):
             for namespace, names in self.known.items():
                 inside = {name[len(prefix) :]: each for name, each in names.items() if name.startswith(prefix)}
                 own[namespace] = {name: each for name, each in inside.items() if name}
-        return Names(own)
+        return ModelNames(own)
 
 
-def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: Library) -> Names:
+def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: Library) -> ModelNames:
     """Return the names of a composed model, and the names of the plan's parts that it lacks.
 
     `root` is the tree of that model and `composed` its plan, which may be older than `plan`.
@@ -263,11 +263,11 @@ def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: 
         if each.part in sources and _identity(each) not in there
     ]
     known = _by_namespace(each for root, prefix in roots for each in _of_root(root, prefix, parts))
-    return Names(known, plan.part_names, sources, {place.part: place.prefix for place in places})
+    return ModelNames(known, plan.part_names, sources, {place.part: place.prefix for place in places})
 
 
-def names_in_tree(unit: Unit) -> Names:
-    return Names(_by_namespace(_of_root(unit.root, "", [])), sources={"": unit}, prefixes={"": ""})
+def names_in_tree(unit: Unit) -> ModelNames:
+    return ModelNames(_by_namespace(_of_root(unit.root, "", [])), sources={"": unit}, prefixes={"": ""})
 
 
 def _by_namespace(found: Iterable[Known]) -> dict[str, dict[str, Known]]:
@@ -358,7 +358,7 @@ def _closers(line: str) -> str:
     return "".join(reversed(waiting))
 
 
-class Model(Struct, eq=False):
+class ComposedModel(Struct, eq=False):
     """A composed model: its tree, the part of each element, the sources of that time and unsaved texts of editors."""
 
     unit: Unit
@@ -384,7 +384,7 @@ class Analysis(Struct, slots=False):
     text: str
     tree: Node | None = None
     plan: Plan | None = None
-    model: Model | None = None
+    model: ComposedModel | None = None
     traced: Traced | None = None
     is_current: bool = False
     is_composed: bool = False
@@ -408,9 +408,9 @@ class Analysis(Struct, slots=False):
         return shown(self.path, self.folder)
 
     @cached_property
-    def names(self) -> Names:
+    def names(self) -> ModelNames:
         if self.plan is None:
-            return Names()
+            return ModelNames()
         root, composed = (self.model.unit.root, self.model.plan) if self.model is not None else (None, None)
         return names_of(self.plan, root, composed, self.library)
 
@@ -471,7 +471,7 @@ class Question(Struct, slots=False):
         return None if self.tree is None else to_python(self.tree)
 
     @cached_property
-    def forms(self) -> list[Form]:
+    def forms(self) -> list[ValueForm]:
         return forms_at(self.cursor.path, self.data)
 
     @property

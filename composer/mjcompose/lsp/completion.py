@@ -18,7 +18,7 @@ from mjcompose.language.repeat import FOR
 from mjcompose.lsp import mjcf
 from mjcompose.lsp.analysis import Completion, Item, Known, Question
 from mjcompose.lsp.cursor import Path
-from mjcompose.lsp.language import Key, keys_of, words_of
+from mjcompose.lsp.language import KeySyntax, keys_of, words_of
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, wanted_key
 from mjcompose.lsp.subject import Settable, TurnName, of_nested, place_of, sets, settables, turn_names, wanted_as_value
@@ -135,7 +135,7 @@ def offer_keys(question: Question) -> Iterator[Item]:
         yield Item(key.name, "key", detail, doc=key.doc, rank=rank, insert=insert, again=again)
 
 
-def _insert(key: Key, question: Question) -> str:
+def _insert(key: KeySyntax, question: Question) -> str:
     """Return the key with its colon, followed by an indented line if its value is a mapping."""
     cursor = question.cursor
     if cursor.has_colon:
@@ -145,7 +145,7 @@ def _insert(key: Key, question: Question) -> str:
     return f"{key.name}:\n{' ' * (cursor.start + 2)}"
 
 
-def _is_collection(key: Key) -> bool:
+def _is_collection(key: KeySyntax) -> bool:
     types: set[str] = set()
     for form in key.forms:
         declared: Any = form.schema.get("type", ())

@@ -22,11 +22,11 @@ from mjcompose.compose.compose import ComposeOptions, Composer
 from mjcompose.link.measure import measure_with
 from mjcompose.link.source_check import check_source
 from mjcompose.lint.rule import chosen
-from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, shown
+from mjcompose.lsp.analysis import Analysis, ComposedModel, FreshLibrary, is_saved, shown
 from mjcompose.lsp.glance import carried, glance, waits_for_pause
 from mjcompose.lsp.markup import ModelAnalysis, including, read_model
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.plan.describe import acknowledge
 from mjcompose.plan.planner import plan_what_remains
 from mjcompose.sources.context import Context
@@ -104,7 +104,7 @@ class Workspace:
 
     def __init__(self, folder: Path, *, remembers: bool = False) -> None:
         self.folder = folder
-        self.shelf = Shelf()
+        self.shelf = FreshLibrary()
         self._session = Session(remembers=remembers)
         self._latest: tuple[Analysis, Analysis] | None = None
 
@@ -139,7 +139,7 @@ class Workspace:
             plan = plan_what_remains(path, context)
             composed = None if plan is None else self._composed(plan, context, self.shelf.library)
             if plan is not None and composed is not None:
-                model = Model(composed[0], plan, composed[1], dict(self.shelf.library), whole)
+                model = ComposedModel(composed[0], plan, composed[1], dict(self.shelf.library), whole)
         except TooManyFaults as too_many:
             context.sink = too_many.sink
         if plan is not None:
@@ -192,7 +192,7 @@ class Workspace:
         composed = composer.compose(plan)
         return None if composed is None else (composed.model, composer.parts)
 
-    def _files(self, plan: Plan | None, model: Model | None, context: Context) -> frozenset[Path]:
+    def _files(self, plan: Plan | None, model: ComposedModel | None, context: Context) -> frozenset[Path]:
         found = {self.folder / each for each in context.recipes}
         if plan is not None:
             found |= {source.path for source in plan.sources()}
@@ -251,7 +251,7 @@ class Workspace:
         with unsaved(_with(texts, path, text)):
             self.shelf.refresh(texts)
             try:
-                build(Request(path), context, session=self._session, library=self.shelf.library)
+                build(ModelRequest(path), context, session=self._session, library=self.shelf.library)
             except TooManyFaults as too_many:
                 context.sink = too_many.sink
             self.shelf.note(texts)
@@ -289,7 +289,7 @@ _MOST_MODELS = 32
 PAUSE = 0.4  # seconds without typing before MuJoCo builds the model
 
 
-class Document(Struct, frozen=False, slots=False, eq=False):
+class OpenFile(Struct, frozen=False, slots=False, eq=False):
     """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
     The texts of a document are numbered: `count` is the newest text, and `done` the analyzed text. `version` is the
@@ -353,7 +353,7 @@ class Desk:
         self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None]
     ) -> None:
         self.folder = folder
-        self.documents: dict[Path, Document] = {}
+        self.documents: dict[Path, OpenFile] = {}
         self.workspace = Workspace(folder)
         self.verifier = Workspace(folder, remembers=True)
         self._publish = publish
@@ -364,7 +364,7 @@ class Desk:
         self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
-        self.documents[path] = Document(path, text, kind_of(path, text), version)
+        self.documents[path] = OpenFile(path, text, kind_of(path, text), version)
         self._touched(path)
 
     def change(self, path: Path, text: str, version: int | None = None) -> None:
@@ -446,7 +446,7 @@ class Desk:
         document = self.documents.get(path)
         return document is not None and document.kind == "model"
 
-    def _start(self, document: Document) -> None:
+    def _start(self, document: OpenFile) -> None:
         document.stop()
         if not document.waits_for_pause:
             self._begin(document)
@@ -454,16 +454,16 @@ class Desk:
         document.timer = asyncio.get_running_loop().call_later(PAUSE, self._begin, document)
         self._glance_at(document)
 
-    def _begin(self, document: Document) -> None:
+    def _begin(self, document: OpenFile) -> None:
         document.stop()
         if document.work is None or document.work.done():
             document.work = asyncio.get_running_loop().create_task(self._work(document))
 
-    def _glance_at(self, document: Document) -> None:
+    def _glance_at(self, document: OpenFile) -> None:
         if document.glancing is None or document.glancing.done():
             document.glancing = asyncio.get_running_loop().create_task(self._glance(document))
 
-    async def _glance(self, document: Document) -> None:
+    async def _glance(self, document: OpenFile) -> None:
         """Report the certain faults of the newest text, as long as it is not analyzed."""
         while document.glanced < document.count and self.documents.get(document.path) is document:
             count = document.count
@@ -483,7 +483,7 @@ class Desk:
                 document.seen = version
                 self._report_found(document)
 
-    async def _work(self, document: Document) -> None:
+    async def _work(self, document: OpenFile) -> None:
         while document.done < document.count and self.documents.get(document.path) is document:
             if document.is_touched_again():
                 break
@@ -507,7 +507,7 @@ class Desk:
             loop = asyncio.get_running_loop()
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
 
-    async def _analyze(self, document: Document, text: str) -> None:
+    async def _analyze(self, document: OpenFile, text: str) -> None:
         work = self.workspace.analyze if document.kind == "recipe" else self.workspace.analyze_model
         given = document.path, text, self.texts(document.path), document.whole
         analysis, seconds = await self._analyse(_timed, work, *given)
@@ -515,7 +515,7 @@ class Desk:
         document.whole = analysis
         document.seconds = seconds
 
-    async def _verify(self, document: Document) -> None:
+    async def _verify(self, document: OpenFile) -> None:
         """Build a recipe with MuJoCo, or lint a model. The result is dropped if the text changes in the meantime."""
         analysis = document.analysis
         count = document.count
@@ -538,7 +538,7 @@ class Desk:
             document.verified_lines = analysis.lines
             self._report_found(document)
 
-    def _report_found(self, document: Document) -> None:
+    def _report_found(self, document: OpenFile) -> None:
         analysis = document.analysis
         if analysis is None:
             return
@@ -572,7 +572,7 @@ class Desk:
             kept.append(each if all(holds) else replace(each, fix=None))
         return kept
 
-    async def _holds(self, document: Document, diagnostic: Diagnostic) -> bool:
+    async def _holds(self, document: OpenFile, diagnostic: Diagnostic) -> bool:
         count = document.count
         if document.tried[0] != count:
             document.tried = (count, {})

@@ -30,7 +30,7 @@ def whole() -> Schema:
     return recipe_schema()
 
 
-class Form(Struct):
+class ValueForm(Struct):
     """One way to write a value. `role` is its name in the schema, such as `element.geom`."""
 
     schema: Schema
@@ -41,44 +41,44 @@ class Form(Struct):
         return str(self.schema.get("markdownDescription") or self.schema.get("description") or "")
 
 
-class Key(Struct):
+class KeySyntax(Struct):
     name: str
     doc: str
-    forms: tuple[Form, ...]
+    forms: tuple[ValueForm, ...]
     required: bool = False
 
 
-def forms_at(path: Path, data: Any = None) -> list[Form]:
+def forms_at(path: Path, data: Any = None) -> list[ValueForm]:
     """Return the ways in which the value at a path can be written, in a recipe with this data."""
-    forms = list(_spread(Form(whole()), data))
+    forms = list(_spread(ValueForm(whole()), data))
     for step in path:
         data = _inside(data, step)
         forms = forms_below(forms, step, data)
     return forms
 
 
-def forms_below(forms: list[Form], step: str | int, data: Any) -> list[Form]:
+def forms_below(forms: list[ValueForm], step: str | int, data: Any) -> list[ValueForm]:
     """Return the ways in which a value inside one of these forms can be written. `data` is the outer value."""
     below = [found for form in forms for found in _step(form, step)]
     return [each for found in below for each in _spread(found, data)]
 
 
-def keys_of(forms: list[Form]) -> list[Key]:
+def keys_of(forms: list[ValueForm]) -> list[KeySyntax]:
     """Return the keys that a mapping of these forms can have, in the order of the language."""
-    found: dict[str, Key] = {}
+    found: dict[str, KeySyntax] = {}
     required = {name for form in forms for name in form.schema.get("required", ())}
     for form in forms:
         for name, schema in form.schema.get("properties", {}).items():
             if schema is not False and (name not in found or not found[name].doc):
-                inner = list(_spread(Form(schema), None))
-                doc = Form(schema).doc or next((each.doc for each in inner if each.doc), "")
-                found[name] = Key(name, doc, tuple(inner), name in required)
+                inner = list(_spread(ValueForm(schema), None))
+                doc = ValueForm(schema).doc or next((each.doc for each in inner if each.doc), "")
+                found[name] = KeySyntax(name, doc, tuple(inner), name in required)
         for name in form.schema.get("propertyNames", {}).get("enum", ()):
-            found.setdefault(name, Key(name, "", ()))
+            found.setdefault(name, KeySyntax(name, "", ()))
     return list(found.values())
 
 
-def words_of(forms: list[Form]) -> dict[str, str]:
+def words_of(forms: list[ValueForm]) -> dict[str, str]:
     found: dict[str, str] = {}
     for form in forms:
         schema = form.schema
@@ -100,7 +100,7 @@ def doc_of(path: Path, data: Any = None) -> str:
     return next((form.doc for form in forms_at(path, data) if form.doc), "")
 
 
-def kinds_of(forms: list[Form]) -> list[ElementType]:
+def kinds_of(forms: list[ValueForm]) -> list[ElementType]:
     found: dict[str, ElementType] = {}
     for form in forms:
         match = _ELEMENT.fullmatch(form.role)
@@ -117,23 +117,23 @@ def _inside(data: Any, step: str | int) -> Any:
         return None
 
 
-def _step(form: Form, step: str | int) -> Iterator[Form]:
+def _step(form: ValueForm, step: str | int) -> Iterator[ValueForm]:
     schema = form.schema
     if isinstance(step, int):
         if isinstance(items := schema.get("items"), dict):
-            yield Form(items)
+            yield ValueForm(items)
         return
     if isinstance(found := schema.get("properties", {}).get(step), dict):
-        yield Form(found, f"{form.role}@{step}" if form.role else "")  # an attribute has no name of its own
+        yield ValueForm(found, f"{form.role}@{step}" if form.role else "")  # an attribute has no name of its own
         return
     for pattern, found in schema.get("patternProperties", {}).items():
         if re.search(pattern, step):
-            yield Form(found)
+            yield ValueForm(found)
     if isinstance(found := schema.get("additionalProperties"), dict):
-        yield Form(found)
+        yield ValueForm(found)
 
 
-def _spread(form: Form, data: Any) -> Iterator[Form]:
+def _spread(form: ValueForm, data: Any) -> Iterator[ValueForm]:
     """Yield a form and everything that it refers to, without the alternatives that the data excludes."""
     waiting = [form]
     count = 0
@@ -146,14 +146,14 @@ def _spread(form: Form, data: Any) -> Iterator[Form]:
             name = target.removeprefix("#/$defs/")
             plain = name.removeprefix("piece.")
             kept = each.role if "@" in each.role and not _ELEMENT.fullmatch(plain) else plain
-            waiting.append(Form(whole()["$defs"][name], kept or plain))
+            waiting.append(ValueForm(whole()["$defs"][name], kept or plain))
         possible = [b for b in schema.get("anyOf", ()) if data is None or "type" not in b or _is_type(b["type"], data)]
-        waiting += [Form(branch, each.role) for branch in (*schema.get("allOf", ()), *possible)]
+        waiting += [ValueForm(branch, each.role) for branch in (*schema.get("allOf", ()), *possible)]
         if (condition := schema.get("if")) is not None:
             holds = None if data is None else _holds(condition, data)
             for word, wanted in (("then", True), ("else", False)):
                 if word in schema and (holds is None or holds is wanted):
-                    waiting.append(Form(schema[word], each.role))
+                    waiting.append(ValueForm(schema[word], each.role))
 
 
 def _is_type(types: str | list[str], data: Any) -> bool:

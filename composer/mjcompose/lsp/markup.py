@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mjcompose.base.files import MJCF_FILES, read_regular, unsaved
 from mjcompose.base.sink import Sink
-from mjcompose.lsp.analysis import Analysis, Known, Names, Question, names_in_tree, shown
+from mjcompose.lsp.analysis import Analysis, Known, ModelNames, Question, names_in_tree, shown
 from mjcompose.lsp.cursor import Cursor, Role
 from mjcompose.lsp.places import Wanted
 from mjcompose.sources.fetching import model_files
@@ -87,9 +87,9 @@ class ModelAnalysis(Analysis, slots=False):
     nodes: tuple[Node, ...] = field(default=(), repr=False)
 
     @cached_property
-    def names(self) -> Names:
+    def names(self) -> ModelNames:
         if self.unit is None:
-            return Names()
+            return ModelNames()
         names = names_in_tree(self.unit)
         names.known.setdefault("default", {}).setdefault(MAIN, Known(MAIN, "default", "default"))
         return names

@@ -16,7 +16,7 @@ from mjcompose.lsp.analysis import Hover, Item, Known, Symbol
 from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion, read_unit
 from mjcompose.lsp.places import fitting
 from mjcompose.lsp.subject import declared_by, named_at
-from mjcompose.text.node import Change, changed
+from mjcompose.text.node import TextChange, changed
 from mjcompose.tree.classes import class_in_force, default_text, given, levels, value, written
 from mjcompose.tree.edit import is_copy, multiplies
 from mjcompose.tree.files import is_absolute
@@ -241,7 +241,7 @@ def _items(node: Node, attribute: str, name: str, unit: Unit) -> Iterator[Span]:
                 )
 
 
-class Refused(Exception):
+class RenameRefused(Exception):
     """A reason why a name cannot be changed."""
 
 
@@ -252,7 +252,7 @@ def renameable(question: ModelQuestion) -> Span | None:
     return question.word if found and question.analysis.is_current else None
 
 
-def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]) -> tuple[Known, list[Change]]:
+def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]) -> tuple[Known, list[TextChange]]:
     """Return the changes that a new name needs in the model, and in the `others`, as `including` yields them.
 
     The changed texts are read again: every other name must mean the same. Raises Refused.
@@ -260,36 +260,36 @@ def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]
     known = next(iter(named_at(question)), None)
     own = question.analysis.unit
     if renameable(question) is None or known is None or own is None:
-        raise Refused("only names of elements can be renamed, if the file has no XML errors")
+        raise RenameRefused("only names of elements can be renamed, if the file has no XML errors")
     if not new or new != new.strip() or re.search(r"""["'<>&\n]""", new) or (known.namespace, new) in ALWAYS:
-        raise Refused(f"`{new}` cannot be the name of an element")
-    every: dict[Change, None] = {}
+        raise RenameRefused(f"`{new}` cannot be the name of an element")
+    every: dict[TextChange, None] = {}
     for unit, prefix in ((own, ""), *others):
         there = replace(known, name=prefix + known.name)
         now = prefix + new
         changes = _changes(there, now, unit)
         if changes and not _means_the_same(there, now, unit, changes=changes):
-            raise Refused(f"`{known.name}` cannot be renamed: other names in `{unit.file}` would change")
+            raise RenameRefused(f"`{known.name}` cannot be renamed: other names in `{unit.file}` would change")
         every.update(dict.fromkeys(changes))
     return known, list(every)
 
 
-def _changes(known: Known, new: str, unit: Unit) -> list[Change]:
+def _changes(known: Known, new: str, unit: Unit) -> list[TextChange]:
     index = NameIndex.of(unit.root)
     old = known.name
     node = index.find(known.namespace, old)
     if index.find(known.namespace, new) is not None:
-        raise Refused(f"there is a {known.namespace} `{new}` already, in `{unit.file}`")
+        raise RenameRefused(f"there is a {known.namespace} `{new}` already, in `{unit.file}`")
     if node is not None and declared_by(node) == "file":
-        raise Refused(f"`{old}` has its name from its file: give it a `name` first")
+        raise RenameRefused(f"`{old}` has its name from its file: give it a `name` first")
     others = (each for names in index.uses.values() for each in names if node is not None and multiplies(node))
     if (copy := next((each for each in others if is_copy(each, old)), None)) is not None:
-        raise Refused(f"`{copy}` refers to a copy that MuJoCo makes of `{old}`: rename it by hand")
+        raise RenameRefused(f"`{copy}` refers to a copy that MuJoCo makes of `{old}`: rename it by hand")
     spans = [] if node is None else [unit.origins.span(node, unit.file, declared_by(node))]
-    return [Change(span, new) for span in (*spans, *uses(known, unit))]
+    return [TextChange(span, new) for span in (*spans, *uses(known, unit))]
 
 
-def _means_the_same(known: Known, new: str, unit: Unit, changes: list[Change]) -> bool:
+def _means_the_same(known: Known, new: str, unit: Unit, changes: list[TextChange]) -> bool:
     """Return whether the changed texts are the same model with another name, by reading them again."""
     texts: dict[str, bytes] = {}
     for file, source in unit.origins.texts.items():

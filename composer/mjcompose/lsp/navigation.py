@@ -17,12 +17,12 @@ from mjcompose.lsp import mjcf, subject
 from mjcompose.lsp.analysis import Analysis, Fold, Hint, Hover, Known, Lens, Question, Symbol, shown
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
-from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.lsp.language import ValueForm, kinds_of
 from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_at, part_called, part_of_reference
 from mjcompose.plan.plan import Plan
 from mjcompose.text.layout import format_recipe
-from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, locate, spans
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, TextChange, find, is_template, lines_of, locate, spans
 from mjcompose.tree.names import NameIndex
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.xml_layout import format_mjcf
@@ -170,7 +170,7 @@ def _count(node: Mapping, path: Path, data: dict[str, Any], analysis: Analysis) 
         yield Hint(node.entries[tag][1].span, f"× {len(found)}", ", ".join(map(label, found[:20])))
 
 
-def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], unit: str) -> Iterator[Hint]:
+def _angles(name: str, value: Node, data: dict[str, Any], forms: list[ValueForm], unit: str) -> Iterator[Hint]:
     items = value.items if isinstance(value, Sequence) else (value,)
     numbers = [item for item in items if isinstance(item, Scalar)]
     if len(numbers) != len(items):
@@ -191,7 +191,7 @@ def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], uni
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 
 
-def formatted(text: str, file: str) -> list[Change]:
+def formatted(text: str, file: str) -> list[TextChange]:
     """Return the changes that `fmt` would make, or none if it cannot format the text."""
     layout = format_mjcf if kind_of(File(file), text) == "model" else format_recipe
     result = layout(text.encode("utf-8", "replace"), file, Sink())
@@ -201,7 +201,7 @@ def formatted(text: str, file: str) -> list[Change]:
     after = _LINE.findall(result.decode("utf-8"))
     steps = Alignment(before, after).get_opcodes()
     changed = (rows for kind, *rows in steps if kind != "equal")
-    return [Change(_span(file, first, last, text), "".join(after[low:high])) for first, last, low, high in changed]
+    return [TextChange(_span(file, first, last, text), "".join(after[low:high])) for first, last, low, high in changed]
 
 
 def _span(file: str, first: int, last: int, text: str) -> Span:

@@ -13,9 +13,9 @@ from mjcompose.language.forms.translate import name_scopes
 from mjcompose.language.keyframe import FROM, VECTORS
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.select import NARROWING, read_selector
-from mjcompose.lsp.analysis import Known, Names, Question
+from mjcompose.lsp.analysis import Known, ModelNames, Question
 from mjcompose.lsp.cursor import Path
-from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.lsp.language import ValueForm, kinds_of
 from mjcompose.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR
@@ -113,7 +113,7 @@ def _rows_inside_parts() -> tuple[Path, ...]:
 _PLACES = ("site", "body", "frame")
 
 
-def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+def wanted_value(path: Path, forms: list[ValueForm], around: Any) -> Wanted | None:
     """Return the names that a value can have.
 
     `forms` are the forms of the mapping around it, and `around` are its data.
@@ -149,7 +149,7 @@ def wanted_key(path: Path) -> Wanted | None:
     return Wanted(("joint",), pattern=True) if is_joint else None
 
 
-def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:
+def fitting(wanted: Wanted, names: ModelNames, plan: Plan | None) -> Iterator[tuple[int, Known]]:
     """Yield the names that are allowed, each with a rank. The most likely come first."""
     if wanted.of or wanted.part is not None:
         names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
@@ -209,7 +209,7 @@ def _fits(row: Path, path: Path) -> bool:
     return len(row) == len(path) and all(a in (ANY, b) for a, b in zip(row, path, strict=True))
 
 
-def _selector(path: Path, forms: list[Form]) -> Wanted | None:
+def _selector(path: Path, forms: list[ValueForm]) -> Wanted | None:
     """Return the names that fit after a tag of a selector, or after a key that narrows it down; None elsewhere."""
     last = str(path[-1])
     if not any(form.role in ("selector", "Drop") or form.role.endswith("@select") for form in forms):
@@ -225,7 +225,7 @@ def _selector(path: Path, forms: list[Form]) -> Wanted | None:
     return Wanted(tuple(sorted(name for name in families if name)), tags, pattern=True)
 
 
-def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+def _of_mjcf(path: Path, forms: list[ValueForm], around: Any) -> Wanted | None:
     name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)

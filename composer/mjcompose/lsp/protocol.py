@@ -26,7 +26,7 @@ from mjcompose.base.report import printable
 from mjcompose.bundle.bundle import OutputError
 from mjcompose.bundle.staging import check_own_place
 from mjcompose.lsp import analysis
-from mjcompose.text.node import Change
+from mjcompose.text.node import TextChange
 
 _LENGTH = b"content-length"
 _MOST_LINE = 1 << 16
@@ -270,13 +270,13 @@ class Converter:
         place = None if found.span is None else self.range(found.span)
         return lsp.Hover(_markup(found.text), place)
 
-    def edit(self, changes: Iterable[Change]) -> lsp.WorkspaceEdit:
+    def edit(self, changes: Iterable[TextChange]) -> lsp.WorkspaceEdit:
         files: dict[str, list[lsp.TextEdit]] = {}
         for each in changes:
             files.setdefault(self.uri(each.span), []).append(self.text_edit(each))
         return lsp.WorkspaceEdit(changes=files)
 
-    def text_edit(self, change: Change) -> lsp.TextEdit:
+    def text_edit(self, change: TextChange) -> lsp.TextEdit:
         return lsp.TextEdit(self.range(change.span), change.text)
 
     def action(self, found: analysis.Action, path: Path) -> lsp.CodeAction:

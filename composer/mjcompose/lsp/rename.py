@@ -17,13 +17,13 @@ from mjcompose.lsp import mjcf, subject
 from mjcompose.lsp.analysis import Analysis, Question
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.markup import ModelQuestion
-from mjcompose.lsp.mjcf import Refused
+from mjcompose.lsp.mjcf import RenameRefused
 from mjcompose.lsp.navigation import name_there
 from mjcompose.lsp.places import PART, part_at, part_called
 from mjcompose.plan.plan import Plan
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Key, Mapping, Scalar, find, is_template, locate, walk
+from mjcompose.text.node import Key, Mapping, Scalar, TextChange, find, is_template, locate, walk
 from mjcompose.tree.unit import Unit
 
 _CHOICE = re.compile(r"\{([^{}]*)\}")
@@ -119,7 +119,7 @@ def _at_cursor(uses: Iterable[Span], question: Question) -> Span | None:
 
 def rename(
     question: Question, new: str, others: Iterable[Analysis], models: Iterable[tuple[Unit, str]] = ()
-) -> list[Change]:
+) -> list[TextChange]:
     """Return all changes that a new name needs. Raises Refused.
 
     `others` are the recipes that may include this one or this model, `models` the models that include or attach
@@ -130,7 +130,7 @@ def rename(
     at = _part_at(question)
     parameter = subject.parameter_at(question)
     if renameable(question) is None:
-        raise Refused(
+        raise RenameRefused(
             "only parts, parameters, variants and names of `for` can be renamed, if the recipe has no YAML errors"
         )
     try:
@@ -142,13 +142,13 @@ def rename(
             assert parameter is not None
             changes = _rename_parameter(parameter[0], new, question, others)
     except NotSure as pattern:
-        raise Refused(f"`{pattern}` would match other names afterwards: change it first") from None
+        raise RenameRefused(f"`{pattern}` would match other names afterwards: change it first") from None
     return list(dict.fromkeys(changes))
 
 
 def _rename_in_model(
     question: ModelQuestion, new: str, others: Iterable[Analysis], models: Iterable[tuple[Unit, str]]
-) -> list[Change]:
+) -> list[TextChange]:
     known, changes = mjcf.rename(question, new, models)
     path = os.path.realpath(question.analysis.path)
     for other in others:
@@ -167,24 +167,26 @@ def _rename_in_model(
                     if use.wanted.pattern:
                         changed = renamed(text, there, now, separator=other.separator, pattern=True)
                 except (NotSure, ValueError):
-                    raise Refused(f"`{text}` in `{other.file}` would match other names: change it first") from None
+                    raise RenameRefused(
+                        f"`{text}` in `{other.file}` would match other names: change it first"
+                    ) from None
                 if changed is not None or text == there:
                     changes.append(_written(use.span, changed or now, other))
     return list(dict.fromkeys(changes))
 
 
-def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[Change]:
+def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[TextChange]:
     if (lower := _extended_with(("attach", old), analysis)) is not None:
-        raise Refused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
+        raise RenameRefused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
     step = part_at(("attach", old), analysis.plan)
     if is_template(old) or (step is not None and step.span.turn is not None):
-        raise Refused(f"a `for` makes `{old}`: change the key of its entry")
+        raise RenameRefused(f"a `for` makes `{old}`: change the key of its entry")
     tree = analysis.mapping
     attach = None if tree is None else find(tree, ("attach",))
     if not new or new == RESERVED or any(each.isspace() for each in new) or analysis.separator in new:
-        raise Refused(f"`{new}` cannot be the key of a part")
+        raise RenameRefused(f"`{new}` cannot be the key of a part")
     if isinstance(attach, Mapping) and new in attach.entries:
-        raise Refused(f"there is a part `{new}` already")
+        raise RenameRefused(f"there is a part `{new}` already")
     changes = list(_in_recipe(analysis, "", "", old, new))
     for other in others:
         for outer, prefix in _inclusions(other, analysis):
@@ -198,7 +200,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
     if other.path == analysis.path:
         return
     if plan is None or not other.is_current or other.plan_of != other.text:
-        raise Refused(f"`{other.file}` may use it and has errors: fix these first")
+        raise RenameRefused(f"`{other.file}` may use it and has errors: fix these first")
     if any(source.path == analysis.path for source, _ in plan.extended):
         yield "", ""
     for place in plan.walk():
@@ -206,7 +208,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
             yield place.part, place.prefix
 
 
-def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
+def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[TextChange]:
     """Yield the changes in one recipe that includes this one as the part `outer`, with names after `prefix`."""
     tree = analysis.mapping
     separator = analysis.separator
@@ -236,7 +238,7 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
                 yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
 
 
-def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
+def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[TextChange]:
     for number, line in enumerate(node.text.split("\n")):
         for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
             if node.block is not None:
@@ -247,51 +249,51 @@ def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
                 column = node.span.column + (0 if node.plain else 1) + found.start()
             else:
                 raise NotSure(old)
-            yield Change(Span(node.span.file, row, column, end_line=row, end_column=column + len(old)), new)
+            yield TextChange(Span(node.span.file, row, column, end_line=row, end_column=column + len(old)), new)
 
 
-def _written(span: Span, text: str, analysis: Analysis) -> Change:
+def _written(span: Span, text: str, analysis: Analysis) -> TextChange:
     """Return the change that replaces a name. It keeps the quotes, or adds quotes if the new name needs them."""
     lines = analysis.lines if span.file == analysis.file else []
     before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
-    return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
+    return TextChange(span, quoted(text) if before[:1] in ("'", '"') else word(text))
 
 
-def _rename_turn_name(turn: subject.TurnName, new: str, question: Question) -> list[Change]:
+def _rename_turn_name(turn: subject.TurnName, new: str, question: Question) -> list[TextChange]:
     fault = Sink()
     if not is_usable(Key(new, turn.key.span), "a name of `for`", fault):
-        raise Refused(fault.errors[0].message)
+        raise RenameRefused(fault.errors[0].message)
     if new in subject.settables(question.data):
-        raise Refused(f"there is a parameter or variant `{new}` already")
+        raise RenameRefused(f"there is a parameter or variant `{new}` already")
     tree = question.analysis.tree
     entry = None if tree is None else find(tree, turn.path)
     places = [turn.path, *(() if entry is None else (path for path, _, _ in walk(entry, turn.path)))]
     if any(each.key.name == new for path in places for each in subject.turn_names(tree, path)):
-        raise Refused(f"`for` has a name `{new}` already")
-    return [Change(span, new) for span in turn.uses]
+        raise RenameRefused(f"`for` has a name `{new}` already")
+    return [TextChange(span, new) for span in turn.uses]
 
 
-def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[Change]:
+def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[TextChange]:
     analysis = question.analysis
     for section in ("params", "variants"):
         if (lower := _extended_with((section, old), analysis)) is not None:
-            raise Refused(f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
+            raise RenameRefused(f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
     if not _USABLE.fullmatch(new):
-        raise Refused(f"`{new}` cannot be the name of a parameter")
+        raise RenameRefused(f"`{new}` cannot be the name of a parameter")
     if new in subject.settables(question.data):
-        raise Refused(f"there is a parameter or variant `{new}` already")
-    changes = [Change(span, new) for span in subject.parameter_uses(old, analysis.tree)]
+        raise RenameRefused(f"there is a parameter or variant `{new}` already")
+    changes = [TextChange(span, new) for span in subject.parameter_uses(old, analysis.tree)]
     for other in others:
         for part, _ in _inclusions(other, analysis):
             if not part:
-                changes += [Change(span, new) for span in subject.parameter_uses(old, other.tree)]
+                changes += [TextChange(span, new) for span in subject.parameter_uses(old, other.tree)]
                 continue
             own = other.plan.parts if other.plan is not None else ()  # without the parts of parts
             paths = [step.at for step in own if part_called(step.at, other.plan) == part]
             for at in [(RESERVED,)] if part == RESERVED else paths[:1]:
                 path = (*at, "with", old)
                 if other.mapping is not None and find(other.mapping, path) is not None:
-                    changes.append(Change(locate(other.mapping, path, key=True), new))
+                    changes.append(TextChange(locate(other.mapping, path, key=True), new))
     return changes
 
 

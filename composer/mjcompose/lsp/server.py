@@ -28,10 +28,10 @@ from mjcompose.lsp import language, mjcf, navigation
 from mjcompose.lsp.actions import Offer, actions
 from mjcompose.lsp.analysis import Analysis, Question, shown
 from mjcompose.lsp.completion import complete
-from mjcompose.lsp.desk import Desk, Document
+from mjcompose.lsp.desk import Desk, OpenFile
 from mjcompose.lsp.hover import hover
 from mjcompose.lsp.markup import ModelAnalysis, ModelQuestion
-from mjcompose.lsp.mjcf import Refused
+from mjcompose.lsp.mjcf import RenameRefused
 from mjcompose.lsp.protocol import Converter, Errands, Frames
 from mjcompose.lsp.rename import rename, renameable
 from mjcompose.text.node import lines_of
@@ -41,7 +41,7 @@ _WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"
 _TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'", "<"]
 
 
-class Server(LanguageServer):
+class EditorServer(LanguageServer):
     """The server of one editor; its desk exists once the editor has named its folder."""
 
     def __init__(self) -> None:
@@ -92,7 +92,7 @@ class Server(LanguageServer):
         """Write to the log of the editor. Errors of a provider are logged and do not end the server."""
         self.window_log_message(lsp.LogMessageParams(lsp.MessageType.Error, text))
 
-    def document(self, params: Any) -> Document:
+    def document(self, params: Any) -> OpenFile:
         """Return the open recipe or model that `params` names. Raises NotOpen."""
         document = self.desk.documents.get(self.path(params.text_document.uri))
         if document is None or not document.kind:
@@ -125,8 +125,8 @@ class NotOpen(Exception):
     """The editor names no open recipe: the answer is empty."""
 
 
-server = Server()
-Handler = Callable[[Server, Any], Awaitable[Any]]
+server = EditorServer()
+Handler = Callable[[EditorServer, Any], Awaitable[Any]]
 
 
 def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
@@ -134,7 +134,7 @@ def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
 
     def decorate(handler: Handler) -> Handler:
         @functools.wraps(handler)
-        async def safe(own: Server, params: Any) -> Any:
+        async def safe(own: EditorServer, params: Any) -> Any:
             try:
                 with unsaved(own.desk.texts()):
                     return await handler(own, params)
@@ -153,7 +153,7 @@ def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
 
 
 @server.feature(lsp.INITIALIZED)
-async def initialized(own: Server, params: lsp.InitializedParams) -> None:
+async def initialized(own: EditorServer, params: lsp.InitializedParams) -> None:
     root = own.workspace.root_path
     own.begin(Path(root) if root else Path.cwd())
     asyncio.get_running_loop().run_in_executor(None, language.whole)
@@ -165,45 +165,45 @@ async def initialized(own: Server, params: lsp.InitializedParams) -> None:
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
-async def opened(own: Server, params: lsp.DidOpenTextDocumentParams) -> None:
+async def opened(own: EditorServer, params: lsp.DidOpenTextDocumentParams) -> None:
     document = params.text_document
     own.desk.take(own.path(document.uri), document.text, document.version)
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
-async def changed(own: Server, params: lsp.DidChangeTextDocumentParams) -> None:
+async def changed(own: EditorServer, params: lsp.DidChangeTextDocumentParams) -> None:
     document = params.text_document
     own.desk.change(own.path(document.uri), params.content_changes[-1].text, document.version)
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DID_CLOSE)
-async def closed(own: Server, params: lsp.DidCloseTextDocumentParams) -> None:
+async def closed(own: EditorServer, params: lsp.DidCloseTextDocumentParams) -> None:
     own.desk.close(own.path(params.text_document.uri))
 
 
 @server.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
-async def saved(own: Server, params: lsp.DidSaveTextDocumentParams) -> None:
+async def saved(own: EditorServer, params: lsp.DidSaveTextDocumentParams) -> None:
     own.desk.changed_on_disk([own.path(params.text_document.uri)])
 
 
 @server.feature(lsp.WORKSPACE_DID_CHANGE_WATCHED_FILES)
-async def watched(own: Server, params: lsp.DidChangeWatchedFilesParams) -> None:
+async def watched(own: EditorServer, params: lsp.DidChangeWatchedFilesParams) -> None:
     own.desk.changed_on_disk(own.path(each.uri) for each in params.changes)
 
 
 @server.feature(lsp.SHUTDOWN)
-async def shut(own: Server, params: None) -> None:
+async def shut(own: EditorServer, params: None) -> None:
     own.errands.end()
     await own.desk.shut()
 
 
 @_feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=_TRIGGERS))
-async def completion(own: Server, params: lsp.CompletionParams) -> lsp.CompletionList:
+async def completion(own: EditorServer, params: lsp.CompletionParams) -> lsp.CompletionList:
     return own.converter.completion(complete(await own.question(params, newest=False)))
 
 
 @_feature(lsp.TEXT_DOCUMENT_HOVER)
-async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
+async def hovered(own: EditorServer, params: lsp.HoverParams) -> lsp.Hover | None:
     path = own.path(params.text_document.uri)
     found = hover(await own.question(params, traced=True))
     if own.desk.is_model(path):
@@ -215,12 +215,12 @@ async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
 
 
 @_feature(lsp.TEXT_DOCUMENT_DEFINITION)
-async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Location]:
+async def defined(own: EditorServer, params: lsp.DefinitionParams) -> list[lsp.Location]:
     return own.locations(navigation.definition(await own.question(params, traced=True)))
 
 
 @_feature(lsp.TEXT_DOCUMENT_REFERENCES)
-async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
+async def referred(own: EditorServer, params: lsp.ReferenceParams) -> list[lsp.Location]:
     path = own.path(params.text_document.uri)
     question = await own.question(params, traced=True)
     is_model = own.desk.is_model(path)
@@ -234,25 +234,25 @@ async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Locatio
 
 
 @_feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
-async def may_rename(own: Server, params: lsp.PrepareRenameParams) -> lsp.Range | None:
+async def may_rename(own: EditorServer, params: lsp.PrepareRenameParams) -> lsp.Range | None:
     span = renameable(await own.question(params))
     return None if span is None else own.converter.range(span)
 
 
 @_feature(lsp.TEXT_DOCUMENT_RENAME, lsp.RenameOptions(prepare_provider=True))
-async def renamed(own: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit:
+async def renamed(own: EditorServer, params: lsp.RenameParams) -> lsp.WorkspaceEdit:
     question = await own.question(params)
     try:
         path = question.analysis.path
         models = await own.desk.models_including(path) if own.desk.is_model(path) else []
         changes = rename(question, params.new_name, await own.desk.including(path), models=models)
-    except Refused as refused:
+    except RenameRefused as refused:
         raise JsonRpcException(str(refused), lsp.LSPErrorCodes.RequestFailed) from None
     return own.converter.edit(changes)
 
 
 @_feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix, "refactor.rewrite"]))
-async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
+async def acted(own: EditorServer, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     path = own.path(params.text_document.uri)
     question = await own.question(params, position=params.range.start)
     here = [each for each in own.desk.found(path) if own.converter.meets(each, path, params.range)]
@@ -261,18 +261,18 @@ async def acted(own: Server, params: lsp.CodeActionParams) -> list[lsp.CodeActio
 
 
 @_feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
-async def outlined(own: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
+async def outlined(own: EditorServer, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
     return [own.converter.symbol(each) for each in navigation.symbols(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_FOLDING_RANGE)
-async def folded(own: Server, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
+async def folded(own: EditorServer, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
     found = navigation.folds(own.document(params).lines)
     return [lsp.FoldingRange(each.first, each.last, kind=each.kind) for each in found]
 
 
 @_feature(lsp.TEXT_DOCUMENT_INLAY_HINT)
-async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint]:
+async def hinted(own: EditorServer, params: lsp.InlayHintParams) -> list[lsp.InlayHint]:
     first = params.range.start.line + 1
     last = params.range.end.line + 1
     found = navigation.hints(await own.analysis(params))
@@ -280,12 +280,12 @@ async def hinted(own: Server, params: lsp.InlayHintParams) -> list[lsp.InlayHint
 
 
 @_feature(lsp.TEXT_DOCUMENT_CODE_LENS)
-async def lensed(own: Server, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
+async def lensed(own: EditorServer, params: lsp.CodeLensParams) -> list[lsp.CodeLens]:
     return [own.converter.lens(each) for each in navigation.lenses(await own.analysis(params))]
 
 
 @_feature(lsp.TEXT_DOCUMENT_DOCUMENT_COLOR)
-async def colored(own: Server, params: lsp.DocumentColorParams) -> list[lsp.ColorInformation]:
+async def colored(own: EditorServer, params: lsp.DocumentColorParams) -> list[lsp.ColorInformation]:
     document = own.document(params)
     if document.kind != "model":
         return []
@@ -294,7 +294,7 @@ async def colored(own: Server, params: lsp.DocumentColorParams) -> list[lsp.Colo
 
 
 @_feature(lsp.TEXT_DOCUMENT_COLOR_PRESENTATION)
-async def presented(own: Server, params: lsp.ColorPresentationParams) -> list[lsp.ColorPresentation]:
+async def presented(own: EditorServer, params: lsp.ColorPresentationParams) -> list[lsp.ColorPresentation]:
     """Return a color as MJCF writes it, with an opacity if the old or the new color has one."""
     lines = own.document(params).lines
     place = params.range
@@ -307,14 +307,14 @@ async def presented(own: Server, params: lsp.ColorPresentationParams) -> list[ls
 
 
 @_feature(lsp.TEXT_DOCUMENT_FORMATTING)
-async def laid_out(own: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+async def laid_out(own: EditorServer, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
     document = own.document(params)
     return [own.converter.text_edit(each) for each in navigation.formatted(document.text, str(document.path))]
 
 
 def _command(verb: str) -> None:
     @server.command(f"mjcompose.{verb}")
-    async def run(own: Server, *arguments: str) -> str:
+    async def run(own: EditorServer, *arguments: str) -> str:
         """Return the output of the command, as in a terminal; `view` runs until the editor ends."""
         text, ok = await own.errands.run(verb, *arguments)
         own.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Info if ok else lsp.MessageType.Error, text))

@@ -12,7 +12,7 @@ from mjcompose.language.condition import is_item
 from mjcompose.language.repeat import FOR
 from mjcompose.lsp.analysis import Analysis, Known, Question
 from mjcompose.lsp.cursor import Path
-from mjcompose.lsp.language import Form, forms_at, forms_below
+from mjcompose.lsp.language import ValueForm, forms_at, forms_below
 from mjcompose.lsp.markup import ModelQuestion
 from mjcompose.lsp.places import PART, Wanted, fitting, part_at, wanted_key, wanted_value
 from mjcompose.plan.plan import Plan
@@ -44,8 +44,8 @@ class Formed(NamedTuple):
     key: Key | None
     node: Node
     data: Any
-    forms: list[Form]
-    above: list[Form]
+    forms: list[ValueForm]
+    above: list[ValueForm]
     around: Any
 
 

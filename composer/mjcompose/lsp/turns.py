@@ -12,7 +12,7 @@ from mjcompose.language.repeat import turns_at
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.subject import TurnName
 from mjcompose.text.evaluate import Template, evaluate
-from mjcompose.text.expression import DataTable, Expression, ExpressionError, Item, Name, Value, parse
+from mjcompose.text.expression import DataTable, Expression, ExpressionError, Subscript, Value, Variable, parse
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find
 
 MOST_TURNS = 200
@@ -55,9 +55,9 @@ def readings_in(text: str, scope: Map[str, Value]) -> Iterator[tuple[str, Map[st
                     yield text[piece.start + first : piece.start + last], values
 
 
-def _items(tree: Expression) -> Iterator[Item]:
+def _items(tree: Expression) -> Iterator[Subscript]:
     """Yield the longest readings of an expression."""
-    if isinstance(tree, Item):
+    if isinstance(tree, Subscript):
         yield tree
         return
     for value in (getattr(tree, name) for name in tree.__dataclass_fields__):
@@ -68,10 +68,10 @@ def _items(tree: Expression) -> Iterator[Item]:
 
 def _read(tree: Expression, scope: Map[str, Value]) -> Iterator[tuple[str, Value]]:
     """Yield the values that an expression reads, each with the rows that were chosen because their name is unknown."""
-    if isinstance(tree, Item):
+    if isinstance(tree, Subscript):
         for label, whole in _read(tree.of, scope):
             yield from ((f"{label} {row}".strip(), value) for row, value in _chosen(whole, tree.index, scope))
-    elif isinstance(tree, Name) and tree.key in scope:
+    elif isinstance(tree, Variable) and tree.key in scope:
         yield "", scope[tree.key]
 
 
@@ -116,7 +116,7 @@ def reading_at(before: str, document: Mapping, path: Path) -> Reading | None:
     for scope in scopes(document, path, {}):
         for _, value in _read(tree, scope):
             keys.update(dict.fromkeys(value) if isinstance(value, DataTable) else {})
-    if not keys and isinstance(tree, Item) and isinstance(tree.of, Name):
+    if not keys and isinstance(tree, Subscript) and isinstance(tree.of, Variable):
         keys.update(dict.fromkeys(_declared_columns(document, tree.of.name)))
     opening = found["opening"]
     return Reading(list(keys), found["begun"], opening == ".", opening[-1:] in ("'", '"'))

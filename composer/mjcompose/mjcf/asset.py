@@ -19,7 +19,7 @@ from mjcompose.base.access import ALL, Door
 from mjcompose.base.files import CODE, Refused, read_regular
 from mjcompose.mjcf.errors import MjcfError, failure
 from mjcompose.mjcf.flat import bundle_paths
-from mjcompose.mjcf.model import Model
+from mjcompose.mjcf.model import ModelState
 from mjcompose.tree.edit import BadBone, renamed_skin, skins
 from mjcompose.tree.files import in_archive, join, read_settings, stem, written_path
 
@@ -79,11 +79,11 @@ def wrong_argument(argument: str, what: str, got: object) -> MjcfError:
     return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`")
 
 
-Skins = list[tuple[Model, dict[str, bytes | Path]]]
+Skins = list[tuple[ModelState, dict[str, bytes | Path]]]
 """Models, and their new skin files, by written path."""
 
 
-def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
+def renamed_skins(model: ModelState, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
     """Return the new content of the skin files in which body names change, by their written paths.
 
     `rename` returns the new name of a body, or None if the name stays the same. Raises `MjcfError` for a name that
@@ -100,7 +100,7 @@ def renamed_skins(model: Model, rename: Callable[[str], str | None]) -> dict[str
     return found
 
 
-def skins_after_renaming(model: Model, old: str, new: str, *, is_prefix: bool = False) -> Skins:
+def skins_after_renaming(model: ModelState, old: str, new: str, *, is_prefix: bool = False) -> Skins:
     """Return the new skin files of a model and those above it after a body or the prefix of a child changes."""
     changed: Skins = []
     for here, way in model.levels():
@@ -115,10 +115,10 @@ def skins_after_renaming(model: Model, old: str, new: str, *, is_prefix: bool = 
     return changed
 
 
-def add_files(model: Model, files: Mapping[str, bytes | Path]) -> None:
+def add_files(model: ModelState, files: Mapping[str, bytes | Path]) -> None:
     """Add files to a model's files that are not at their written paths."""
     known = model.unit.contents
-    model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(files)
+    model.unit.contents = (known if isinstance(known, ModelFiles) else ModelFiles(known)).with_files(files)
 
 
 class Owner(Protocol):
@@ -241,7 +241,7 @@ class Asset:
         if (contents is None) == (path is None):
             raise failure("wrong-type", "an `Asset` takes either `contents` or a `path`")
         self._data = contents
-        self._model: Model | None = None
+        self._model: ModelState | None = None
         if path is not None:
             self.path: Path | None = as_path("path", path)
             self.extension = self.path.suffix
@@ -306,7 +306,7 @@ class Asset:
         return f"Asset({str(self.path) if self.path else self.prefix + self.extension!r}{size})"
 
 
-class Files(Mapping[str, bytes | Path]):
+class ModelFiles(Mapping[str, bytes | Path]):
     """The files of a model that are not at their written paths: their bytes or their actual paths, by written path.
 
     A file that the caller gives without a folder is found under its name in any folder.
@@ -316,9 +316,9 @@ class Files(Mapping[str, bytes | Path]):
         self._exact = {join("", name): content for name, content in (given or {}).items()}
         self._anywhere = {name: content for name, content in self._exact.items() if "/" not in name}
 
-    def with_files(self, files: Mapping[str, bytes | Path]) -> Files:
+    def with_files(self, files: Mapping[str, bytes | Path]) -> ModelFiles:
         """Return these files and `files`; each of `files` is found only by its exact path."""
-        more = Files()
+        more = ModelFiles()
         more._exact = {**self._exact, **files}
         more._anywhere = self._anywhere
         return more
@@ -334,7 +334,7 @@ class Files(Mapping[str, bytes | Path]):
         return len(self._exact)
 
 
-def asset_of(model: Model, tag: str, name: str) -> Asset:
+def asset_of(model: ModelState, tag: str, name: str) -> Asset:
     """Return the file that an element with this tag refers to by `name`."""
     unit = model.unit
     written = _written(model, tag, name)
@@ -350,7 +350,7 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
     return asset
 
 
-def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
+def place_asset(model: ModelState, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
     """Return a file name in the model for an asset, and add the file to `contents`. Equal assets share one name."""
     number = 1
     while True:
@@ -365,7 +365,7 @@ def place_asset(model: Model, tag: str, asset: Asset, contents: dict[str, bytes 
         number += 1
 
 
-def _written(model: Model, tag: str, name: str) -> str:
+def _written(model: ModelState, tag: str, name: str) -> str:
     if tag == "model":  # MuJoCo looks for it next to the main file
         return join("", name)
     return written_path(read_settings(model.unit.root), etree.Element(tag), name)

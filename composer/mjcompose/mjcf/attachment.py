@@ -12,7 +12,7 @@ from mjcompose.mjcf import edit
 from mjcompose.mjcf.attributed import targets, view
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import failure
-from mjcompose.mjcf.model import Attachment, Target
+from mjcompose.mjcf.model import AttachedModel, ReferencedNode
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import is_here
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, through_frames
@@ -52,7 +52,7 @@ class AttachmentFrame(Element):
         return text if name is None else text.replace("<body", f'<body name="{escape(name)}"', 1)
 
     @property
-    def _attachment(self) -> Attachment:
+    def _attachment(self) -> AttachedModel:
         return self._model.attachment_of(self._node)
 
     def _add(self, tag: str, position: int | None, attributes: Mapping[str, object]) -> Element:
@@ -62,7 +62,7 @@ class AttachmentFrame(Element):
             raise failure("unknown-element", f"an attachment frame takes joints, got `{tag}`", help=help)
         free = [joint for joint in self._node if _is_free(joint)]
         if free or (len(self._node) and (tag == "freejoint" or attributes.get("type") == "free")):
-            notes = (is_here(Target(self._model, free[0] if free else self._node[0])),)
+            notes = (is_here(ReferencedNode(self._model, free[0] if free else self._node[0])),)
             raise failure("name-clash", "a free joint must be the only joint of a frame", notes=notes)
         kind = self._child_kind(tag)
         self._check_body_name()

@@ -16,7 +16,7 @@ from mjcompose.base.report import short_traceback
 from mjcompose.mjcf import edit
 from mjcompose.mjcf.asset import LiveArray, as_name, asset_of
 from mjcompose.mjcf.errors import MjcfAttributeError, failure, no_attribute
-from mjcompose.mjcf.model import Model, Target
+from mjcompose.mjcf.model import ModelState, ReferencedNode
 from mjcompose.mjcf.value import BadValue, decode, describe, is_reference, resolved
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 from mjcompose.tree.names import own_name
@@ -41,18 +41,18 @@ def register(classes: ViewClasses) -> None:
     _CLASSES[:] = [classes]
 
 
-def view(model: Model, node: Node) -> Any:
+def view(model: ModelState, node: Node) -> Any:
     """Return the only Element of a node, and create it on first access."""
     found = model.views.get(node)
     return model.views.setdefault(node, _class_for(model, node)._of(model, node)) if found is None else found
 
 
-def views(model: Model, tag: str, nodes: Iterable[Node]) -> Any:
+def views(model: ModelState, tag: str, nodes: Iterable[Node]) -> Any:
     """Return the Elements of nodes with the same tag as an `ElementList`."""
     return _CLASSES[0].several(tag, model, nodes)
 
 
-def _class_for(model: Model, node: Node) -> Any:
+def _class_for(model: ModelState, node: Node) -> Any:
     if node.getparent() is not None:
         return class_of(kind_of(node))
     return _CLASSES[0].root if node is model.unit.root else _CLASSES[0].frame
@@ -171,18 +171,18 @@ class Attributed:
     """A view of one node of a model; see `Element`."""
 
     __slots__ = ("_model", "_node", "_removed")
-    _model: Model
+    _model: ModelState
     _node: Node
     _removed: bool
 
-    def __init__(self, model: Model, node: Node) -> None:
+    def __init__(self, model: ModelState, node: Node) -> None:
         """For internal use. To get an Element, call `add`, `find` or a similar method."""
         _set_model(self, model)
         _set_node(self, node)
         _set_removed(self, False)
 
     @classmethod
-    def _of(cls, model: Model, node: Node) -> Self:
+    def _of(cls, model: ModelState, node: Node) -> Self:
         made = cls.__new__(cls)
         Attributed.__init__(made, model, node)
         return made
@@ -344,7 +344,7 @@ def targets(attributes: Mapping[str, object]) -> dict[str, object]:
 
 def _target(value: object) -> object:
     if isinstance(value, Attributed):
-        return Target(value._model, value._node)
+        return ReferencedNode(value._model, value._node)
     if isinstance(value, list | tuple) and any(isinstance(each, Attributed) for each in value):
         return [_target(each) for each in value]
     return value

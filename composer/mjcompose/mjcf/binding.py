@@ -21,7 +21,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.compile import IN_PLACE, ScatteredRows, flat_indices
 from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure
-from mjcompose.mujoco.addresses import RUNS, Run
+from mjcompose.mujoco.addresses import RUNS, RowRange
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.tree.values import shorten
 
@@ -369,7 +369,7 @@ class Binding:
         release = RELEASES.get(field.array)
         return ScatteredRows.of(array, index, *([partial(release, self._model, field.array)] if release else []))
 
-    def _rows(self, run: Run, at: int, field: Field) -> range:
+    def _rows(self, run: RowRange, at: int, field: Field) -> range:
         rows = run.rows(self._model, self._ids[at])
         if run.required is not None and not rows:
             message = f"{self._labels[at]} is not {run.required} and has no `{field.array}`"

@@ -14,7 +14,7 @@ from mjcompose.mjcf.attributed import class_of
 from mjcompose.mjcf.compile import settings
 from mjcompose.mjcf.element import Element
 from mjcompose.mjcf.errors import MjcfWarning, failure
-from mjcompose.mjcf.model import Model
+from mjcompose.mjcf.model import ModelState
 from mjcompose.mjcf.mounting import childclass_at
 from mjcompose.mjcf.node_view import checked
 from mjcompose.mjcf.value import describe
@@ -45,7 +45,9 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
     )
 
 
-def commit(model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False) -> None:
+def commit(
+    model: ModelState, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False
+) -> None:
     """Write attributes onto an actuator so that MuJoCo reads the same actuator with and without its classes.
 
     `given` has the attributes from the classes that the actuator's own tag has. If these are not enough, the actuator
@@ -111,7 +113,7 @@ def _candidates(
     yield general
 
 
-def _replace_by(model: Model, node: Node, other: Node) -> None:
+def _replace_by(model: ModelState, node: Node, other: Node) -> None:
     """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
@@ -129,7 +131,7 @@ def _replace_by(model: Model, node: Node, other: Node) -> None:
 _OF_ATTRIBUTE = "rgb"
 
 
-def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
+def commit_textures(model: ModelState, node: Node, found: DefaultClass) -> None:
     """Write onto a material the textures of its class for the roles that the material itself does not set."""
     own = _by_role(node)
     given: dict[str, str] = {}
@@ -205,7 +207,7 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
     return frozenset(found)
 
 
-def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
+def _commit_all(model: ModelState, node: Node, only: frozenset[str] | None) -> None:
     if (above := model.frame_above(node)) is None:
         classes = Classes(model.unit.root)
         for each in _elements_below(node):
@@ -221,7 +223,7 @@ def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
                 _commit_all(attachment.child, attachment.child.unit.root, only)
 
 
-def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
+def _commit_joints(model: ModelState, top: Node, only: frozenset[str] | None) -> None:
     """Write the defaults onto the joints of an attachment frame, which take the class in force at its host."""
     classes = Classes(model.unit.root)
     for node in top.iter("joint"):
@@ -231,7 +233,7 @@ def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None
         _commit(model, node, _class(model, classes, name), only=only)
 
 
-def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
+def _class(model: ModelState, classes: Classes, name: str | None) -> DefaultClass:
     """Return the class with this name, which may belong to an attached model."""
     if name is not None and name not in classes.by_name:
         found = model.lookup("default", name)
@@ -252,7 +254,7 @@ def _elements_below(top: Node) -> Iterator[Node]:
                 yield node
 
 
-def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] | None) -> None:
+def _commit(model: ModelState, node: Node, found: DefaultClass, only: frozenset[str] | None) -> None:
     if node.tag == "material" and (only is None or "texture" in only):
         commit_textures(model, node, found)
     changes = _changes(node, found)

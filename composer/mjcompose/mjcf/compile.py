@@ -18,7 +18,7 @@ from mjcompose.link.existence import existence_faults
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.errors import MjcfError, error_of, failure, raise_errors
 from mjcompose.mjcf.flat import Flat, contents, copy_unit, flatten, issue_warnings, name_files
-from mjcompose.mjcf.model import Model, Target
+from mjcompose.mjcf.model import ModelState, ReferencedNode
 from mjcompose.mujoco.attributes import NameTable, all_names
 from mjcompose.mujoco.index import compiled_kind, compiled_order, rows
 from mjcompose.mujoco.messages import Topic, locate_fault, parse, translate
@@ -142,7 +142,7 @@ class Snapshot(Struct):
     arrays of its kind.
     """
 
-    models: frozenset[Model]
+    models: frozenset[ModelState]
     known: frozenset[Node]
     rows: Mapping[Node, int]
 
@@ -150,18 +150,18 @@ class Snapshot(Struct):
 class _Copies(Struct, frozen=False):
     """Copies units for the linker and notes the original of each copied node."""
 
-    originals: dict[Node, Target] = field(default_factory=dict)
-    models: set[Model] = field(default_factory=set)
+    originals: dict[Node, ReferencedNode] = field(default_factory=dict)
+    models: set[ModelState] = field(default_factory=set)
 
-    def __call__(self, model: Model) -> Unit:
+    def __call__(self, model: ModelState) -> Unit:
         unit = copy_unit(model)
         self.models.add(model)
         pairs = zip(unit.root.iter("*"), model.unit.root.iter("*"), strict=True)
-        self.originals.update((copy, Target(model, node)) for copy, node in pairs)
+        self.originals.update((copy, ReferencedNode(model, node)) for copy, node in pairs)
         return unit
 
 
-def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
+def compile_model(model: ModelState, conflict: Policy) -> tuple[MjModel, Snapshot]:
     """Compile a composition. Raises `MjcfError` for faults that the linker or MuJoCo finds."""
     copies = _Copies()
     flat = flatten(model, conflict, copies)
@@ -178,7 +178,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     return compiled, _snapshot(model, copies, flat, roster=NameTable(compiled))
 
 
-def snapshot(model: Model, roster: NameTable) -> Snapshot:
+def snapshot(model: ModelState, roster: NameTable) -> Snapshot:
     """Find the elements of a composition by their names in a model that was compiled from other text."""
     copies = _Copies()
     return _snapshot(model, copies, flatten(model, "base", copies), roster=roster)
@@ -217,7 +217,7 @@ def compile_error(error: Exception, text: bytes = b"", flat: Flat | None = None)
     return error_of(replace(diagnostic, span=found.span, notes=(*found.notes, *diagnostic.notes)))
 
 
-def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> Snapshot:
+def _snapshot(model: ModelState, copies: _Copies, flat: Flat, roster: NameTable) -> Snapshot:
     found = {
         copies.originals[node].node: row
         for node, row in rows(compiled_order(flat.unit.root), roster).items()
@@ -226,7 +226,7 @@ def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> S
     known = {original.node for original in copies.originals.values()}
     # Attachment frames that are bodies, and their joints. Other frames have no counterpart in MuJoCo.
     bodies = [each for below in copies.models for each in below.attachments.values() if each.is_body]
-    frames = [Target(each.parent, node) for each in bodies for node in (each.frame, *each.frame)]
+    frames = [ReferencedNode(each.parent, node) for each in bodies for node in (each.frame, *each.frame)]
     for target in (*copies.originals.values(), *frames):
         known.add(target.node)
         kind = None if target.node in found else compiled_kind(target.node)
@@ -288,7 +288,7 @@ def _input(mujoco: Any, signature: int, read: Any) -> str:
     return " ".join(each.name.partition("_")[2].lower() for each in names)
 
 
-def to_spec(model: Model, conflict: Policy) -> Any:
+def to_spec(model: ModelState, conflict: Policy) -> Any:
     """Return the composition as a `mujoco.MjSpec`. See `RootElement.to_spec`."""
     mujoco = engine()
     flat = flatten(model, conflict)

@@ -18,7 +18,7 @@ from mjcompose.base.suggest import did_you_mean
 from mjcompose.link.linking import detach
 from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_after_renaming
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
-from mjcompose.mjcf.model import Attachment, Model, Target
+from mjcompose.mjcf.model import AttachedModel, ModelState, ReferencedNode
 from mjcompose.mjcf.value import BadValue, describe, encode, is_here, is_reference, name_for, namespace_of, plain_text
 from mjcompose.tree.classes import MAIN, ORIENTATIONS
 from mjcompose.tree.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
@@ -28,7 +28,7 @@ from mjcompose.tree.names import MAY_REPEAT
 from mjcompose.tree.select import attribute_of, kind_of, naming_attribute, spoken
 
 
-def remove(model: Model, node: Node, cascade: bool) -> None:
+def remove(model: ModelState, node: Node, cascade: bool) -> None:
     """Remove a node from its model. A top-level section stays and is emptied."""
     if node is model.unit.root:
         help = "`detach()` removes an attached model from the model that it is attached to"
@@ -39,7 +39,7 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
         _take_out(here, going)
 
 
-def discard(model: Model, node: Node) -> None:
+def discard(model: ModelState, node: Node) -> None:
     """Remove a node and everything below it from the model's indexes, before it is removed from the tree."""
     for each in node.iter("*"):
         model.forget(each)
@@ -49,7 +49,7 @@ def discard(model: Model, node: Node) -> None:
         model.unit.origins.settings.pop(each, None)
 
 
-def _take_out(model: Model, node: Node) -> None:
+def _take_out(model: ModelState, node: Node) -> None:
     inside = set(node.iter("*"))
     for prefix, attachment in list(model.attachments.items()):
         if attachment.host in inside:
@@ -66,7 +66,7 @@ def _take_out(model: Model, node: Node) -> None:
     detach(node)
 
 
-def release(model: Model, prefix: str) -> None:
+def release(model: ModelState, prefix: str) -> None:
     """Remove an attachment. The child becomes an independent model again."""
     attachment = model.attachments[prefix]
     discard(model, attachment.frame)
@@ -74,30 +74,30 @@ def release(model: Model, prefix: str) -> None:
     attachment.child.hung = None
 
 
-class Edit(Struct, frozen=False):
+class AttributeEdit(Struct, frozen=False):
     """The attributes to write, with None for attributes to remove, and the bytes of the files that they name."""
 
     texts: dict[str, str | None] = field(default_factory=dict)
     contents: dict[str, bytes | Path] = field(default_factory=dict)
-    given: dict[Target, str] = field(default_factory=dict)
+    given: dict[ReferencedNode, str] = field(default_factory=dict)
     """Names for unnamed elements that something refers to."""
-    awaited: dict[str, tuple[Target, str]] = field(default_factory=dict)
+    awaited: dict[str, tuple[ReferencedNode, str]] = field(default_factory=dict)
     """References to elements of models that are not in one composition with this one yet, by attribute."""
     skins: Skins = field(default_factory=list)
     """Skin files that contain the name of a renamed body."""
-    renaming: Renaming[Model] | None = None
+    renaming: Renaming[ModelState] | None = None
     """The references that follow a new name."""
     nameless: bool = False
     """Whether no attribute involves names."""
 
 
 def check(
-    model: Model,
+    model: ModelState,
     kind: ElementType,
     values: Mapping[str, object],
     node: Node | None = None,
-    frame: Attachment | None = None,
-) -> Edit:
+    frame: AttachedModel | None = None,
+) -> AttributeEdit:
     """Check the values, and return the edit that sets them on `node`, or on a new element if `node` is None.
 
     `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
@@ -110,7 +110,7 @@ def check(
             return edit
     if frame is None and node is not None and (above := model.frame_above(node)) is not None:
         frame = model.attachment_of(above)
-    edit = Edit()
+    edit = AttributeEdit()
     _write_texts(model, kind, values, edit=edit, node=node)
     _check_orientation(kind, edit)
     _check_name(model, kind, edit, node=node, frame=frame)
@@ -119,18 +119,20 @@ def check(
     return edit
 
 
-def _nameless_edit(kind: ElementType, name: str, value: object) -> Edit | None:
+def _nameless_edit(kind: ElementType, name: str, value: object) -> AttributeEdit | None:
     """Return the edit of one attribute that involves no names and whose value needs no other check, or None."""
     attribute = attribute_of(kind, name)
     if attribute is None or not is_nameless(kind, attribute):
         return None
     if value is None:
-        return Edit({attribute.name: None}, nameless=True)
+        return AttributeEdit({attribute.name: None}, nameless=True)
     text = plain_text(attribute, value)
-    return None if text is None else Edit({attribute.name: text}, nameless=True)
+    return None if text is None else AttributeEdit({attribute.name: text}, nameless=True)
 
 
-def _write_texts(model: Model, kind: ElementType, values: Mapping[str, object], edit: Edit, node: Node | None) -> None:
+def _write_texts(
+    model: ModelState, kind: ElementType, values: Mapping[str, object], edit: AttributeEdit, node: Node | None
+) -> None:
     """Write the texts of the values into an edit, in the order of the values. Raises `MjcfError` for an invalid one."""
     attributes: dict[str, Attribute] = {}
     for name in values:
@@ -152,7 +154,7 @@ def _write_texts(model: Model, kind: ElementType, values: Mapping[str, object], 
     edit.texts = {attribute.name: edit.texts[attribute.name] for attribute in attributes.values()}
 
 
-def _check_orientation(kind: ElementType, edit: Edit) -> None:
+def _check_orientation(kind: ElementType, edit: AttributeEdit) -> None:
     """Raise `MjcfError` if an edit sets several orientations."""
     orientations = [name for name in ORIENTATIONS if edit.texts.get(name)]
     if len(orientations) > 1:
@@ -160,7 +162,7 @@ def _check_orientation(kind: ElementType, edit: Edit) -> None:
         raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}")
 
 
-def _rename_in_skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> None:
+def _rename_in_skins(model: ModelState, kind: ElementType, edit: AttributeEdit, node: Node) -> None:
     """Give an edit that renames a body the skin files that contain the body's name."""
     naming = naming_attribute(kind)
     if naming is None or naming.declares != "body":
@@ -172,7 +174,12 @@ def _rename_in_skins(model: Model, kind: ElementType, edit: Edit, node: Node) ->
 
 
 def _text(
-    model: Model, kind: ElementType, attribute: Attribute, value: object, written: Mapping[str, str], edit: Edit
+    model: ModelState,
+    kind: ElementType,
+    attribute: Attribute,
+    value: object,
+    written: Mapping[str, str],
+    edit: AttributeEdit,
 ) -> str | None:
     if value is None:
         return None
@@ -180,23 +187,23 @@ def _text(
         if attribute.type != "file":
             raise BadValue("expects no file, got an `Asset`")
         return place_asset(model, kind.tag, value, contents=edit.contents)
-    several = isinstance(value, list | tuple) and any(isinstance(each, Target) for each in value)
-    if isinstance(value, Target) or several:
+    several = isinstance(value, list | tuple) and any(isinstance(each, ReferencedNode) for each in value)
+    if isinstance(value, ReferencedNode) or several:
         if not is_reference(attribute):
             raise BadValue("expects no element, got one")
         if several and attribute.type != "references":
             raise BadValue("expects one element, got a list")
         namespace = namespace_of(attribute, written)
-        names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
+        names = [value] if isinstance(value, ReferencedNode) else list(value)  # type: ignore[call-overload]
         name_of = partial(name_for, model, attribute, namespace=namespace, given=edit.given)
-        texts = [name_of(each) if isinstance(each, Target) else encode(attribute, each) for each in names]
-        if isinstance(value, Target) and model.prefix_of(value.model) is None:
+        texts = [name_of(each) if isinstance(each, ReferencedNode) else encode(attribute, each) for each in names]
+        if isinstance(value, ReferencedNode) and model.prefix_of(value.model) is None:
             edit.awaited[attribute.name] = value, texts[0]
         return " ".join(texts)
     return encode(attribute, value)
 
 
-def write(model: Model, node: Node, edit: Edit) -> None:
+def write(model: ModelState, node: Node, edit: AttributeEdit) -> None:
     """Carry out an edit that has been checked."""
     _prepare(model, edit)
     for changed, files in edit.skins:
@@ -223,7 +230,7 @@ def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
     return attribute.is_number or attribute.type == "bool"
 
 
-def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
+def create(model: ModelState, parent: Node, tag: str, edit: AttributeEdit, position: int | None) -> Node:
     """Create an element below `parent`, at the end or before the child at `position`, and return it."""
     _prepare(model, edit)
     node = parent.makeelement(tag, {name: text for name, text in edit.texts.items() if text is not None})
@@ -246,7 +253,7 @@ def _child_at(parent: Node, position: int) -> Node | None:
     return next(from_the_end, next(parent.iterchildren("*"), None))
 
 
-def _prepare(model: Model, edit: Edit) -> None:
+def _prepare(model: ModelState, edit: AttributeEdit) -> None:
     """Add the files of an edit, and give names to the referenced elements that have none."""
     if edit.contents:
         add_files(model, edit.contents)
@@ -258,7 +265,9 @@ def _prepare(model: Model, edit: Edit) -> None:
         target.note(node)
 
 
-def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None) -> None:
+def _check_name(
+    model: ModelState, kind: ElementType, edit: AttributeEdit, node: Node | None, frame: AttachedModel | None
+) -> None:
     """Raise `MjcfError` if the name that an edit sets is already used in the composition."""
     attribute = naming_attribute(kind)
     if attribute is None or attribute.declares is None:
@@ -278,7 +287,7 @@ def _check_name(model: Model, kind: ElementType, edit: Edit, node: Node | None, 
         _check_unique(model, namespace, name, node=node)
 
 
-def _name_after(kind: ElementType, attribute: Attribute, edit: Edit, node: Node | None) -> str | None:
+def _name_after(kind: ElementType, attribute: Attribute, edit: AttributeEdit, node: Node | None) -> str | None:
     """Return the name that an element has after an edit, which may come from its file."""
     texts: dict[str, str | None] = {} if node is None else {str(key): str(text) for key, text in node.items()}
     texts.update(edit.texts)
@@ -289,7 +298,7 @@ def _name_after(kind: ElementType, attribute: Attribute, edit: Edit, node: Node 
     return name
 
 
-def _follow_name(model: Model, namespace: str, name: str, edit: Edit, node: Node) -> None:
+def _follow_name(model: ModelState, namespace: str, name: str, edit: AttributeEdit, node: Node) -> None:
     """Let references follow the new name of an element. Raises `MjcfError` if it cannot have this name."""
     if namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
         raise failure("wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`")
@@ -299,7 +308,7 @@ def _follow_name(model: Model, namespace: str, name: str, edit: Edit, node: Node
         check_lists(edit.renaming)
 
 
-def _check_unique(model: Model, namespace: str, name: str, node: Node | None) -> None:
+def _check_unique(model: ModelState, namespace: str, name: str, node: Node | None) -> None:
     """Raise `MjcfError` if another element of the composition has the name."""
     taken = model.top.lookup(namespace, model.full_prefix + name)
     if taken is None or (taken.model is model and taken.node is node):
@@ -309,7 +318,7 @@ def _check_unique(model: Model, namespace: str, name: str, node: Node | None) ->
     raise failure(code, message, notes=(is_here(taken),), help="give one of the two another name")
 
 
-def check_lists(renaming: Renaming[Model]) -> None:
+def check_lists(renaming: Renaming[ModelState]) -> None:
     """Raise `MjcfError` if a new name contains a space and would have to be in a list of names."""
     for reference, new in renaming.unlistable():
         here = reference.model
@@ -319,7 +328,7 @@ def check_lists(renaming: Renaming[Model]) -> None:
 
 
 def _bad_value(
-    kind: ElementType, attribute: Attribute, fault: BadValue, model: Model, name: object, node: Node | None
+    kind: ElementType, attribute: Attribute, fault: BadValue, model: ModelState, name: object, node: Node | None
 ) -> MjcfError:
     what = f"`<{kind.tag}>`" + (f" `{name}`" if isinstance(name, str) else "")
     what = what if node is None else describe(model, node)

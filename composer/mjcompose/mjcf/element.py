@@ -16,13 +16,13 @@ from mjcompose.base.report import short_traceback
 from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf import edit, traversal
-from mjcompose.mjcf.asset import Files, as_index, as_name
+from mjcompose.mjcf.asset import ModelFiles, as_index, as_name
 from mjcompose.mjcf.attributed import targets, view
 from mjcompose.mjcf.compile import to_spec
 from mjcompose.mjcf.edit import remove
 from mjcompose.mjcf.errors import MjcfKeyError, error_of, failure, unknown_tag
 from mjcompose.mjcf.include import duplicate, include_copy
-from mjcompose.mjcf.model import UNNAMED, Model, Target
+from mjcompose.mjcf.model import UNNAMED, ModelState, ReferencedNode
 from mjcompose.mjcf.node_view import NodeView, RootView, attach, model_of, set_model_name
 from mjcompose.mjcf.physics import Physics, page_with_picture
 from mjcompose.tree.grammar import ElementType
@@ -186,7 +186,7 @@ class Element(NodeView):
             known: Element | None = traversal.cached_element(model, tag, name)
             if known is not None:
                 return known
-        found = traversal.find_first(Target(self._alive()._model, node), tag, name)
+        found = traversal.find_first(ReferencedNode(self._alive()._model, node), tag, name)
         return None if found is None else view(*found)
 
     @short_traceback
@@ -207,7 +207,7 @@ class Element(NodeView):
         >>> model.worldbody.find_all('body', immediate_children_only=True) == [arm]
         True
         """
-        here = Target(self._alive()._model, self._node)
+        here = ReferencedNode(self._alive()._model, self._node)
         every = traversal.find_every(here, tag, immediate_children_only)
         return [view(*found) for found in every if not exclude_attachments or found.model is here.model]
 
@@ -267,7 +267,7 @@ class RootElement(RootView, Mujoco):
     def __init__(self, model: str | None = None) -> None:
         """Make an empty model named `model`. Paths of files added to it are relative to the working directory."""
         super().__init__(
-            Model(Unit(etree.Element("mujoco"), UNNAMED, Path(), label=UNNAMED, contents=Files(), door=ALL)),
+            ModelState(Unit(etree.Element("mujoco"), UNNAMED, Path(), label=UNNAMED, contents=ModelFiles(), door=ALL)),
             etree.Element("mujoco"),
         )
         object.__setattr__(self, "_node", self._model.unit.root)
@@ -386,7 +386,7 @@ class RootElement(RootView, Mujoco):
         return _root_of(duplicate(self._model, memo))
 
 
-def _root_of(model: Model) -> RootElement:
+def _root_of(model: ModelState) -> RootElement:
     root = view(model, model.unit.root)
     assert isinstance(root, RootElement)
     return root
@@ -412,7 +412,7 @@ class ElementList(Sequence[_E]):
 
     __slots__ = ("_model", "_nodes", "_viewed", "tag")
 
-    def __init__(self, tag: str, model: Model, nodes: Iterable[Node]) -> None:
+    def __init__(self, tag: str, model: ModelState, nodes: Iterable[Node]) -> None:
         """For internal use. A list of elements is read from an attribute such as `body.geom`."""
         self.tag = tag
         self._model = model

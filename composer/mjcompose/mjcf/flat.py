@@ -23,12 +23,12 @@ from mjcompose.link.collect import collect, read
 from mjcompose.link.defaults import choose_classes
 from mjcompose.link.files import ASSETS, is_settled
 from mjcompose.link.link import finish, link, link_alone
-from mjcompose.link.linking import FileUse, Linking, Measure, Policy, Request
+from mjcompose.link.linking import FileUse, Linking, LinkRequest, ModelMeasure, Policy
 from mjcompose.link.measure import measure_with
 from mjcompose.link.settings import FOLDERS
 from mjcompose.link.unit_keys import layouts
 from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
-from mjcompose.mjcf.model import UNNAMED, Model
+from mjcompose.mjcf.model import UNNAMED, ModelState
 from mjcompose.mjcf.mounting import Mounting, without_outward
 from mjcompose.mjcf.value import describe, describe_target
 from mjcompose.mujoco.engine import Session
@@ -123,7 +123,7 @@ _FILE = ' file="'
 _COMPILER = "<compiler"
 
 
-def relocated_text(model: Model, label: str) -> str | None:
+def relocated_text(model: ModelState, label: str) -> str | None:
     """Return the text that the linker would give for the model alone, or None if more than folders would change.
 
     Text is only replaced if it occurs as often in the text as in the tree, so a comment that looks like an attribute is
@@ -175,7 +175,7 @@ def _without_folders(unit: Unit, text: str) -> str | None:
 _SHOWN = 20
 
 
-def check_references(model: Model, sink: Sink) -> None:
+def check_references(model: ModelState, sink: Sink) -> None:
     """Report each name that is referred to but does not exist, with all elements that refer to it.
 
     References in default classes are not checked. A name that MuJoCo may generate itself, such as the names of a
@@ -201,7 +201,7 @@ def check_references(model: Model, sink: Sink) -> None:
                     _report(each, namespace, name, users=heeded, sink=sink)
 
 
-def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sink) -> None:
+def _report(model: ModelState, namespace: str, name: str, users: list[Use], sink: Sink) -> None:
     notes = [
         Note(f"{describe(model, node)} refers to it by `{spoken(attribute)}`", model.span(node))
         for node, attribute in users[:_SHOWN]
@@ -247,7 +247,7 @@ class Flat(Struct):
     is_measured: bool
 
 
-def copy_unit(model: Model) -> Unit:
+def copy_unit(model: ModelState) -> Unit:
     """Return a copy of the model's unit, which the linker may change."""
     unit = model.unit.copied()
     unit.label = label(model)
@@ -256,19 +256,19 @@ def copy_unit(model: Model) -> Unit:
     return unit
 
 
-def label(model: Model) -> str:
+def label(model: ModelState) -> str:
     """Return the name of the folder for a model's files."""
     known = model.unit.label
     return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
 
 
-def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copy_unit) -> Flat:
+def flatten(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Unit] = copy_unit) -> Flat:
     """Link a model and everything attached to it, from units of `copy`. Raises `MjcfError` with the faults."""
     _check(model, conflict)
     return link_checked(model, conflict, copy, check_keys=True)
 
 
-def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
+def link_checked(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Unit], *, check_keys: bool) -> Flat:
     """Link a model whose references have been checked; with `check_keys`, report keyframes that do not fit."""
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
@@ -276,7 +276,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
     prefixes = (UP, *(part.prefix for part in mounting.parts), *outward)
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
-    started: list[Measure] = []
+    started: list[ModelMeasure] = []
     with ExitStack() as ending:
 
         def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
@@ -286,7 +286,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
             return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
         measured = measure if mounting.parts else None
-        linking = Linking(mounting.base, mounting.parts, sink, request=Request(conflict=conflict), measure=measured)
+        linking = Linking(mounting.base, mounting.parts, sink, request=LinkRequest(conflict=conflict), measure=measured)
         if not mounting.parts:
             if check_keys:
                 layouts(linking)
@@ -307,7 +307,7 @@ def link_checked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], 
     return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)), is_measured=bool(started))
 
 
-def _check(model: Model, conflict: Policy) -> None:
+def _check(model: ModelState, conflict: Policy) -> None:
     """Raise `MjcfError` if `conflict` is not a policy, or if the target of a reference does not exist."""
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
@@ -323,7 +323,7 @@ def issue_warnings(warnings: list[Diagnostic]) -> None:
         warn(render(each), MjcfWarning)
 
 
-def text(model: Model, conflict: Policy) -> str:
+def text(model: ModelState, conflict: Policy) -> str:
     """Return the composition as MJCF text. See `RootElement.to_xml_string`."""
     state = _state(model, conflict) if model.attachments else None
     if model.written is not None and model.written[0] == state:
@@ -341,7 +341,7 @@ def text(model: Model, conflict: Policy) -> str:
     return found
 
 
-def _state(model: Model, conflict: Policy) -> list[object] | None:
+def _state(model: ModelState, conflict: Policy) -> list[object] | None:
     """Return everything that the text of a composition depends on, without linking; None if it has files on disk."""
     state: list[object] = [conflict]
     folders: dict[str, Path] = {}
@@ -372,7 +372,7 @@ def name_files(flat: Flat) -> None:
             rename_file(use.element, use.attribute, name)
 
 
-def assets(model: Model) -> dict[str, bytes]:
+def assets(model: ModelState) -> dict[str, bytes]:
     """Return the bytes of the composition's files by name. See `RootElement.assets`."""
     return contents(flatten(model, "base"))
 
@@ -388,7 +388,7 @@ def contents(flat: Flat) -> dict[str, bytes]:
     return found
 
 
-def bundle_paths(model: Model) -> dict[bytes | Path, str]:
+def bundle_paths(model: ModelState) -> dict[bytes | Path, str]:
     """Return the path of each file in an export, by the file's source path or its bytes. Raises `MjcfError`."""
     flat = flatten(model, "base")
     sink = Sink()

@@ -19,17 +19,17 @@ from mjcompose.base.sink import Sink
 from mjcompose.mjcf.asset import Asset, add_files, asset_of, place_asset
 from mjcompose.mjcf.attributed import Attributed, view
 from mjcompose.mjcf.errors import MjcfWarning, raise_errors
-from mjcompose.mjcf.model import Attachment, Model
+from mjcompose.mjcf.model import AttachedModel, ModelState
 from mjcompose.mjcf.value import describe
-from mjcompose.tree.files import NAMED_AFTER_FILE, Settings, file_attributes, join
+from mjcompose.tree.files import NAMED_AFTER_FILE, SourceSettings, file_attributes, join
 from mjcompose.tree.names import own_name, word
 from mjcompose.tree.unit import FileText, Origins, Unit, counterpart
 from mjcompose.tree.values import items, parse_real
 
 
-def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
+def duplicate(model: ModelState, memo: dict[int, Any] | None = None) -> ModelState:
     """Return an unattached copy of a model with everything attached to it; `memo` gets the copy of each root."""
-    twin = Model(model.unit.copied())
+    twin = ModelState(model.unit.copied())
     if memo is not None:
         memo[id(view(model, model.unit.root))] = view(twin, twin.unit.root)
     for (node, attribute), awaited in model.awaited.items():
@@ -39,7 +39,7 @@ def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
         child = duplicate(attachment.child, memo)
         frame = copy.deepcopy(attachment.frame)
         host = counterpart(attachment.host, model.unit.root, twin.unit.root)
-        child.hung = twin.attachments[child.prefix] = Attachment(twin, child, host, frame=frame)
+        child.hung = twin.attachments[child.prefix] = AttachedModel(twin, child, host, frame=frame)
         twin.unit.origins.owners.update(model.unit.origins.carried(attachment.frame, frame).owners)
         for joint in frame:
             twin.note(joint)
@@ -107,7 +107,7 @@ class _Composition(Struct):
     attached: list[_Attached]
 
     @classmethod
-    def of(cls, model: Model) -> _Composition:
+    def of(cls, model: ModelState) -> _Composition:
         unit = model.unit
         places = {node: at for at, node in enumerate(unit.root.iter())} if model.attachments else {}
         attached = [
@@ -118,16 +118,16 @@ class _Composition(Struct):
         header = list(map(unit.root.index, unit.header))
         return cls(_Tree.of(unit.root, unit.origins), header, kept, texts=unit.origins.texts, attached=attached)
 
-    def restored(self) -> Model:
+    def restored(self) -> ModelState:
         origins = Origins(texts=self.texts)
         root = self.tree.restored(origins)
         header = tuple(root[at] for at in self.header)
-        model = Model(Unit(root, origins=origins, header=header, **self.kept))
+        model = ModelState(Unit(root, origins=origins, header=header, **self.kept))
         nodes = list(root.iter()) if self.attached else []
         for each in self.attached:
             child = each.child.restored()
             frame = each.frame.restored(origins)
-            child.hung = model.attachments[child.prefix] = Attachment(model, child, nodes[each.host], frame=frame)
+            child.hung = model.attachments[child.prefix] = AttachedModel(model, child, nodes[each.host], frame=frame)
             for joint in frame:
                 model.note(joint)
         return model
@@ -163,7 +163,7 @@ def _element(root: Attributed, prefix: str | None, place: int) -> Any:
     return view(model, next(node for at, node in enumerate(top.iter()) if at == place))
 
 
-def take_model(model: Model, source: Unit, element: Node) -> None:
+def take_model(model: ModelState, source: Unit, element: Node) -> None:
     """Let a moved `<model>` name the same file. A file in memory is copied with its folder, to which it may refer."""
     file = join("", str(element.get("file")))
     beside = posixpath.dirname(file)
@@ -185,7 +185,7 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
     add_files(model, files)
 
 
-def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
+def _are_free(model: ModelState, files: dict[str, bytes | Path]) -> bool:
     """Return whether none of these paths is used by a different file."""
     directory = str(model.unit.directory)
     known = dict(model.unit.contents)
@@ -213,7 +213,7 @@ class _Setting(NamedTuple):
     node: Node
 
 
-def include_copy(model: Model, other: Model, override: bool) -> None:
+def include_copy(model: ModelState, other: ModelState, override: bool) -> None:
     """Copy the contents of `other` into `model`. See `RootElement.include_copy`."""
     source = duplicate(other)
     sink = Sink()
@@ -243,7 +243,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
     _take_attachments(model, source)
 
 
-def _report_conflicts(model: Model, other: Model, source: Model, sink: Sink) -> None:
+def _report_conflicts(model: ModelState, other: ModelState, source: ModelState, sink: Sink) -> None:
     """Report the settings that differ. `source` is the copy of `other`."""
     for conflict in _conflicts(model, source):
         path = "/".join(conflict.path)
@@ -255,7 +255,7 @@ def _report_conflicts(model: Model, other: Model, source: Model, sink: Sink) -> 
         sink.error("option-conflict", message, call_site(), notes=notes, help=_OVERRIDE)
 
 
-def _overridden(model: Model, other: Model, source: Model) -> list[str]:
+def _overridden(model: ModelState, other: ModelState, source: ModelState) -> list[str]:
     """Return in words the settings that change the elements of one of the models. `source` is the copy of `other`."""
     messages = []
     for conflict in _conflicts(model, source):
@@ -268,7 +268,7 @@ def _overridden(model: Model, other: Model, source: Model) -> list[str]:
     return messages
 
 
-def _copy_settings(model: Model, source: Model) -> None:
+def _copy_settings(model: ModelState, source: ModelState) -> None:
     for setting in _settings(source.unit.root):
         if setting.attribute in _FOLDERS and setting.path == ("compiler",):
             continue
@@ -278,7 +278,7 @@ def _copy_settings(model: Model, source: Model) -> None:
         place.set(setting.attribute, setting.value)
 
 
-def _take_attachments(model: Model, source: Model) -> None:
+def _take_attachments(model: ModelState, source: ModelState) -> None:
     for prefix, attachment in source.attachments.items():
         if attachment.host.getparent() is source.unit.root:
             attachment.host = model.section(str(attachment.host.tag))
@@ -299,7 +299,7 @@ class _Conflict(NamedTuple):
     theirs: _Setting | None
 
 
-def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
+def _conflicts(model: ModelState, source: ModelState) -> Iterator[_Conflict]:
     """Yield the settings that differ, and the settings that would change the meaning of elements of either model."""
     mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
     theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
@@ -311,7 +311,7 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
         one, other = (None if each is None else each.value for each in (mine.get(key), theirs.get(key)))
         if path[0] in _READ_BY and both_have_elements:
             if path == ("compiler",):
-                default = getattr(Settings(), attribute, None)
+                default = getattr(SourceSettings(), attribute, None)
                 one = default if one is None else one
                 other = default if other is None else other
         elif one is None or other is None:
@@ -320,7 +320,7 @@ def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
             yield _Conflict(path, attribute, mine.get(key), theirs=theirs.get(key))
 
 
-def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
+def _check_names(model: ModelState, source: ModelState, other: ModelState, sink: Sink) -> None:
     top = model.top
     prefix = model.full_prefix
     for namespace, names in source.names.declared.items():
@@ -345,7 +345,7 @@ def _settings(root: Node) -> Iterator[_Setting]:
         yield from (_Setting(path, str(name), str(value), node=node) for name, value in node.items())
 
 
-def _move(model: Model, source: Model) -> Iterator[Node]:
+def _move(model: ModelState, source: ModelState) -> Iterator[Node]:
     """Move everything that is not a setting to `model`, and yield the moved nodes."""
     origins = model.unit.origins
     for section in list(source.unit.root.iterchildren("*")):
@@ -366,7 +366,7 @@ def _move(model: Model, source: Model) -> Iterator[Node]:
         origins.texts.setdefault(file, text)
 
 
-def _files(source: Model) -> list[tuple[Node, str, Asset]]:
+def _files(source: ModelState) -> list[tuple[Node, str, Asset]]:
     """Return node, attribute and asset of each file; an element named after its file gets that name as `name`."""
     found = []
     for node, attribute, name in file_attributes(source.unit.root):

@@ -24,14 +24,14 @@ from mjcompose.tree.unit import Unit
 UNNAMED = "unnamed_model"
 
 
-class Target(NamedTuple):
+class ReferencedNode(NamedTuple):
     """A node and the model that it belongs to."""
 
-    model: Model
+    model: ModelState
     node: Node
 
 
-class Attachment(Struct, frozen=False, eq=False):
+class AttachedModel(Struct, frozen=False, eq=False):
     """A model attached to another: to `host`, a site, body, frame or the worldbody of `parent`.
 
     `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are the joints between
@@ -41,13 +41,13 @@ class Attachment(Struct, frozen=False, eq=False):
     made: ClassVar[int] = 0
     """The number of these in this process so far."""
 
-    parent: Model
-    child: Model
+    parent: ModelState
+    child: ModelState
     host: Node
     frame: Node
 
     def __post_init__(self) -> None:
-        Attachment.made += 1
+        AttachedModel.made += 1
         for model in (self.parent, self.child):
             model.names  # noqa: B018  # whether they lead out is known only then
 
@@ -87,7 +87,7 @@ class Attachment(Struct, frozen=False, eq=False):
 
 
 @dataclass(eq=False)
-class Model:
+class ModelState:
     """The state shared by a `RootElement` and all Elements of one model.
 
     Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
@@ -98,10 +98,10 @@ class Model:
 
     unit: Unit
     views: dict[Node, Any] = field(default_factory=dict)
-    attachments: dict[str, Attachment] = field(default_factory=dict)
-    hung: Attachment | None = None
-    leading: tuple[tuple[int, int], list[Model]] | None = None
-    awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
+    attachments: dict[str, AttachedModel] = field(default_factory=dict)
+    hung: AttachedModel | None = None
+    leading: tuple[tuple[int, int], list[ModelState]] | None = None
+    awaited: dict[tuple[Node, str], tuple[ReferencedNode, str]] = field(default_factory=dict)
     lock: Lock = field(default_factory=Lock)
     written: tuple[list[object], str, list[Diagnostic]] | None = None
     """The text of the composition, the state that it describes, and the warnings about it."""
@@ -125,17 +125,17 @@ class Model:
         return "" if self.hung is None else self.hung.parent.full_prefix + self.prefix
 
     @property
-    def top(self) -> Model:
+    def top(self) -> ModelState:
         return [self, *self.ancestors()][-1]
 
-    def ancestors(self) -> Iterator[Model]:
+    def ancestors(self) -> Iterator[ModelState]:
         """Yield the models above this one, the nearest first."""
         model = self
         while model.hung is not None:
             model = model.hung.parent
             yield model
 
-    def ways_up(self) -> Iterator[tuple[Model, str]]:
+    def ways_up(self) -> Iterator[tuple[ModelState, str]]:
         """Yield this model and the models above it, each with the prefix that this model's names have there."""
         model = self
         prefix = ""
@@ -145,7 +145,7 @@ class Model:
             model = model.hung.parent
             yield model, prefix
 
-    def levels(self) -> Iterator[tuple[Model, str]]:
+    def levels(self) -> Iterator[tuple[ModelState, str]]:
         """Yield this model and the models that may refer to it, each with the prefix of this model's names there.
 
         These are the models above it, and other models of the composition that refer to something outside.
@@ -155,7 +155,7 @@ class Model:
         if not LEADING_OUT or not model.attachments:
             return
         # Models of this composition that refer to something outside of themselves, cached while nothing changes.
-        state = len(LEADING_OUT), Attachment.made
+        state = len(LEADING_OUT), AttachedModel.made
         if model.leading is None or model.leading[0] != state:
             model.leading = state, [each for each in model.composition() if each.names.leads_out]
         for other in model.leading[1]:
@@ -181,7 +181,7 @@ class Model:
             found = next(node.iterchildren(tag), None)
             return etree.SubElement(node, tag) if found is None else found
 
-    def attachment_of(self, frame: Node) -> Attachment:
+    def attachment_of(self, frame: Node) -> AttachedModel:
         """Return the attachment that a frame belongs to."""
         return next(each for each in self.attachments.values() if each.frame is frame)
 
@@ -199,7 +199,7 @@ class Model:
         """Return where a node or its attribute came from: a place in a file, or the line of the program that set it."""
         return self.unit.origins.span(node, self.unit.file, attribute)
 
-    def split(self, name: str) -> Iterator[tuple[Attachment, str]]:
+    def split(self, name: str) -> Iterator[tuple[AttachedModel, str]]:
         """Yield each attachment whose prefix the name begins with, and the rest of the name."""
         at = name.find(SEPARATOR) if self.attachments else -1
         while at >= 0:
@@ -207,21 +207,21 @@ class Model:
                 yield attachment, name[at + 1 :]
             at = name.find(SEPARATOR, at + 1)
 
-    def lookup(self, namespace: str, name: str) -> Target | None:
+    def lookup(self, namespace: str, name: str) -> ReferencedNode | None:
         """Return the element with this name in this model or, by its prefix, in an attached model, or None."""
         if (node := self.names.find(namespace, name)) is not None:
-            return Target(self, node)
+            return ReferencedNode(self, node)
         if namespace == "body" and name == WORLD:
-            return Target(self, self.section(WORLD_SECTION))
+            return ReferencedNode(self, self.section(WORLD_SECTION))
         if namespace == "default" and name == MAIN:
-            return Target(self, self.section("default"))
+            return ReferencedNode(self, self.section("default"))
         if self.hung is not None and name.startswith(UP):
             return self.hung.parent.lookup(namespace, name[len(UP) :])
         for attachment, rest in self.split(name):
             if (found := attachment.child.lookup_attached(namespace, rest)) is not None:
                 return found
             if (frame := attachment.find(namespace, rest)) is not None:
-                return Target(self, frame)
+                return ReferencedNode(self, frame)
         return None
 
     def find_node(self, namespace: str, name: str) -> Node | None:
@@ -251,7 +251,7 @@ class Model:
             return self.hung.parent.may_generate(name[len(UP) :])
         return any(attachment.child.may_generate(rest) for attachment, rest in self.split(name))
 
-    def composition(self) -> Iterator[Model]:
+    def composition(self) -> Iterator[ModelState]:
         """Yield the model and all models attached to it, at any depth."""
         yield self
         for attachment in self.attachments.values():
@@ -267,13 +267,13 @@ class Model:
         hanging = [each for each in self.attachments.values() if each.host in inside]
         return [*names_in(node), *(name for attachment in hanging for name in attachment.names())]
 
-    def lookup_attached(self, namespace: str, name: str) -> Target | None:
+    def lookup_attached(self, namespace: str, name: str) -> ReferencedNode | None:
         """Return the element with this name as the parent of an attached model sees it. See `lookup`.
 
         From the parent, the child's world is not a body, and the name of its top class is empty after the prefix.
         """
         if namespace == "default" and not name:
-            return Target(self, self.section("default"))
+            return ReferencedNode(self, self.section("default"))
         if (namespace, name) in (("body", WORLD), ("default", MAIN)):
             return None
         return self.lookup(namespace, name)
@@ -293,7 +293,7 @@ class Model:
         name = None if attribute is None else own_name(node, attribute.name)
         return None if attribute is None or attribute.declares is None or name is None else (attribute.declares, name)
 
-    def seen_from(self, other: Model, node: Node) -> str | None:
+    def seen_from(self, other: ModelState, node: Node) -> str | None:
         """Return the name of a node in `other`, a model of the same composition, or None if it has no name there."""
         declared = self.declared(node)
         prefix = None if declared is None else other.prefix_of(self)
@@ -305,7 +305,7 @@ class Model:
             return None
         return prefix if self is not other and declared == ("default", MAIN) else prefix + declared[1]
 
-    def prefix_of(self, other: Model) -> str | None:
+    def prefix_of(self, other: ModelState) -> str | None:
         """Return the prefix of `other`'s names here, or None outside the composition; `../` is the model above."""
         down = dict(other.ways_up())
         ways = (UP * depth + down[each] for depth, each in enumerate((self, *self.ancestors())) if each in down)
@@ -327,7 +327,7 @@ _STYLE = "font-family: monospace; white-space: pre; line-height: 1.4"
 _INSIDE = "margin-left: 1.5em"
 
 
-def page(model: Model, node: Node) -> str:
+def page(model: ModelState, node: Node) -> str:
     """Return HTML of an element and everything below, with attached models at their hosts; two levels are open."""
     lines: list[str] = []
     left = _tree(model, node, lines, left=SHOWN, depth=0)
@@ -335,7 +335,7 @@ def page(model: Model, node: Node) -> str:
     return f'<div style="{_STYLE}">{"".join(lines)}{more}</div>'
 
 
-def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
+def _tree(model: ModelState, node: Node, lines: list[str], left: int, depth: int) -> int:
     """Append a node and everything below it to `lines`, up to `left` elements. Return the rest, negative if cut."""
     if left <= 0:
         return left - _count(model, node)
@@ -368,7 +368,7 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
     return left
 
 
-def _count(model: Model, node: Node) -> int:
+def _count(model: ModelState, node: Node) -> int:
     """Return the number of elements in a node's subtree, including the models attached there."""
     hanging = (each for each in model.attachments.values() if node in (each.host, *each.host.iterancestors()))
     inner = sum(len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging)

@@ -16,7 +16,7 @@ from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
 from mjcompose.link.numbers import joint_radians, read, read_pose, text as number_text
 from mjcompose.link.settings import INSTEAD_OF_MEMORY
 from mjcompose.mjcf.errors import failure
-from mjcompose.mjcf.model import Attachment, Model
+from mjcompose.mjcf.model import AttachedModel, ModelState
 from mjcompose.mujoco.messages import of_other_version
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, childclass_of
 from mjcompose.tree.edit import whole
@@ -230,7 +230,7 @@ _OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
 class _Mounted(Struct, frozen=False):
     """An attachment with its copies: the part, the prefix of the parent, and the element it is attached to."""
 
-    attachment: Attachment
+    attachment: AttachedModel
     part: Part
     parent_unit: Unit
     parent_prefix: str
@@ -243,8 +243,8 @@ class Mounting(Struct, frozen=False):
     The linker finds places by name. Places without a name get one in the copies until `clear_up`.
     """
 
-    model: Model
-    copy: Callable[[Model], Unit]
+    model: ModelState
+    copy: Callable[[ModelState], Unit]
     base: Unit = field(init=False)
     mounted: list[_Mounted] = field(init=False, default_factory=list)
     named: list[Node] = field(init=False, default_factory=list)
@@ -258,7 +258,7 @@ class Mounting(Struct, frozen=False):
     def parts(self) -> list[Part]:
         return [each.part for each in self.mounted]
 
-    def _mount(self, model: Model, unit: Unit, prefix: str, own: _Mounted | None) -> None:
+    def _mount(self, model: ModelState, unit: Unit, prefix: str, own: _Mounted | None) -> None:
         """Append all models attached to `model`, each before the models attached to it."""
         hosts = [counterpart(each.host, model.unit.root, unit.root) for each in model.attachments.values()]
         for attachment, host in zip(model.attachments.values(), hosts, strict=True):
@@ -278,7 +278,7 @@ class Mounting(Struct, frozen=False):
             self._mount(attachment.child, copied, part.prefix, own=mounted)
 
     def _place(
-        self, attachment: Attachment, host: Node, unit: Unit, prefix: str, own: _Mounted | None
+        self, attachment: AttachedModel, host: Node, unit: Unit, prefix: str, own: _Mounted | None
     ) -> AttachmentPlace:
         offset = _offset(attachment.frame, unit)
         if host.tag == WORLD_SECTION:
@@ -324,7 +324,7 @@ class Mounting(Struct, frozen=False):
                 parent[at : at + 1] = list(frame)
 
 
-def _outward_names(model: Model, top: Model) -> dict[str, str]:
+def _outward_names(model: ModelState, top: ModelState) -> dict[str, str]:
     """Return the final names of a model's references to the models above it and next to it."""
     found: dict[str, str] = {}
     if model.names.leads_out:

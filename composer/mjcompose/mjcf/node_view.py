@@ -19,7 +19,7 @@ from mjcompose.mjcf.edit import release
 from mjcompose.mjcf.errors import failure, raise_errors
 from mjcompose.mjcf.flat import assets, text as flat_text
 from mjcompose.mjcf.include import copied, pickled_element
-from mjcompose.mjcf.model import Attachment, Model, Target, page
+from mjcompose.mjcf.model import AttachedModel, ModelState, ReferencedNode, page
 from mjcompose.mjcf.value import describe, update_references
 from mjcompose.tree.edit import Renaming, assign, replace
 from mjcompose.tree.names import SEPARATOR
@@ -29,7 +29,7 @@ from mjcompose.tree.unit import counterpart
 ESCAPED = "\\"
 
 
-def escape_separators(model: Model) -> None:
+def escape_separators(model: ModelState) -> None:
     r"""Replace every `/` by `\` in all names and references. Raises `MjcfError` if two names would become equal."""
     sink = Sink()
     every = ((space, name, node) for space, names in model.names.declared.items() for name, node in names.items())
@@ -60,7 +60,7 @@ def _escaped(name: str) -> str:
 HOSTS = ("site", "body", "frame", WORLD_SECTION)
 
 
-def attach(model: Model, host: Node, child: Model) -> Node:
+def attach(model: ModelState, host: Node, child: ModelState) -> Node:
     """Attach `child` to a node and return the attachment frame. See `Element.attach`."""
     place = describe(model, host)
     if kind_of(host).path not in HOSTS or model.frame_above(host) is not None:
@@ -79,13 +79,13 @@ def attach(model: Model, host: Node, child: Model) -> Node:
         raise failure("attach-place", f"`{child.name}` is attached already, to {place}", notes=notes, help=help)
     _check_prefix(model, child, child.name)
     frame = etree.Element("body")
-    child.hung = model.attachments[child.prefix] = Attachment(model, child, host, frame=frame)
+    child.hung = model.attachments[child.prefix] = AttachedModel(model, child, host, frame=frame)
     update_references(model.top)
     model.unit.origins.own(frame, call_site())
     return frame
 
 
-def set_model_name(model: Model, name: str | None) -> None:
+def set_model_name(model: ModelState, name: str | None) -> None:
     """Rename a model. If it is attached, update the references from the models above to the new prefix."""
     text = edit.check(model, kind_of(model.unit.root), {"model": name}).texts["model"]
     attachment = model.hung
@@ -106,7 +106,7 @@ def set_model_name(model: Model, name: str | None) -> None:
     renaming.carry_out()
 
 
-def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = None) -> None:
+def _check_prefix(model: ModelState, child: ModelState, name: str, itself: ModelState | None = None) -> None:
     """Raise `MjcfError` if another child of `model` has the prefix `name/`, or if a name of the child would clash."""
     prefix = f"{name}/"
     taken = model.attachments.get(prefix)
@@ -124,7 +124,7 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
                 found = child.lookup_attached(namespace, rest)
                 if found is None and child.hung is not None:
                     between = child.hung.find(namespace, rest)
-                    found = None if between is None else Target(child.hung.parent, between)
+                    found = None if between is None else ReferencedNode(child.hung.parent, between)
                 if found is not None:
                     one = here.span(node)
                     other = found.model.span(found.node)
@@ -135,7 +135,7 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
         full = here.prefix + full
 
 
-def text(model: Model, node: Node) -> str:
+def text(model: ModelState, node: Node) -> str:
     """Return a node and everything below it as MJCF without a final newline. Comments mark attached models."""
     copied = copy.deepcopy(node)
     for attachment in model.attachments.values():
@@ -238,7 +238,7 @@ class NodeView(Attributed):
         return page(self._model, self._node)
 
 
-def model_of(root: object, what: str) -> Model:
+def model_of(root: object, what: str) -> ModelState:
     """Return the model of a `RootElement`. Raises `MjcfError` for anything else; `what` names the argument."""
     if not isinstance(root, NodeView) or root._node is not root._model.unit.root:
         raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`")

@@ -19,13 +19,13 @@ from mjcompose.bundle.staging import check_is_no_source, move, resolved_output, 
 from mjcompose.bundle.write import write_archive
 from mjcompose.link.collect import collect
 from mjcompose.link.linking import Policy
-from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
+from mjcompose.mjcf.asset import Folders, ModelFiles, as_files, as_path, door_of
 from mjcompose.mjcf.attributed import view
 from mjcompose.mjcf.compile import compile_error, engine
 from mjcompose.mjcf.element import Element, RootElement
 from mjcompose.mjcf.errors import MjcfWarning, failure, raise_errors
 from mjcompose.mjcf.flat import flatten, issue_warnings
-from mjcompose.mjcf.model import UNNAMED, Model
+from mjcompose.mjcf.model import UNNAMED, ModelState
 from mjcompose.mjcf.mounting import check_tree, one_of_each_section
 from mjcompose.mjcf.node_view import escape_separators as escape_separators_of
 from mjcompose.mujoco.attributes import KINDS
@@ -87,7 +87,7 @@ def from_xml_string(
     """
     if not isinstance(xml_string, str | bytes):
         raise failure("wrong-type", f"`xml_string` expects text, got `{type(xml_string).__name__}`")
-    files = Files(as_files("assets", assets))
+    files = ModelFiles(as_files("assets", assets))
     directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
     door = door_of(confine_to)
     return _model(
@@ -162,7 +162,7 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
             file=f"{archive}/{bundle.model}",
             directory=archive / folder,
             label=label,
-            contents=Files(files),
+            contents=ModelFiles(files),
             door=Door.of((archive,), f"the zip `{archive}`, which may read only itself"),
         )
         if unit is not None:
@@ -181,7 +181,7 @@ def _model(parse: Callable[[Sink], Unit | None], escape: bool) -> RootElement:
     check_tree(unit, sink)
     raise_errors(sink)
     one_of_each_section(unit)
-    model = Model(unit)
+    model = ModelState(unit)
     if escape:
         escape_separators_of(model)
     return cast(RootElement, view(model, model.unit.root))

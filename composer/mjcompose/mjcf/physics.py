@@ -25,7 +25,7 @@ from mjcompose.mjcf.attributed import view
 from mjcompose.mjcf.binding import Binding, EmptyBinding, as_slice, binding_of
 from mjcompose.mjcf.compile import Snapshot, compile_error, compile_model, compile_text, engine, snapshot
 from mjcompose.mjcf.errors import MjcfError, MjcfWarning, error_of, failure, raise_errors
-from mjcompose.mjcf.model import Model, page
+from mjcompose.mjcf.model import ModelState, page
 from mjcompose.mjcf.node_view import NodeView, RootView, model_of
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.film import png
@@ -416,7 +416,7 @@ def _restored(data: Any, legacy_step: bool = False) -> Physics:
     return physics
 
 
-def page_with_picture(model: Model) -> str:
+def page_with_picture(model: ModelState) -> str:
     """Return HTML of a model's tree, with a picture if OpenGL is available and the model compiles."""
     tree = page(model, model.unit.root)
     image = picture(model)
@@ -429,7 +429,7 @@ def page_with_picture(model: Model) -> str:
     )
 
 
-def picture(model: Model) -> bytes | None:
+def picture(model: ModelState) -> bytes | None:
     """Return the whole composition in its reference configuration as a PNG, or None if it cannot be rendered."""
     top = model.top
     if not len(top.section(WORLD_SECTION)):

@@ -9,20 +9,20 @@ from lxml.etree import _Element as Node
 
 from mjcompose.mjcf.asset import as_name
 from mjcompose.mjcf.errors import unknown_tag
-from mjcompose.mjcf.model import Attachment, Model, Target
+from mjcompose.mjcf.model import AttachedModel, ModelState, ReferencedNode
 from mjcompose.tree.edit import is_section
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.select import WORLD_SECTION, Query, kind_of, query, section_of, tags_of
 
 
-def from_root(model: Model, query: Query) -> Iterator[Target]:
+def from_root(model: ModelState, query: Query) -> Iterator[ReferencedNode]:
     """Yield all matches in a model, section by section. In each section, attached models come last."""
     for tag in _section_tags(model):
         if tag in query.sections:
             yield from _in_section(model, tag, query)
 
 
-def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
+def matches_below(model: ModelState, node: Node, query: Query) -> Iterator[ReferencedNode]:
     """Yield all matches below a node, without the node itself."""
     if (frame := model.frame_above(node)) is not None:
         yield from _frame_content(model.attachment_of(frame), query) if node is frame else ()
@@ -37,7 +37,7 @@ def matches_below(model: Model, node: Node, query: Query) -> Iterator[Target]:
                 yield from _in_section(attachment.child, section, query, itself=False)
 
 
-def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
+def children(model: ModelState, node: Node, query: Query) -> Iterator[ReferencedNode]:
     """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
     if (frame := model.frame_above(node)) is not None:
         yield from _frame_content(model.attachment_of(frame), query, immediate=True)
@@ -46,19 +46,19 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     if query.tags:
         for child in node.iterchildren(*query.tags):
             if query.takes(section, str(node.tag), str(child.tag)):
-                yield Target(model, child)
+                yield ReferencedNode(model, child)
     for attachment in model.attachments.values():
         if attachment.container is node:
             if not attachment.is_body:
                 yield from _top_level(attachment.child, query)
             elif "body" in query.paths:
-                yield Target(model, attachment.frame)
+                yield ReferencedNode(model, attachment.frame)
         elif is_section(node) and section != WORLD_SECTION:
             for other in attachment.child.unit.root.iterchildren(section):
                 yield from children(attachment.child, other, query)
 
 
-def is_below(outer: Target, inner: Target) -> bool:
+def is_below(outer: ReferencedNode, inner: ReferencedNode) -> bool:
     """Return whether `inner` is anywhere below `outer` in the output."""
     model, node = inner
     while model is not outer.model:
@@ -83,15 +83,15 @@ def is_below(outer: Target, inner: Target) -> bool:
     return outer.node in node.iterancestors()
 
 
-def _top_level(model: Model, query: Query) -> Iterator[Target]:
+def _top_level(model: ModelState, query: Query) -> Iterator[ReferencedNode]:
     for worldbody in model.unit.root.iterchildren(WORLD_SECTION):
         yield from children(model, worldbody, query)
 
 
-def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) -> Iterator[Target]:
+def _in_section(model: ModelState, tag: str, query: Query, *, itself: bool = True) -> Iterator[ReferencedNode]:
     for section in model.unit.root.iterchildren(tag):
         if itself and tag in query.paths:
-            yield Target(model, section)
+            yield ReferencedNode(model, section)
         if tag == WORLD_SECTION:
             yield from _World(model, query).below(section)
         else:
@@ -101,54 +101,54 @@ def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) ->
             yield from _in_section(attachment.child, tag, query, itself=itself)
 
 
-def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Target]:
+def _flat(model: ModelState, node: Node, section: str, query: Query) -> Iterator[ReferencedNode]:
     """Yield the matches below a node, without those in attached models. This takes one pass in lxml."""
     if query.tags:
         for each in node.iterdescendants(*query.tags):
             parent = each.getparent()
             if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
-                yield Target(model, each)
+                yield ReferencedNode(model, each)
 
 
 class _World:
     """Matches in the body tree of one model, with attached models at their places."""
 
-    def __init__(self, model: Model, query: Query) -> None:
+    def __init__(self, model: ModelState, query: Query) -> None:
         self.model = model
         self.query = query
-        self.hanging: dict[Node, list[Attachment]] = {}
+        self.hanging: dict[Node, list[AttachedModel]] = {}
         self.leads_there: set[Node] = set()
         for attachment in model.attachments.values():
             container = attachment.container
             self.hanging.setdefault(container, []).append(attachment)
             self.leads_there.update([container, *container.iterancestors()])
 
-    def below(self, node: Node) -> Iterator[Target]:
+    def below(self, node: Node) -> Iterator[ReferencedNode]:
         if node not in self.leads_there:
             yield from _flat(self.model, node, WORLD_SECTION, query=self.query)
             return
         for child in node.iterchildren("*"):
             tag = str(child.tag)
             if tag in self.query.tags and self.query.takes(WORLD_SECTION, str(node.tag), tag):
-                yield Target(self.model, child)
+                yield ReferencedNode(self.model, child)
             yield from self.below(child)
         for attachment in self.hanging.get(node, ()):
             if attachment.is_body and "body" in self.query.paths:
-                yield Target(self.model, attachment.frame)
+                yield ReferencedNode(self.model, attachment.frame)
             yield from _frame_content(attachment, self.query)
 
 
-def _frame_content(attachment: Attachment, query: Query, *, immediate: bool = False) -> Iterator[Target]:
+def _frame_content(attachment: AttachedModel, query: Query, *, immediate: bool = False) -> Iterator[ReferencedNode]:
     """Yield the matches among the joints of a frame, then those in the worldbody of the child, or at its top level."""
     if query.tags:
         for joint in attachment.frame.iterchildren(*query.tags):
             if query.takes(WORLD_SECTION, "body", str(joint.tag)):
-                yield Target(attachment.parent, joint)
+                yield ReferencedNode(attachment.parent, joint)
     child = attachment.child
     yield from _top_level(child, query) if immediate else _in_section(child, WORLD_SECTION, query, itself=False)
 
 
-def _section_tags(model: Model) -> list[str]:
+def _section_tags(model: ModelState) -> list[str]:
     """Return the tags of the sections in a model and the models attached to it, the model's own first."""
     tags = dict.fromkeys(str(section.tag) for section in model.unit.root.iterchildren("*"))
     for attachment in model.attachments.values():
@@ -156,7 +156,7 @@ def _section_tags(model: Model) -> list[str]:
     return list(tags)
 
 
-def find_first(here: Target, tag: str, name: str | None) -> Target | None:
+def find_first(here: ReferencedNode, tag: str, name: str | None) -> ReferencedNode | None:
     """Return the first match below `here`, or the match with that name. See `Element.find`."""
     from_root = here.node is here.model.unit.root
     wanted = _query(here, tag)
@@ -171,7 +171,7 @@ def find_first(here: Target, tag: str, name: str | None) -> Target | None:
     return None
 
 
-def cached_element(model: Model, tag: str, name: str) -> Any:
+def cached_element(model: ModelState, tag: str, name: str) -> Any:
     """Return the Element with that name if it is the model's own and was accessed before, which is the common case."""
     wanted = query(tag, None)
     for namespace in wanted.namespaces:
@@ -183,13 +183,13 @@ def cached_element(model: Model, tag: str, name: str) -> Any:
     return None
 
 
-def find_every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
+def find_every(here: ReferencedNode, tag: str, immediate_children_only: bool) -> Iterator[ReferencedNode]:
     """Yield all matches below `here`. See `Element.find_all`."""
     wanted = _query(here, tag)
     return children(*here, wanted) if immediate_children_only else _matches(here, wanted)
 
 
-def find_attached(model: Model, prefix: str) -> Model | None:
+def find_attached(model: ModelState, prefix: str) -> ModelState | None:
     """Return the model attached under `prefix`, which ends in the separator, or None. See `Element.enter_scope`."""
     for attachment, rest in model.split(prefix):
         found = find_attached(attachment.child, rest) if rest else attachment.child
@@ -198,11 +198,11 @@ def find_attached(model: Model, prefix: str) -> Model | None:
     return None
 
 
-def _matches(here: Target, wanted: Query) -> Iterator[Target]:
+def _matches(here: ReferencedNode, wanted: Query) -> Iterator[ReferencedNode]:
     return from_root(here.model, wanted) if here.node is here.model.unit.root else matches_below(*here, wanted)
 
 
-def _query(here: Target, tag: str) -> Query:
+def _query(here: ReferencedNode, tag: str) -> Query:
     from_root = here.node is here.model.unit.root
     wanted = query(tag, None if from_root else section_of(here.node)) if isinstance(tag, str) else None
     if wanted is None or not (wanted.paths or query(tag, None).paths):

@@ -13,7 +13,7 @@ import numpy as np
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.mjcf.model import Model, Target
+from mjcompose.mjcf.model import ModelState, ReferencedNode
 from mjcompose.tree import values
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.edit import assign
@@ -162,7 +162,11 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
 
 
 def name_for(
-    model: Model, attribute: Attribute, target: Target, namespace: str | None, given: dict[Target, str]
+    model: ModelState,
+    attribute: Attribute,
+    target: ReferencedNode,
+    namespace: str | None,
+    given: dict[ReferencedNode, str],
 ) -> str:
     """Return the name that refers to `target` in `model`. Raises `BadValue` if no name is possible.
 
@@ -195,7 +199,7 @@ def name_for(
     return name
 
 
-def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
+def _free_name(target: ReferencedNode, namespace: str, given: Mapping[ReferencedNode, str]) -> str:
     model = target.model
     taken = set(given.values())
     names = (f"unnamed_{namespace}_{number}" for number in count(len(model.names.declared.get(namespace, ()))))
@@ -204,7 +208,7 @@ def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> s
     )
 
 
-def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
+def resolved(model: ModelState, attribute: Attribute, node: Node, text: str) -> list[ReferencedNode | str]:
     """Return the nodes that an attribute refers to: one, or one for each name in a list.
 
     A name that does not exist is returned as it is. MuJoCo may still generate it (the copies of a `replicate`); if
@@ -218,7 +222,7 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
     return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
 
 
-def update_references(top: Model) -> None:
+def update_references(top: ModelState) -> None:
     """Write the names of elements that have been attached since then into the models that refer to them."""
     for model in top.composition():
         for (node, attribute), (target, text) in [*model.awaited.items()]:
@@ -231,16 +235,16 @@ def update_references(top: Model) -> None:
                     assign(model, node, {attribute: name})
 
 
-def describe_target(target: Target) -> str:
+def describe_target(target: ReferencedNode) -> str:
     """Return the description of an element for messages. See `describe`."""
     return describe(target.model, target.node)
 
 
-def is_here(target: Target) -> Note:
+def is_here(target: ReferencedNode) -> Note:
     return Note(f"{describe_target(target)} is here", target.model.span(target.node))
 
 
-def describe(model: Model, node: Node) -> str:
+def describe(model: ModelState, node: Node) -> str:
     """Return the description of an element for messages: its tag, and its name if it has one."""
     declared = model.declared(node) if model.has(node) else ("", str(node.get("name") or ""))
     named = f" `{declared[1]}`" if declared and declared[1] not in ("", WORLD) else ""

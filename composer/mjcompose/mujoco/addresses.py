@@ -28,7 +28,7 @@ _EDGES = {1: 1, 2: 3, 3: 6}
 Shape = tuple[int, ...]
 
 
-class Run(Struct):
+class RowRange(Struct):
     """Consecutive rows of an array for each element: its first row, and their number.
 
     `first` is an array of `mjModel` with the first rows, negative if the element has none. With `as_row`, a single
@@ -75,61 +75,61 @@ def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[MjModel, 
     return number
 
 
-def _plastic(own: str) -> Run:
-    return Run(own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"))
+def _plastic(own: str) -> RowRange:
+    return RowRange(own, _up_to_the_next(own, "nplastic", "jnt_plasticadr", "tendon_plasticadr", "flex_plasticadr"))
 
 
 def _of_elements(numbers: Mapping[int, int]) -> Callable[[MjModel, int], int]:
     return lambda model, index: int(model.flex_elemnum[index]) * numbers[int(model.flex_dim[index])]
 
 
-def _each(kind: str, names: str) -> dict[str, Run]:
+def _each(kind: str, names: str) -> dict[str, RowRange]:
     """Return runs by size whose first rows and counts have these names: `mesh_vertadr` and `mesh_vertnum`."""
-    return {f"n{kind}{each}": Run(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names.split()}
+    return {f"n{kind}{each}": RowRange(f"{kind}_{each}adr", counted(f"{kind}_{each}num")) for each in names.split()}
 
 
 _HFIELD = ("hfield_nrow", "hfield_ncol")
 _TEXTURE = ("tex_height", "tex_width", "tex_nchannel")
 
-RUNS: Mapping[str, Mapping[str, Run]] = {
-    "body": {"nmocap": Run("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
+RUNS: Mapping[str, Mapping[str, RowRange]] = {
+    "body": {"nmocap": RowRange("body_mocapid", lambda model, index: 1, as_row=True, required="a mocap body")},
     "joint": {
-        "nq": Run("jnt_qposadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].positions),
-        "nv": Run("jnt_dofadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].velocities),
+        "nq": RowRange("jnt_qposadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].positions),
+        "nv": RowRange("jnt_dofadr", lambda model, index: JOINT_TYPES[int(model.jnt_type[index])].velocities),
         "nplastic": _plastic("jnt_plasticadr"),
     },
     "actuator": {
-        "nu": Run("actuator_ctrladr", counted("actuator_ctrlnum"), as_row=True),
-        "nout": Run("actuator_outadr", counted("actuator_outnum"), as_row=True),
-        "na": Run("actuator_actadr", counted("actuator_actnum"), as_row=True),
+        "nu": RowRange("actuator_ctrladr", counted("actuator_ctrlnum"), as_row=True),
+        "nout": RowRange("actuator_outadr", counted("actuator_outnum"), as_row=True),
+        "na": RowRange("actuator_actadr", counted("actuator_actnum"), as_row=True),
     },
-    "sensor": {"nsensordata": Run("sensor_adr", counted("sensor_dim"))},
+    "sensor": {"nsensordata": RowRange("sensor_adr", counted("sensor_dim"))},
     "tendon": {
-        "nwrap": Run("tendon_adr", counted("tendon_num")),
-        "nJten": Run("ten_J_rowadr", counted("ten_J_rownnz")),
+        "nwrap": RowRange("tendon_adr", counted("tendon_num")),
+        "nJten": RowRange("ten_J_rowadr", counted("ten_J_rownnz")),
         "nplastic": _plastic("tendon_plasticadr"),
     },
     "mesh": {
         **_each("mesh", "vert normal texcoord face poly"),
-        "nmeshgraph": Run("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
+        "nmeshgraph": RowRange("mesh_graphadr", _up_to_the_next("mesh_graphadr", "nmeshgraph", "mesh_graphadr")),
     },
-    "hfield": {"nhfielddata": Run("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
-    "texture": {"ntexdata": Run("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
+    "hfield": {"nhfielddata": RowRange("hfield_adr", _cells(*_HFIELD), shape=_grid(*_HFIELD))},
+    "texture": {"ntexdata": RowRange("tex_adr", _cells(*_TEXTURE), shape=_grid(*_TEXTURE))},
     "skin": {
         **_each("skin", "vert"),
-        "nskintexvert": Run("skin_texcoordadr", counted("skin_vertnum")),
+        "nskintexvert": RowRange("skin_texcoordadr", counted("skin_vertnum")),
         **_each("skin", "face bone"),
     },
     "flex": {
         **_each("flex", "vert node edge elem"),
-        "nflexelemdata": Run("flex_elemdataadr", _of_elements(_CORNERS)),
-        "nflexelemedge": Run("flex_elemedgeadr", _of_elements(_EDGES)),
+        "nflexelemdata": RowRange("flex_elemdataadr", _of_elements(_CORNERS)),
+        "nflexelemedge": RowRange("flex_elemedgeadr", _of_elements(_EDGES)),
         "nplastic": _plastic("flex_plasticadr"),
-        "nflexshelldata": Run("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
+        "nflexshelldata": RowRange("flex_shelldataadr", _cells("flex_shellnum", "flex_dim")),
     },
-    "numeric": {"nnumericdata": Run("numeric_adr", counted("numeric_size"))},
-    "tuple": {"ntupledata": Run("tuple_adr", counted("tuple_size"))},
-    "plugin": {"npluginstate": Run("plugin_stateadr", counted("plugin_statenum"))},
+    "numeric": {"nnumericdata": RowRange("numeric_adr", counted("numeric_size"))},
+    "tuple": {"ntupledata": RowRange("tuple_adr", counted("tuple_size"))},
+    "plugin": {"npluginstate": RowRange("plugin_stateadr", counted("plugin_statenum"))},
 }
 """By kind, and by the size that an array has rows for."""
 
@@ -157,8 +157,8 @@ def rows_of(model: MjModel, kind: str, array: str, index: int) -> range:
     return range(index, index + 1) if run is None else run.rows(model, index)
 
 
-_TO_THE_NEXT: Mapping[str, Run] = {
-    own: Run(own, _up_to_the_next(own, size, own))
+_TO_THE_NEXT: Mapping[str, RowRange] = {
+    own: RowRange(own, _up_to_the_next(own, size, own))
     for own, size in (
         ("flex_stiffnessadr", "nflexstiffness"),
         ("flex_bendingadr", "nflexbending"),
@@ -168,16 +168,16 @@ _TO_THE_NEXT: Mapping[str, Run] = {
 }
 """By the array of addresses: data without a count, which an element lacks if its address is negative."""
 
-_COUNTED: Mapping[str, Run] = {
-    "noct": Run("mesh_octadr", counted("mesh_octnum")),
-    "flex_evpairadr": Run("flex_evpairadr", counted("flex_evpairnum")),
-    "text_adr": Run("text_adr", counted("text_size")),
+_COUNTED: Mapping[str, RowRange] = {
+    "noct": RowRange("mesh_octadr", counted("mesh_octnum")),
+    "flex_evpairadr": RowRange("flex_evpairadr", counted("flex_evpairnum")),
+    "text_adr": RowRange("text_adr", counted("text_size")),
 }
 _KINDS = {**KIND_OF, "flexedge": "flex", "oct": "mesh"}
 
 
 @cache
-def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
+def data_of(kind: str) -> tuple[tuple[str, RowRange, str], ...]:
     """Return the arrays of data of a kind with their runs, and the prefix of the addresses in these arrays."""
     found = []
     for name in ARRAYS:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 """A compiled ``mujoco.MjModel``; untyped, because only ``mjcompose.mujoco`` may import MuJoCo."""
 
 
-class Kind(Struct):
+class ElementKind(Struct):
     """One kind of element: its word in messages, the prefix of its arrays, and its value of `mjtObj`."""
 
     word: str
@@ -38,8 +38,8 @@ class Kind(Struct):
         return f"n{self.arrays}"
 
 
-KINDS: dict[str, Kind] = {
-    word: Kind(word, arrays, object_type)
+KINDS: dict[str, ElementKind] = {
+    word: ElementKind(word, arrays, object_type)
     for word, arrays, object_type in (
         ("body", "body", 1), ("joint", "jnt", 3), ("geom", "geom", 5), ("site", "site", 6), ("camera", "cam", 7),
         ("light", "light", 8), ("texture", "tex", 13), ("material", "mat", 14), ("mesh", "mesh", 10),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mjcompose.mujoco.addresses import Run, counted
+from mjcompose.mujoco.addresses import RowRange, counted
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
@@ -26,7 +26,7 @@ _STEPS = 7
 _CURLS = 40
 _MOST_POSES = 500_000
 """The number of poses of one search, a few seconds: a chain of N bodies has N² / 2 pairs with N / 3 joints each."""
-_geoms, _joints = (Run(f"body_{of}adr", counted(f"body_{of}num")).rows for of in ("geom", "jnt"))
+_geoms, _joints = (RowRange(f"body_{of}adr", counted(f"body_{of}num")).rows for of in ("geom", "jnt"))
 
 Pair = tuple[int, int]
 

@@ -223,7 +223,7 @@ Entry = tuple[str, Array, Array, float]
 """The name of a row of a key, its numbers alone and in the composition, and how far apart they may be."""
 
 
-class Keys(StrEnum):
+class KeyMode(StrEnum):
     """How a part's keys are composed (`keys:` and `drop` of a recipe)."""
 
     MERGE = "merge"
@@ -245,7 +245,7 @@ class Roots(StrEnum):
 def key_differences(
     matching: Correspondence,
     transform: Pose | None,
-    keys: Keys,
+    keys: KeyMode,
     roots: Roots,
     tolerance: float = 0.0,
     replaced: Collection[str] = (),
@@ -256,7 +256,7 @@ def key_differences(
     the composition that are ``replaced`` are not compared, because their values were written on purpose.
     """
     found: list[Difference] = []
-    if keys is Keys.NONE:
+    if keys is KeyMode.NONE:
         return found
     moved = transform if roots is Roots.MOVED and transform is not None and not transform.is_identity else None
     for key, target in _match(matching, keys, moved):
@@ -268,7 +268,7 @@ def key_differences(
             continue
         there = matching.composed.describe("key", target)
         pairs = list(_entries(matching, key, target, moved=moved))
-        if keys is Keys.PREFIX:
+        if keys is KeyMode.PREFIX:
             alone = matching.alone.model
             composed = matching.composed.model
             pairs.append(("key_time", alone.key_time[key : key + 1], composed.key_time[target : target + 1], 0.0))
@@ -280,7 +280,7 @@ def key_differences(
     return found
 
 
-def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
+def _match(matching: Correspondence, keys: KeyMode, moved: Pose | None) -> Iterator[tuple[int, int]]:
     """Yield keys of the part and of the composition; unnamed keys are matched by order."""
     alone = matching.alone
     composed = matching.composed
@@ -291,7 +291,7 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
         if not name:
             unnamed.append(index)
             continue
-        there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
+        there = given.get(name, name if keys is KeyMode.MERGE else matching.prefix + name)
         # A key of a model that MuJoCo itself attaches to the part has the prefix, whatever happens to the others.
         found = [composed.ids["key"][each] for each in (there, matching.prefix + name) if each in composed.ids["key"]]
         alike = (each for each in found if not _says_otherwise(matching, index, each, moved=moved))

@@ -28,10 +28,10 @@ from mjcompose.tree.grammar import version_key
 if TYPE_CHECKING:
     import numpy
 
-    from mjcompose.mujoco.index import Index
+    from mjcompose.mujoco.index import CompiledIndex
 
 
-class Limits(Struct):
+class RequestLimits(Struct):
     """Limits of one request; the defaults are the limits in force.
 
     `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo. `memory` is in
@@ -54,7 +54,7 @@ class Limits(Struct):
 WANTS = frozenset({"forward", "index", "names"})
 
 
-class Request(Struct):
+class CompileRequest(Struct):
     """Compile `folder/model` and report on it.
 
     `wants` lists contents of the answer besides sizes and warnings: `index` (joints, actuators, sensors with their
@@ -106,7 +106,7 @@ class Compiled(Struct):
     mujoco_version: str | None = None
     sizes: Mapping[str, int] = field(default_factory=dict)
     forward: str | None = None
-    index: Index | None = None
+    index: CompiledIndex | None = None
     names: Mapping[str, tuple[str, ...]] | None = None
 
 
@@ -150,8 +150,10 @@ class Session:
     almost the same model, so it has a persistent folder.
     """
 
-    def __init__(self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False) -> None:
-        self.limits = limits or Limits()
+    def __init__(
+        self, limits: RequestLimits | None = None, *, rendering: bool = False, remembers: bool = False
+    ) -> None:
+        self.limits = limits or RequestLimits()
         self.rendering = rendering
         self.remembers = remembers
         self.no_opengl: str | None = None
@@ -178,7 +180,7 @@ class Session:
             with contextlib.suppress(OSError, ValueError):  # the first request reports it
                 self._spawn()
 
-    def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
+    def ask(self, request: CompileRequest) -> tuple[dict[str, Any], Path]:
         """Return the child's answer or a failure, and the file of its arrays if there is one."""
         answer = self._start()
         arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
@@ -396,7 +398,7 @@ def compile(
     text: str | None = None,
     keep: str | None = None,
     folder_is_reused: bool = False,
-    limits: Limits | None = None,
+    limits: RequestLimits | None = None,
     session: Session | None = None,
 ) -> Compiled:
     """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
@@ -404,7 +406,7 @@ def compile(
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
     """
     wants = (*wants, "forward")
-    request = Request(folder, model, wants, mjb=mjb, text=text, keep=keep, folder_is_reused=folder_is_reused)
+    request = CompileRequest(folder, model, wants, mjb=mjb, text=text, keep=keep, folder_is_reused=folder_is_reused)
     return _run(request, limits, session).compiled
 
 
@@ -414,14 +416,14 @@ def measure(
     arrays: tuple[str, ...] = (),
     *,
     text: str | None = None,
-    limits: Limits | None = None,
+    limits: RequestLimits | None = None,
     session: Session | None = None,
 ) -> Measured:
     """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
 
     Units and shapes are MuJoCo's own: radians, meters, one row per object.
     """
-    return _run(Request(folder, model, wants=("names",), arrays=arrays, text=text), limits, session)
+    return _run(CompileRequest(folder, model, wants=("names",), arrays=arrays, text=text), limits, session)
 
 
 def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
@@ -431,7 +433,7 @@ def call(session: Session, function: Callable[..., Any], models: Sequence[str], 
     return Called(**known, warnings=_distinct(answer.get("warnings", ())))
 
 
-def _run(request: Request, limits: Limits | None, session: Session | None) -> Measured:
+def _run(request: CompileRequest, limits: RequestLimits | None, session: Session | None) -> Measured:
     if session is None:
         with Session(limits) as own:
             return _run(request, None, own)
@@ -440,7 +442,7 @@ def _run(request: Request, limits: Limits | None, session: Session | None) -> Me
     return Measured(_compiled(answer, request, session.mujoco_version), arrays)
 
 
-def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
+def _compiled(answer: dict[str, Any], request: CompileRequest, version: str | None) -> Compiled:
     names = answer.get("names")
     said = [answer.get("error"), answer.get("forward")]
     error, forward = (text and without_folder(text, request.folder) for text in said)
@@ -458,11 +460,11 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
 
 
 @lru_cache(maxsize=4)
-def _index(text: str) -> Index:
+def _index(text: str) -> CompiledIndex:
     """Return the index for its JSON text. Samples of a model have the same index, which is read once."""
-    from mjcompose.mujoco.index import Index
+    from mjcompose.mujoco.index import CompiledIndex
 
-    return Index.from_data(json.loads(text))
+    return CompiledIndex.from_data(json.loads(text))
 
 
 def without_folder(text: str, folder: Path) -> str:

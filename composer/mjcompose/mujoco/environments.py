@@ -30,7 +30,7 @@ class RejectedError(ProgramError):
     """A version of MuJoCo rejects the model."""
 
 
-class Compiled(Struct):
+class CompiledByVersion(Struct):
     """A compiled model: its names and the file with its arrays, or the error of MuJoCo."""
 
     version: str
@@ -44,12 +44,12 @@ class Other(Struct):
     python: Path
     version: str
 
-    def compile(self, model: Path, out: Path) -> Compiled:
+    def compile(self, model: Path, out: Path) -> CompiledByVersion:
         """Compile a model and write its arrays to a file. Raises ProgramError if MuJoCo does not answer."""
         answer = _run(self.python, [str(model), str(out)], out)
         if answer.get("error") is not None:
-            return Compiled(self.version, error=str(answer["error"]))
-        return Compiled(self.version, out, answer["names"], words=answer["words"])
+            return CompiledByVersion(self.version, error=str(answer["error"]))
+        return CompiledByVersion(self.version, out, answer["names"], words=answer["words"])
 
     def move(self, model: Path, out: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
         """Simulate a model with `dump.py`, which writes its arrays to the file `out`. Raises ProgramError."""

@@ -16,8 +16,8 @@ from typing import Any
 import numpy
 
 from mjcompose.mujoco import shapes as geometry
-from mjcompose.mujoco.shapes import Hull, Mesh, Primitive, Shape, UnusableError, hull_of, on_surface, rounded
-from mjcompose.mujoco.surface import Surface
+from mjcompose.mujoco.shapes import Mesh, MeshHull, Primitive, Shape, UnusableError, hull_of, on_surface, rounded
+from mjcompose.mujoco.surface import TriangleSurface
 
 _POINTS = 4000
 _ROUNDS = 20
@@ -142,7 +142,7 @@ def _center_at_once(points: numpy.ndarray) -> numpy.ndarray:
     return numpy.array(minimum_nsphere(points)[0], numpy.float64)
 
 
-def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
+def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[MeshHull]:
     """The pieces, in CoACD's order, which a seed decides."""
     import coacd
     from scipy.spatial import QhullError
@@ -229,7 +229,7 @@ def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
     """Return the same for a mesh that replaces another mesh: the distances of each surface from the other."""
     points = [numpy.vstack((on_surface(each.solid, _POINTS), _some(each.vertices))) for each in (other, mesh)]
     pairs = zip((mesh, other), points, strict=True)
-    beyond, short = (float(Surface(each.solid.triangles).distances(some).max()) for each, some in pairs)
+    beyond, short = (float(TriangleSurface(each.solid.triangles).distances(some).max()) for each, some in pairs)
     closed = mesh.is_closed and other.is_closed
     return {
         **_distances(beyond, short),
@@ -289,7 +289,7 @@ def _farthest_outside(mesh: Mesh, points: numpy.ndarray) -> float:
     """
     if not len(points):
         return 0.0
-    surface = Surface(mesh.solid.triangles)
+    surface = TriangleSurface(mesh.solid.triangles)
     bounds = surface.upper_bounds(points)
     order = numpy.argsort(-bounds, kind="stable")
     farthest = 0.0
@@ -383,7 +383,7 @@ _METHODS: Mapping[str, Callable[[Mesh, Any], Sequence[Shape]]] = {
 def _made(mesh: Mesh, method: str, wanted: Any) -> dict[str, Any]:
     if method == "simplify":
         smaller = simplify(mesh, wanted["faces"])
-        shapes: list[Shape] = [Hull(smaller.vertices, smaller.faces)]
+        shapes: list[Shape] = [MeshHull(smaller.vertices, smaller.faces)]
         error = measure_surfaces(mesh, smaller)
     else:
         shapes = [*_METHODS[method](mesh, wanted)]

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Range: TypeAlias = tuple[float, float]
 
 
-class Joint(Struct):
+class CompiledJoint(Struct):
     """A joint. `range` is in MuJoCo's units (radians, meters) and only valid if `limited`."""
 
     name: str
@@ -42,7 +42,7 @@ class Joint(Struct):
     body: str
 
 
-class Actuator(Struct):
+class CompiledActuator(Struct):
     """An actuator without activation has `act_address` -1 and `act_size` 0.
 
     `unit` is the unit of its only control. `ctrl_ranges` has a range or None for each control, in that unit.
@@ -61,7 +61,7 @@ class Actuator(Struct):
     """The stiffness of a servo at its hinge, in N·m/rad; 0 for any other actuator."""
 
 
-class Sensor(Struct):
+class CompiledSensor(Struct):
     """A sensor. `type` is its MJCF tag; `cutoff`, in its unit, is None if there is no cutoff."""
 
     name: str
@@ -72,7 +72,7 @@ class Sensor(Struct):
     cutoff: float | None = None
 
 
-class Camera(Struct):
+class CompiledCamera(Struct):
     """The field of view and the resolution of a camera.
 
     `fovy` is in degrees, or in meters for an orthographic camera, as `unit` says; `resolution` is width and height.
@@ -85,32 +85,38 @@ class Camera(Struct):
     resolution: tuple[int, int]
 
 
-class Keyframe(Struct):
+class CompiledKeyframe(Struct):
     """A keyframe. `time` is in seconds."""
 
     name: str
     time: float
 
 
-class Index(Struct):
+class CompiledIndex(Struct):
     """Everything in the order of the compiled model; unnamed elements have the name ''."""
 
-    joints: tuple[Joint, ...]
-    actuators: tuple[Actuator, ...]
-    sensors: tuple[Sensor, ...]
-    keyframes: tuple[Keyframe, ...]
-    cameras: tuple[Camera, ...]
+    joints: tuple[CompiledJoint, ...]
+    actuators: tuple[CompiledActuator, ...]
+    sensors: tuple[CompiledSensor, ...]
+    keyframes: tuple[CompiledKeyframe, ...]
+    cameras: tuple[CompiledCamera, ...]
     bodies: tuple[str, ...]
 
     @staticmethod
-    def from_data(data: Mapping[str, Any]) -> Index:
+    def from_data(data: Mapping[str, Any]) -> CompiledIndex:
         """Return the index from its JSON data, `asdict(index)`."""
-        kinds = {"joints": Joint, "actuators": Actuator, "sensors": Sensor, "keyframes": Keyframe, "cameras": Camera}
+        kinds = {
+            "joints": CompiledJoint,
+            "actuators": CompiledActuator,
+            "sensors": CompiledSensor,
+            "keyframes": CompiledKeyframe,
+            "cameras": CompiledCamera,
+        }
         rows: dict[str, Any] = {
             name: tuple(kind(**{key: _frozen(value) for key, value in row.items()}) for row in data[name])
             for name, kind in kinds.items()
         }
-        return Index(**rows, bodies=tuple(data["bodies"]))
+        return CompiledIndex(**rows, bodies=tuple(data["bodies"]))
 
 
 class Ranged(NamedTuple):
@@ -138,7 +144,7 @@ class Ranged(NamedTuple):
 _ROUNDING = 1e-6
 
 
-def ranged(index: Index, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ranged]:
+def ranged(index: CompiledIndex, vectors: Mapping[str, Sequence[float]]) -> Iterator[Ranged]:
     """Yield the numbers of a keyframe that have a range; a vector may be empty."""
     qpos, ctrl, act = (vectors[name] for name in ("qpos", "ctrl", "act"))
     for number, joint in enumerate(index.joints if len(qpos) else ()):
@@ -165,11 +171,11 @@ def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
-def index(model: MjModel, mujoco: Any) -> Index:
+def index(model: MjModel, mujoco: Any) -> CompiledIndex:
     """Return the index of a compiled model. Runs in the child process, too, and imports no MuJoCo."""
     bodies = names(model, "body")
-    keys = (Keyframe(name, float(time)) for name, time in zip(names(model, "key"), model.key_time, strict=True))
-    return Index(
+    keys = (CompiledKeyframe(name, float(time)) for name, time in zip(names(model, "key"), model.key_time, strict=True))
+    return CompiledIndex(
         tuple(_joints(model, bodies)),
         tuple(_actuators(model, mujoco)),
         tuple(_sensors(model, mujoco)),
@@ -179,11 +185,11 @@ def index(model: MjModel, mujoco: Any) -> Index:
     )
 
 
-def _joints(model: MjModel, bodies: list[str]) -> Iterator[Joint]:
+def _joints(model: MjModel, bodies: list[str]) -> Iterator[CompiledJoint]:
     for row, name in enumerate(names(model, "joint")):
         qpos = span(model, "qpos", row)
         dofs = span(model, "qvel", row)
-        yield Joint(
+        yield CompiledJoint(
             name,
             JOINT_TYPES[int(model.jnt_type[row])].word,
             qpos.start,
@@ -196,13 +202,13 @@ def _joints(model: MjModel, bodies: list[str]) -> Iterator[Joint]:
         )
 
 
-def _actuators(model: MjModel, mujoco: Any) -> Iterator[Actuator]:
+def _actuators(model: MjModel, mujoco: Any) -> Iterator[CompiledActuator]:
     limited = model.actuator_ctrllimited
     bounds = model.actuator_ctrlrange
     for row, name in enumerate(names(model, "actuator")):
         controls = span(model, "ctrl", row)
         activations = span(model, "act", row)
-        yield Actuator(
+        yield CompiledActuator(
             name,
             controls.start if controls else 0,
             len(controls),
@@ -231,7 +237,7 @@ def _bounds(pair: Any) -> Range:
     return float(pair[0]), float(pair[1])
 
 
-def _sensors(model: MjModel, mujoco: Any) -> Iterator[Sensor]:
+def _sensors(model: MjModel, mujoco: Any) -> Iterator[CompiledSensor]:
     tags = words(mujoco, "sensor_type")
     for row, name in enumerate(names(model, "sensor")):
         tag = tags.get(int(model.sensor_type[row]), "unknown")
@@ -246,16 +252,16 @@ def _sensors(model: MjModel, mujoco: Any) -> Iterator[Sensor]:
             coordinate = JOINT_TYPES[int(model.jnt_type[target])].coordinate
         unit = units.of_sensor(tag, size, coordinate)
         address = data.start if data else 0  # of `<user dim="0">`, which has none
-        yield Sensor(name, tag, address, size=len(data), unit=unit, cutoff=cutoff if cutoff > 0 else None)
+        yield CompiledSensor(name, tag, address, size=len(data), unit=unit, cutoff=cutoff if cutoff > 0 else None)
 
 
-def _cameras(model: MjModel, mujoco: Any, bodies: list[str]) -> Iterator[Camera]:
+def _cameras(model: MjModel, mujoco: Any, bodies: list[str]) -> Iterator[CompiledCamera]:
     for row, name in enumerate(names(model, "camera")):
         width, height = map(int, model.cam_resolution[row])
         is_flat = int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
         body = bodies[holder(model, "camera", row)]
         fovy = float(model.cam_fovy[row])
-        yield Camera(name, body, fovy, unit=LENGTH if is_flat else "deg", resolution=(width, height))
+        yield CompiledCamera(name, body, fovy, unit=LENGTH if is_flat else "deg", resolution=(width, height))
 
 
 SIZES = ("nq", "nv", "nu", "na", "nsensordata", "nmocap")

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalize
-from mjcompose.mujoco.addresses import Run, counted, runs
+from mjcompose.mujoco.addresses import RowRange, counted, runs
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, NameTable, holder, name_table
 from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
 
@@ -90,7 +90,7 @@ def values(model: MjModel, kind: str, index: int) -> Hashable:
 def shape(model: MjModel, kind: str, index: int) -> Hashable:
     """Return the traits of an element that rarely change: its type, or a body's joints and the number of its geoms."""
     if kind == "body":
-        joints = Run("body_jntadr", counted("body_jntnum")).rows(model, index)
+        joints = RowRange("body_jntadr", counted("body_jntnum")).rows(model, index)
         return tuple(int(model.jnt_type[each]) for each in joints), int(model.body_geomnum[index])
     types_of = getattr(model, f"{KINDS[kind].arrays}_type", None)
     return None if types_of is None else int(types_of[index])

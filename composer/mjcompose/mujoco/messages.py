@@ -144,7 +144,7 @@ _XML = re.compile(
 )
 
 
-class Fault(Struct):
+class EngineMessage(Struct):
     """One message of MuJoCo, split into its parts.
 
     `message` is its text without the other fields, which are None if MuJoCo does not name them. `line` (and
@@ -158,7 +158,7 @@ class Fault(Struct):
     name: str | None = None
 
 
-def parse(text: str) -> Fault:
+def parse(text: str) -> EngineMessage:
     r"""Split one message of MuJoCo into its parts.
 
     >>> parse("Error: size 0 must be positive in geom\nElement name 'left/pad', id 3, line 38")
@@ -170,15 +170,15 @@ def parse(text: str) -> Fault:
         detail = " ".join((broken["rest"] or "").split())
         element = re.fullmatch(r"XMLElement name=(\S+)", detail)
         message = f"not well-formed XML: {fault}" + (f": {detail}" if detail and not element else "")
-        return Fault(message, _positive(broken["line"]), element=element[1] if element else None)
+        return EngineMessage(message, _positive(broken["line"]), element=element[1] if element else None)
     trailer = _OBJECT.search(text) or _ELEMENT.search(text)
     if trailer is None:
-        return Fault(_PREFIX.sub("", text).strip())
+        return EngineMessage(_PREFIX.sub("", text).strip())
     fields = trailer.groupdict()
     message = _PREFIX.sub("", text[: trailer.start()]).strip()
     if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
         message = f"{message}: {rest}"
-    return Fault(
+    return EngineMessage(
         message,
         line=_positive(fields["line"]),
         column=_positive(fields.get("column")),

@@ -14,7 +14,7 @@ from xml.sax.saxutils import quoteattr
 import numpy
 
 from mjcompose.base.dataclass import Struct, dataclass
-from mjcompose.mujoco.surface import Surface
+from mjcompose.mujoco.surface import TriangleSurface
 
 
 class UnusableError(Exception):
@@ -109,7 +109,7 @@ def rounded(number: float) -> float:
 
 
 @dataclass(frozen=True)
-class Hull:
+class MeshHull:
     """The convex hull of its vertices."""
 
     vertices: numpy.ndarray
@@ -140,7 +140,7 @@ class Hull:
 
     def distance(self, points: numpy.ndarray) -> numpy.ndarray:
         """The distance of points that are outside."""
-        return Surface(self.solid.triangles).distances(points)
+        return TriangleSurface(self.solid.triangles).distances(points)
 
 
 @dataclass(frozen=True)
@@ -207,10 +207,10 @@ class Primitive:
         return numpy.asarray(numpy.linalg.norm(numpy.maximum(beyond, 0), axis=1))
 
 
-Shape = Hull | Primitive
+Shape = MeshHull | Primitive
 
 
-def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
+def hull_of(vertices: numpy.ndarray, most: int | None = None) -> MeshHull:
     """Return the convex hull of points, with at most `most` vertices."""
     from scipy.spatial import ConvexHull
 
@@ -223,7 +223,7 @@ def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
     normals = numpy.cross(corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]])
     wrong = (normals * found.equations[:, :3]).sum(axis=1) < 0
     faces[wrong] = faces[wrong][:, ::-1]
-    return Hull(corners, faces)
+    return MeshHull(corners, faces)
 
 
 SIZE = "mesh-size"
@@ -242,7 +242,7 @@ _FACTORS = {"large": (0.001, "its file is in millimeters"), "small": (1000, "it 
 """The factor for the scale of a mesh, and the reason."""
 
 
-class Measured(Struct):
+class MeshMeasurements(Struct):
     """The measurements of a mesh: `size` is the diagonal of the box around it, in meters, in the model.
 
     It is closed if every edge has two faces. `open_edges` of the `edges` do not; None if they are not known.
@@ -275,7 +275,7 @@ class Doubt(Struct):
         return f"if {why}, write `{write.format(between.join(f'{each * factor:g}' for each in scale))}`"
 
 
-def doubts(mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
+def doubts(mesh: MeshMeasurements, reach: float, *, touches: bool = True, inside: str | None = None) -> Iterator[Doubt]:
     """Yield the doubts about a mesh. `reach` is the largest distance between neighboring bodies, in meters.
 
     A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about a use that needs a volume;
@@ -318,10 +318,10 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     }
 
 
-def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
+def measured(facts: dict[str, Any], scale: Sequence[float]) -> MeshMeasurements:
     """Return the result of `measures` for a mesh with this scale."""
     size = math.dist((0, 0, 0), [factor * each for factor, each in zip(scale, facts["extents"], strict=True)])
-    return Measured(size, facts["flat"], not facts["open"], open_edges=facts["open"], edges=facts["edges"])
+    return MeshMeasurements(size, facts["flat"], not facts["open"], open_edges=facts["open"], edges=facts["edges"])
 
 
 def is_flat(vertices: Any) -> bool:

@@ -21,7 +21,7 @@ _SIZES = 12
 """The number of classes of size. The triangles of a class are half as large as in the class before."""
 
 
-class Surface:
+class TriangleSurface:
     """Triangles of shape (n, 3, 3), in meters."""
 
     def __init__(self, triangles: numpy.ndarray) -> None:

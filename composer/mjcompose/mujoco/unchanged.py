@@ -19,7 +19,7 @@ from mjcompose.mujoco import arrays, match
 from mjcompose.mujoco.addresses import RUNS, rows_of, span
 from mjcompose.mujoco.arrays import DERIVED_ROUNDING, HULL, MEASURED, PLACED, ROUNDING, SLIDE, Treatment, about
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, NameTable, holder, name_table
-from mjcompose.mujoco.compare import Keys, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
+from mjcompose.mujoco.compare import KeyMode, Pairs, Roots, Rules, Run, key_differences, plain_value, unequal_elements
 from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.match import ABSENT, Correspondence, Coupling, Difference, Mount, pose_of
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
@@ -412,7 +412,7 @@ def compare(
     prefix: str = "",
     hung_on: Mount | None = None,
     renamed: Mapping[str, Mapping[str, str]] | None = None,
-    keys: Keys = Keys.MERGE,
+    keys: KeyMode = KeyMode.MERGE,
     roots_in_keys: Roots = Roots.MOVED,
     others: Sequence[tuple[str, MjModel]] | None = None,
     ignore: Collection[str] = (),

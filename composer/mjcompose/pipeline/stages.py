@@ -26,13 +26,13 @@ from pathlib import Path
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import log
 from mjcompose.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
-from mjcompose.bundle.bundle import Bundle, Outcome
+from mjcompose.bundle.bundle import Bundle, CheckOutcome
 from mjcompose.compose.compose import Composed, ComposeOptions, Composer
 from mjcompose.compose.interface import check_index, check_locked_interface
 from mjcompose.compose.load import Library
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.engine import Compiled, Limits, Session
+from mjcompose.mujoco.engine import Compiled, RequestLimits, Session
 from mjcompose.plan.describe import acknowledge
 from mjcompose.plan.locked import check_lock, plan_with_intact_store
 from mjcompose.plan.plan import Plan
@@ -51,7 +51,7 @@ class Built(Struct):
     compiled: Compiled | None
 
 
-class Request(Struct):
+class ModelRequest(Struct):
     """A request for one model.
 
     `given` are values of parameters and variants; `name` is the name of a cell or of a `sample`, whose draws it has.
@@ -71,13 +71,13 @@ class Request(Struct):
 
 
 def build(
-    request: Request,
+    request: ModelRequest,
     context: Context,
     *,
     session: Session | None = None,
-    limits: Limits | None = None,
+    limits: RequestLimits | None = None,
     library: Library | None = None,
-    outcomes: list[Outcome] | None = None,
+    outcomes: list[CheckOutcome] | None = None,
 ) -> Built | None:
     """Return the bundle of a recipe, unwritten, or None after errors. MuJoCo runs in `session`, or within `limits`."""
     if (plan := planned(request, context)) is None:
@@ -87,7 +87,7 @@ def build(
         return Build(plan, request, context, session=own, library=library, outcomes=outcomes).run()
 
 
-def planned(request: Request, context: Context) -> Plan | None:
+def planned(request: ModelRequest, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve and plan a recipe; return a plan without its faulty pieces, or None."""
     with context.timed("plan"):
         plan = partial(plan_what_remains, name=request.name, sample=request.sample, worlds=request.worlds)
@@ -105,11 +105,11 @@ class Build(Struct, frozen=False):
     """One build of a planned model; `on_bundle` gets the bundle before MuJoCo gets it, to work in parallel."""
 
     plan: Plan
-    request: Request
+    request: ModelRequest
     context: Context
     session: Session
     library: Library | None = None
-    outcomes: list[Outcome] = field(default_factory=list)
+    outcomes: list[CheckOutcome] = field(default_factory=list)
     on_bundle: Callable[[Bundle], None] | None = None
 
     def run(self) -> Built | None:

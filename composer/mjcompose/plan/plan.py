@@ -142,7 +142,7 @@ class EditOutcome(Struct):
     shapes: tuple[GeneratedShapes, ...] = ()
 
 
-class Excluded(Struct):
+class ExcludedPair(Struct):
     """Two bodies that need not collide, and the reason in words; "" for bodies that touch."""
 
     one: str
@@ -169,7 +169,7 @@ class PlanPreview(Struct):
     subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
     edits: Mapping[RecipePath, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
-    excluded: tuple[Excluded, ...] = ()
+    excluded: tuple[ExcludedPair, ...] = ()
     unsearched: int = 0
     gains: tuple[Gains, ...] = ()
 

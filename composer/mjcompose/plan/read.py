@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, TypeVar
 from mjcompose.base import extensions
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import DiagnosticError, Path as Place, Span
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.files import (
     MJCF_FILES,
     RECIPES,
@@ -38,7 +38,7 @@ from mjcompose.language.edit import VERBS, Edit
 from mjcompose.language.expand import Concrete, expand
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.validate import validate_what_remains
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.plan.plan import Plan
 from mjcompose.plan.steps import SETTINGS, AddElement, AppendElement
 from mjcompose.sources import ros
@@ -422,7 +422,7 @@ def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
                     yield path
 
 
-def _named(element: Element) -> Iterator[tuple[Place, str]]:
+def _named(element: RecipeElement) -> Iterator[tuple[Place, str]]:
     if element.xml is not None:
         yield from (((*element.at, "xml"), name) for name in _FILE.findall(element.xml))
     for attribute in ("file", *CUBE):
@@ -472,7 +472,7 @@ def _of_urdf(source: Source) -> Iterator[Path]:
             yield source.path.parent / Path(name).name
 
 
-_TABLES: dict[str, Table[Any]] = {"checks": KINDS, "verbs": VERBS, "datasheets": SHEETS}
+_TABLES: dict[str, ExtensionTable[Any]] = {"checks": KINDS, "verbs": VERBS, "datasheets": SHEETS}
 _OURS = {"checks": {*KINDS.own, SEVERITY, "when", "for"}, "verbs": {*Edit.key_names()}}
 
 

@@ -19,7 +19,7 @@ from mjcompose.language.parameters import Substitution
 from mjcompose.language.recipe import Order, Recipe, sections_of
 from mjcompose.language.sections import Elements, Singleton
 from mjcompose.language.validate import judge
-from mjcompose.language.value import Element
+from mjcompose.language.value import RecipeElement
 from mjcompose.text.node import Mapping, Node, locate, to_python
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ class Step(ABC):
         return self.why or self.words
 
 
-def words_of_element(element: Element) -> str:
+def words_of_element(element: RecipeElement) -> str:
     """Return the name of an element in the words of a step.
 
     >>> words_of_element(Element("geom")), words_of_element(Element("site", {"name": "tip"}))
@@ -136,7 +136,7 @@ class AddElement(Step):
     sections: ClassVar[tuple[str, ...]] = ("add",)
     to_kind: Literal["world", "body", "frame"]
     to: str
-    element: Element
+    element: RecipeElement
     to_span: Span
     span: Span
 
@@ -187,7 +187,7 @@ def steps_adding(
     return [*reversed(found.values())]
 
 
-def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str, str, Span]]:
+def _added_places_of(element: RecipeElement, document: Mapping) -> Iterator[tuple[str, str, Span]]:
     if element.xml is not None:
         yield from ((tag, name, locate(document, (*element.at, "xml"))) for tag, name in names_in(element.xml, KINDS))
         return
@@ -204,7 +204,7 @@ class AppendElement(Step):
         name for name in Recipe.model_fields if name in (*sections_of(Elements), "contact")
     )
     section: str
-    element: Element
+    element: RecipeElement
     span: Span
 
     @classmethod
@@ -304,7 +304,7 @@ class SetDefault(Step):
     sections: ClassVar[tuple[str, ...]] = ("default",)
     name: str
     parent: str | None
-    element: Element
+    element: RecipeElement
     span: Span
 
     @classmethod
@@ -324,13 +324,13 @@ class SetSingleton(Step):
     why: ClassVar[str] = "set by the recipe"
     sections: ClassVar[tuple[str, ...]] = sections_of(Singleton)
     section: str
-    element: Element
+    element: RecipeElement
     span: Span
 
     @classmethod
     def of(cls, given: StepInput) -> Iterator[Step]:
         for section in cls.sections:
-            element: Element | None = getattr(given.recipe, section)
+            element: RecipeElement | None = getattr(given.recipe, section)
             if element is not None:
                 yield cls(section, element, given.span(element.at, key=True))
 
@@ -344,13 +344,13 @@ class SetSingleton(Step):
         return _paths(self.element, self.section)
 
 
-def _settings(element: Element, path: str = "") -> Iterator[str]:
+def _settings(element: RecipeElement, path: str = "") -> Iterator[str]:
     yield from (f"{path}{name} = {value}" for name, value in element.attributes.items())
     for child in element.children:
         yield from _settings(child, f"{path}{child.tag}.")
 
 
-def _paths(element: Element, path: str) -> Iterator[str]:
+def _paths(element: RecipeElement, path: str) -> Iterator[str]:
     yield from (f"{path}/{name}" for name in element.attributes)
     for child in element.children:
         yield from _paths(child, f"{path}/{child.tag}")

@@ -11,18 +11,18 @@ from mjcompose.bundle.bundle import MODEL
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.index import Index, addresses
+from mjcompose.mujoco.index import CompiledIndex, addresses
 from mjcompose.sides.side import Side
 from mjcompose.sources.context import Context
 
 
-class Names(Struct):
+class NamesRecord(Struct):
     """The names of a model. `sha256` is the hash of its MJCF text, and `keys` has the vectors of each keyframe."""
 
     model: str
     sha256: str
     sizes: Mapping[str, int]
-    index: Index
+    index: CompiledIndex
     keys: Sequence[Mapping[str, Sequence[float]]]
 
     def as_data(self) -> dict[str, Any]:
@@ -38,7 +38,7 @@ class Names(Struct):
         return {"model": self.model, "sha256": self.sha256, "sizes": dict(self.sizes), **kinds, "keyframes": keys}
 
 
-def names_of(side: Side, session: Session, context: Context) -> Names | None:
+def names_of(side: Side, session: Session, context: Context) -> NamesRecord | None:
     """Return the names of a model that the session keeps, or None if MuJoCo crashes, which is reported."""
     answer = engine.call(session, addresses, [side.kept], argument=None)
     if not answer.ok:
@@ -48,4 +48,4 @@ def names_of(side: Side, session: Session, context: Context) -> Names | None:
     model = "" if side.traced is None else str(side.traced.model.root.get("model") or "")
     sha256 = side.digests.get(side.bundle.model if side.bundle is not None else MODEL, "")
     value = answer.value
-    return Names(model, sha256, value["sizes"], index=Index.from_data(value["index"]), keys=value["keys"])
+    return NamesRecord(model, sha256, value["sizes"], index=CompiledIndex.from_data(value["index"]), keys=value["keys"])

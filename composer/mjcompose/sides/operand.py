@@ -20,7 +20,7 @@ from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.reference import Trust
 
 
-class Kind(StrEnum):
+class OperandKind(StrEnum):
     RECIPE = "recipe"
     MJCF = "MJCF file"
     BUNDLE = "bundle"
@@ -34,7 +34,7 @@ class Operand(Struct):
     """
 
     label: str
-    kind: Kind
+    kind: OperandKind
     path: Path
     context: Context
     revision: str | None = None
@@ -113,9 +113,9 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
     """Return an MJCF file as a recipe with it as base, which has a bundle; return other operands unchanged."""
-    if operand.kind is not Kind.MJCF:
+    if operand.kind is not OperandKind.MJCF:
         return operand
-    return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened), given=operand.path)
+    return replace(operand, kind=OperandKind.RECIPE, path=_recipe_of(operand.path, opened), given=operand.path)
 
 
 def _recipe_of(path: Path, opened: ExitStack) -> Path:
@@ -140,10 +140,10 @@ def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) 
     return there, root, replace(context, folder=folder, fetching=Fetching(trust=Trust(files=(root,))))
 
 
-def _kind(path: Path) -> Kind | None:
+def _kind(path: Path) -> OperandKind | None:
     suffix = path.suffix.lower()
     if os.path.isdir(path) or suffix in (".zip", ".mjz"):
-        return Kind.BUNDLE
+        return OperandKind.BUNDLE
     if suffix in (*URDF_FILES, *RECIPES):
-        return Kind.RECIPE
-    return Kind.MJCF if suffix in MJCF_FILES else None
+        return OperandKind.RECIPE
+    return OperandKind.MJCF if suffix in MJCF_FILES else None

@@ -23,15 +23,15 @@ from mjcompose.link.collect import collect
 from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.messages import CRASHES, Fault, parse
+from mjcompose.mujoco.messages import CRASHES, EngineMessage, parse
 from mjcompose.pipeline.cache.builder import source_files
 from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, select_cell
 from mjcompose.plan.describe import acknowledge
 from mjcompose.plan.matrix import check_sample, read_matrix
-from mjcompose.plan.plan import Excluded, Plan
+from mjcompose.plan.plan import ExcludedPair, Plan
 from mjcompose.plan.planner import make_plan, plan_what_remains
 from mjcompose.plan.read import Given
-from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sources.context import Context
 from mjcompose.trace.trace import Trace
 from mjcompose.trace.traced import Traced
@@ -92,7 +92,7 @@ class Side(Struct, frozen=False):
     inputs: tuple[Path, ...] = ()
     read: dict[str, list[str]] = field(default_factory=dict)
     bundle: Bundle | None = None
-    excluded: tuple[Excluded, ...] = ()
+    excluded: tuple[ExcludedPair, ...] = ()
 
     @property
     def end(self) -> End:
@@ -138,8 +138,8 @@ def load(
     For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
     were read before. With `whole` the side has its bundle.
     """
-    if operand.kind is not Kind.RECIPE:
-        side = (_mjcf if operand.kind is Kind.MJCF else _bundle)(operand, kept, session)
+    if operand.kind is not OperandKind.RECIPE:
+        side = (_mjcf if operand.kind is OperandKind.MJCF else _bundle)(operand, kept, session)
     else:
         cell = None if pick is None else _cell(operand, given or {}, pick, sample=sample)
         if pick is not None and cell is None:
@@ -223,7 +223,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
         return None
     compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
     if not compiled.ok:
-        fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
+        fault = EngineMessage(compiled.error or "") if compiled.crash else parse(compiled.error or "")
         _refused(fault, compiled.crash, shown, context=context)
         return None
     digest = hashlib.sha256(read_regular(path)).hexdigest()
@@ -270,7 +270,7 @@ def _traced(unit: Unit | None, context: Context) -> Traced | None:
     return Traced(unit, watch, "/", folder=context.folder)
 
 
-def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> None:
+def _refused(fault: EngineMessage, crash: str | None, file: str, context: Context) -> None:
     code = "mujoco-rejects" if crash is None else CRASHES.get(crash, "mujoco-crash")
     span = None if fault.line is None else Span(file, fault.line, fault.column or 1)
     name = f" ({fault.element or 'element'} `{fault.name}`)" if fault.name else ""

@@ -70,7 +70,7 @@ def download(
     return _Download(url, lookup, headers or {}, partial, known).run()
 
 
-class Answer(Struct):
+class ServerAnswer(Struct):
     """The answer of a server: `headers` is a mapping without case."""
 
     status: int
@@ -78,7 +78,7 @@ class Answer(Struct):
     body: bytes
 
 
-def ask(url: str, headers: Mapping[str, str], lookup: Lookup) -> Answer:
+def ask(url: str, headers: Mapping[str, str], lookup: Lookup) -> ServerAnswer:
     """Return a short answer of a server, whatever its status, and follow no redirect. Raises SourceError."""
     return _Download(url, lookup, headers).ask("GET", None)
 
@@ -245,7 +245,7 @@ class _Download(Struct, frozen=False):
             at = self._next(at, leads_to)
         raise self._failed(f"leads on more than {_HOPS} times", f"last to `{hide(at)}`")
 
-    def ask(self, method: str, body: bytes | None) -> Answer:
+    def ask(self, method: str, body: bytes | None) -> ServerAnswer:
         """Send one request without following redirects, and return the answer, which must be short."""
         from urllib3.exceptions import HTTPError
 
@@ -258,7 +258,7 @@ class _Download(Struct, frozen=False):
         if response.status in _BUSY or len(answer) > _MOST_JSON:
             why = f"the server answered {response.status}" if response.status in _BUSY else "its answer is too large"
             raise self._failed(f"cannot be fetched: {why}")
-        return Answer(response.status, response.headers, answer)
+        return ServerAnswer(response.status, response.headers, answer)
 
     def _next(self, at: str, leads_to: str) -> str:
         """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""

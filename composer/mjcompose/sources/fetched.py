@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mjcompose.sources.download import Version
     from mjcompose.sources.fetching import Lookup
     from mjcompose.sources.reference import Source
-    from mjcompose.sources.store import Entry, Store
+    from mjcompose.sources.store import Store, StoreEntry
 
 
 _ARCHIVE_FORM = Form(
@@ -233,7 +233,7 @@ class _Artifact(Struct):
     store: Store
     lookup: Lookup
 
-    def fetched(self, key: str) -> Entry:
+    def fetched(self, key: str) -> StoreEntry:
         self.lookup.fetching.progress(f"fetching {self.reference.id}")
         registry, _, repository = self.reference.name.partition("/")
         scheme = "http" if is_this_machine(registry) else "https"

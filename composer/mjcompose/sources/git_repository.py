@@ -22,7 +22,7 @@ from mjcompose.sources.blobs import files_below, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.git_command import Git, GitFailure, serving, words_of, write_tree
 from mjcompose.sources.reference import TO_TRUST, Origin, Reference, Source, SourceError, is_commit, outside_network
-from mjcompose.sources.store import Entry, Store
+from mjcompose.sources.store import Store, StoreEntry
 from mjcompose.sources.web_archive import Unsafe, check
 
 _NO_ROOM = re.compile("No space left|quota exceeded", re.IGNORECASE)
@@ -114,7 +114,7 @@ class _Repository(Struct):
         self.store.remember(self.id, {"commit": commit})
         return commit
 
-    def _fetched(self, commit: str, pinned: bool) -> Entry:
+    def _fetched(self, commit: str, pinned: bool) -> StoreEntry:
         if self.fetching.offline:
             raise not_at_hand(self.reference)
         with self.store.lock(commit, self.fetching.progress):

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 
 from mjcompose.base.diagnostic import DiagnosticError, hide
-from mjcompose.base.extensions import Table, is_registered, refuse
+from mjcompose.base.extensions import ExtensionTable, is_registered, refuse
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
 from mjcompose.sources import fetched, fetching as nearby, license, packages, reference as forms
@@ -140,7 +140,7 @@ KINDS: tuple[SourceKind, ...] = (
 
 _BY_NAME = {kind.name: kind for kind in KINDS}
 _BY_SCHEME = {form.scheme: kind for kind in KINDS for form in kind.forms if form.scheme}
-EXTENDED: Table[SourceKind] = Table("sources", {}, "KIND", kind=SourceKind)
+EXTENDED: ExtensionTable[SourceKind] = ExtensionTable("sources", {}, "KIND", kind=SourceKind)
 """The kinds of other packages, by their schemes, which are their names."""
 _ON_THIS_MACHINE = {scheme: kind for kind in KINDS for scheme in kind.local_schemes}
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)

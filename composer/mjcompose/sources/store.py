@@ -54,7 +54,7 @@ def store_folder(environment: Mapping[str, str]) -> str:
     return user_cache_dir("mjcompose", appauthor=False)
 
 
-class Entry(Struct):
+class StoreEntry(Struct):
     """One entry of the store; `content` is the folder with its files, and `about` are the fetcher's notes."""
 
     kind: str
@@ -71,7 +71,7 @@ class Entry(Struct):
         return self.folder / "content"
 
 
-Kept: TypeAlias = Entry | blobs.Blob
+Kept: TypeAlias = StoreEntry | blobs.Blob
 """Entries that a prune may remove."""
 
 
@@ -98,7 +98,7 @@ class Store(Struct):
             raise SourceError("store-unusable", message, help="name a folder of your own in `MJCOMPOSE_CACHE`")
         return cls(folder, limit)
 
-    def get(self, kind: Stored, key: str) -> Entry | None:
+    def get(self, kind: Stored, key: str) -> StoreEntry | None:
         """Return an entry and keep it from being pruned while this process lives, or None if it does not exist."""
         folder = self.folder / kind / key
         try:
@@ -112,7 +112,9 @@ class Store(Struct):
                 os.utime(folder / ENTRY)
         return entry
 
-    def add(self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]) -> Entry:
+    def add(
+        self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
+    ) -> StoreEntry:
         """Create an entry: `fill` writes its files into the given empty folder.
 
         `about` is read afterwards. The caller holds the lock of `key`. The entry is added completely or not at all.
@@ -186,7 +188,7 @@ class Store(Struct):
             help = "make room, or name another folder in `MJCOMPOSE_CACHE`"
             raise SourceError("store-unusable", message, help=help) from error
 
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[StoreEntry]:
         """Return all intact entries, the least recently used first."""
         found = []
         for kind in KINDS:
@@ -241,7 +243,7 @@ class Store(Struct):
                 if is_useless():
                     self._remove(path, key)
 
-    def _remove_unused(self, entry: Entry) -> bool:
+    def _remove_unused(self, entry: StoreEntry) -> bool:
         with self.usable():
             with blobs.gate(self.folder):
                 if entry.key in blobs.held(self.folder):
@@ -250,7 +252,7 @@ class Store(Struct):
             _erase(stage)
         return True
 
-    def headless(self, entries: Iterable[Entry]) -> list[Path]:
+    def headless(self, entries: Iterable[StoreEntry]) -> list[Path]:
         """Return entry folders without readable metadata, which no build sees; `entries` are all other entries."""
         known = {entry.folder for entry in entries}
         found: list[Path] = []
@@ -271,7 +273,7 @@ class Store(Struct):
                 found += (self.folder / name).iterdir()
         return sorted(found)
 
-    def damage(self, entry: Entry) -> tuple[str, ...]:
+    def damage(self, entry: StoreEntry) -> tuple[str, ...]:
         """Return the damage of an entry, one line for each file; empty if it is intact."""
         there = {}
         for name, path in blobs.files_below(entry.content):
@@ -297,12 +299,12 @@ class Store(Struct):
             return {}
         return {name: value for name, value in seen.items() if isinstance(value, str)}
 
-    def _read(self, kind: str, folder: Path) -> Entry | None:
+    def _read(self, kind: str, folder: Path) -> StoreEntry | None:
         try:
             text = read_regular(folder / ENTRY, is_source=False)
             used = (folder / ENTRY).stat().st_mtime
             record: Any = json.loads(text)
-            return Entry(
+            return StoreEntry(
                 kind,
                 folder.name,
                 folder,

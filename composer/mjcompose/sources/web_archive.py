@@ -23,7 +23,7 @@ from mjcompose.base.limits import MIB, advice, in_force, written
 from mjcompose.sources.blobs import differences, sha256_of
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
 from mjcompose.sources.reference import Origin, Reference, Source, SourceError
-from mjcompose.sources.store import Entry, Store, name_of
+from mjcompose.sources.store import Store, StoreEntry, name_of
 
 if TYPE_CHECKING:
     from mjcompose.sources.download import Version
@@ -252,7 +252,7 @@ class _Archive(Struct):
     def fetching(self) -> Fetching:
         return self.lookup.fetching
 
-    def entry(self) -> Entry:
+    def entry(self) -> StoreEntry:
         written = self.reference.revision
         locked = self.fetching.pin(self.id)
         if written and locked and written != locked:
@@ -275,7 +275,7 @@ class _Archive(Struct):
                 return entry
             return self._fetched(wanted, entry, seen)
 
-    def _fetched(self, wanted: str | None, had: Entry | None, seen: Mapping[str, str]) -> Entry:
+    def _fetched(self, wanted: str | None, had: StoreEntry | None, seen: Mapping[str, str]) -> StoreEntry:
         # Slow to import, and only needed for downloads.
         from mjcompose.sources.download import Version, forget
 

@@ -17,7 +17,7 @@ from mjcompose.bundle.manifest import TargetRecord, UnsupportedFeature, files_of
 from mjcompose.bundle.staging import write_files
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.index import Index, compiled_order, index
+from mjcompose.mujoco.index import CompiledIndex, compiled_order, index
 from mjcompose.sources.context import Context
 from mjcompose.targets.plain import CannotBePlain, plain
 from mjcompose.targets.same import differences
@@ -168,7 +168,7 @@ def _bundle(
         )
         for group in grouped(losses)
     )
-    index = None if found["index"] is None else manifests.index_of(Index.from_data(found["index"]))
+    index = None if found["index"] is None else manifests.index_of(CompiledIndex.from_data(found["index"]))
     changed = {
         "model": aimed.model,
         "target": TargetRecord(name=target, left_out=left_out),

@@ -73,7 +73,7 @@ _MOVED = 0.01
 """How much of the longest way, and of 1, the end of a motion may be off: programs have integrators of their own."""
 
 
-class Difference(Struct):
+class ReadDifference(Struct):
     """An element that a consumer has read differently: a feature, the kind and the name of the element, and words."""
 
     feature: str
@@ -310,7 +310,7 @@ _KIND_OF = {"dof": "joint", "jnt": "joint", "body": "body", "tendon": "tendon", 
 
 def differences(
     mujoco: Any, model: MjModel, facts: Facts, asked: Facts, losses: Sequence[Loss] = (), *, single: bool
-) -> Iterator[Difference]:
+) -> Iterator[ReadDifference]:
     """Yield the differences between a consumer's reading and the model. Losses do not count.
 
     `single` allows for a consumer that computes in single precision.
@@ -335,7 +335,7 @@ def differences(
 
 def _elements(
     kind: str, truth: Facts, facts: Facts, lost: set[tuple[str, str]], tolerance: float
-) -> Iterator[Difference]:
+) -> Iterator[ReadDifference]:
     """Yield the joints or actuators that are missing, and the differences of those that are not.
 
     A consumer that reads no actuators at all misses none.
@@ -346,7 +346,7 @@ def _elements(
         if read is not None:
             yield from _attributes(kind, name, mine, read=read, lost=lost, tolerance=tolerance)
         elif kind == "joint" or (reads_actuators and ("actuators", name) not in lost):
-            yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
+            yield ReadDifference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
 
 
 def by_actuator(truth: Facts, facts: Facts) -> Facts:
@@ -363,16 +363,16 @@ def by_actuator(truth: Facts, facts: Facts) -> Facts:
     return {**facts, "actuators": {**facts["actuators"], **by_name}}
 
 
-def _forces(mine: dict[str, float], read: dict[str, float], tolerance: float) -> Iterator[Difference]:
+def _forces(mine: dict[str, float], read: dict[str, float], tolerance: float) -> Iterator[ReadDifference]:
     for name, force in mine.items():
         if name in read and abs(read[name] - force) > tolerance * max(1.0, abs(force)):
             message = f"under full control the force of the joint `{name}` is {_shown(read[name])}, not {_shown(force)}"
-            yield Difference("forces", "joint", name, message=message)
+            yield ReadDifference("forces", "joint", name, message=message)
 
 
 def _attributes(
     kind: str, name: str, mine: Facts, read: Facts, lost: set[tuple[str, str]], tolerance: float
-) -> Iterator[Difference]:
+) -> Iterator[ReadDifference]:
     for attribute, value in read.items():
         feature = FEATURES[attribute]
         if attribute not in mine or (feature, name) in lost or (feature == "gains" and ("gears", name) in lost):
@@ -380,7 +380,7 @@ def _attributes(
         if not _close(value, mine[attribute], tolerance):
             words = _WORDS.get(attribute, attribute)
             message = f"the {words} of the {kind} `{name}` is {_shown(value)}, not {_shown(mine[attribute])}"
-            yield Difference(feature, kind, name, message=message)
+            yield ReadDifference(feature, kind, name, message=message)
 
 
 def _close(read: Any, mine: Any, tolerance: float) -> bool:
@@ -393,7 +393,9 @@ def _close(read: Any, mine: Any, tolerance: float) -> bool:
     return bool(read == mine)
 
 
-def _shapes(model: MjModel, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]) -> Iterator[Difference]:
+def _shapes(
+    model: MjModel, mine: dict[str, int], read: dict[str, int], losses: Iterable[Loss]
+) -> Iterator[ReadDifference]:
     left = dict(mine)
     for loss in losses:
         if loss.feature == "shapes" and loss.kind == "geom":
@@ -404,10 +406,10 @@ def _shapes(model: MjModel, mine: dict[str, int], read: dict[str, int], losses: 
         if left.get(kind, 0) != read.get(kind, 0):
             of = "" if kind == "all" else f" of the type `{kind}`"
             message = f"there are {read.get(kind, 0)} geoms{of}, not {left.get(kind, 0)}"
-            yield Difference("shapes", "geom", kind, message=message)
+            yield ReadDifference("shapes", "geom", kind, message=message)
 
 
-def _masses(mujoco: Any, model: MjModel, facts: Facts, tolerance: float) -> Iterator[Difference]:
+def _masses(mujoco: Any, model: MjModel, facts: Facts, tolerance: float) -> Iterator[ReadDifference]:
     composite = bool(facts.get("composite"))
     for body in range(1, model.nbody):
         name = model.body(body).name
@@ -427,7 +429,7 @@ def _masses(mujoco: Any, model: MjModel, facts: Facts, tolerance: float) -> Iter
         elif mass > 0 and np.abs(np.array(read["inertia"]) - inertia).max() > tolerance * np.abs(inertia).max() + 1e-12:
             message = f"the inertia of `{name}` is {_shown(read['inertia'])}, not {_shown(inertia)}"
         if message is not None:
-            yield Difference("inertia", "body", name, message=message)
+            yield ReadDifference("inertia", "body", name, message=message)
 
 
 def _composite(mujoco: Any, model: MjModel, body: int, parts: list[int]) -> tuple[float, Any, Any]:
@@ -453,7 +455,7 @@ def _composite(mujoco: Any, model: MjModel, body: int, parts: list[int]) -> tupl
     return mass, frame.T @ (center - origin), frame.T @ inertia @ frame
 
 
-def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float) -> Iterator[Difference]:
+def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolerance: float) -> Iterator[ReadDifference]:
     worst = 0.0
     where = ""
     for true, each in zip(mine, read, strict=True):
@@ -464,13 +466,13 @@ def _poses(mine: Sequence[Facts], read: Sequence[Facts], composite: bool, tolera
                     worst = off
                     where = name
             elif not composite:
-                yield Difference("poses", "body", name, message=f"the body `{name}` has no pose")
+                yield ReadDifference("poses", "body", name, message=f"the body `{name}` has no pose")
                 return
     if worst > tolerance:
-        yield Difference("poses", "body", where, message=f"the pose of `{where}` is up to {worst:.3g} off")
+        yield ReadDifference("poses", "body", where, message=f"the pose of `{where}` is up to {worst:.3g} off")
 
 
-def _motions(mine: dict[str, float], read: dict[str, float], start: Facts, feature: str) -> Iterator[Difference]:
+def _motions(mine: dict[str, float], read: dict[str, float], start: Facts, feature: str) -> Iterator[ReadDifference]:
     way = max([abs(end - start[name][0]) for name, end in mine.items() if name in start], default=0.0)
     off = {name: abs(read[name] - end) for name, end in mine.items() if name in read}
     name = max(off, key=lambda each: off[each] if np.isfinite(off[each]) else np.inf, default="")
@@ -478,7 +480,7 @@ def _motions(mine: dict[str, float], read: dict[str, float], start: Facts, featu
         ends = f"{_shown(read[name])}, not at {_shown(mine[name])}"
         how = "motion" if feature == "motion" else "motion under control"
         message = f"after {SECONDS:g} s of {how} the joint `{name}` is at {ends}"
-        yield Difference(feature, "joint", name, message=message)
+        yield ReadDifference(feature, "joint", name, message=message)
 
 
 def _shown(value: Any) -> str:

@@ -13,7 +13,7 @@ from mjcompose.base.report import with_rest
 from mjcompose.base.scratch import scratch
 from mjcompose.language.check import Check
 from mjcompose.language.forms.model import IT
-from mjcompose.language.forms.scalars import Checked, Name, Positive, Unit
+from mjcompose.language.forms.scalars import Checked, Name, NumberUnit, Positive
 from mjcompose.targets.names import READ_IN
 from mjcompose.tree.history import RELEASED, release
 from mjcompose.verify.checks.check import SOLVED, failed
@@ -46,7 +46,7 @@ class MovesAlike(Check):
     """a version of MuJoCo that `mjcompose install` has installed, such as `mujoco==3.12`, or a target"""
     signal: Literal["qpos", "xpos"] = "qpos"
     """the compared positions: of joints, or of bodies (only for MuJoCo)"""
-    seconds: Annotated[float, Field(gt=0, le=60), Unit("s")] = 1.0
+    seconds: Annotated[float, Field(gt=0, le=60), NumberUnit("s")] = 1.0
     """the length of each simulation, at most 60"""
     tol: Positive = 1e-3
     """the allowed distance, in m or rad"""

@@ -41,7 +41,7 @@ _LARGEST = 4 << 30
 _RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
 
 
-class Reader(Struct):
+class ReaderProgram(Struct):
     """A program that reads models back.
 
     `program` is both the file in `readers/` and the folder of its environment. Python imports `module`, and pip
@@ -55,20 +55,20 @@ class Reader(Struct):
     single: bool = False
 
 
-READERS: Mapping[str, Reader] = {
+READERS: Mapping[str, ReaderProgram] = {
     each.target: each
     for each in (
-        Reader("drake", "drake", "pydrake", packages=("drake",)),
-        Reader("pinocchio", "pinocchio", "pinocchio", packages=("pin",)),
-        Reader("pybullet", "pybullet", "pybullet", packages=("numpy", "pybullet"), single=True),
-        Reader(
+        ReaderProgram("drake", "drake", "pydrake", packages=("drake",)),
+        ReaderProgram("pinocchio", "pinocchio", "pinocchio", packages=("pin",)),
+        ReaderProgram("pybullet", "pybullet", "pybullet", packages=("numpy", "pybullet"), single=True),
+        ReaderProgram(
             "newton", "newton", "newton", packages=("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"),
             single=True,
         ),
-        Reader("genesis", "genesis", "genesis", packages=("torch", "genesis-world")),
-        Reader("mjx", "mjx", "mujoco.mjx", packages=("mujoco-mjx",)),
-        Reader("warp", "warp", "mujoco_warp", packages=("mujoco-warp",), single=True),
-        Reader("urdf", "pinocchio", "pinocchio", packages=("pin",)),
+        ReaderProgram("genesis", "genesis", "genesis", packages=("torch", "genesis-world")),
+        ReaderProgram("mjx", "mjx", "mujoco.mjx", packages=("mujoco-mjx",)),
+        ReaderProgram("warp", "warp", "mujoco_warp", packages=("mujoco-warp",), single=True),
+        ReaderProgram("urdf", "pinocchio", "pinocchio", packages=("pin",)),
     )
 }  # fmt: skip
 """By the name of the target that it reads."""
@@ -77,7 +77,7 @@ check_rows("the programs of composer/mjcompose/targets/read_back.py", READERS, R
 check_rows("the targets that they read", [name for name in TARGETS if name in READERS], READERS)
 
 
-def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
+def interpreter(reader: ReaderProgram, environment: Mapping[str, str]) -> str | None:
     """Return the Python that can import a program: its environment's, or the current one; None without either."""
     folder = environment.get(CONSUMERS, "")
     # A relative folder would be in whatever folder you type the command.
@@ -92,7 +92,7 @@ def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
     return None
 
 
-def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
+def read_back(reader: ReaderProgram, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
     """Return the facts of a model as the program reads it, or an error message.
 
     The facts are as in `judge.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
@@ -258,7 +258,7 @@ def _lacking(name: str, lacked: Sequence[Loss]) -> Fault:
     return Fault(_FAILED, message, notes=tuple(map(Note, notes)), help=help)
 
 
-def _missing(name: str, reader: Reader, environment: Mapping[str, str]) -> Fault:
+def _missing(name: str, reader: ReaderProgram, environment: Mapping[str, str]) -> Fault:
     message = f"`{name}` is not installed: no Python here has its module `{reader.module}`"
     packages = " ".join(reader.packages)
     help = (

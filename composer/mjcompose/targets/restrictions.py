@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.targets.plain import simple_actuators, text
 from mjcompose.targets.same import Pose, about, back, joined, pose, quat, shifted
-from mjcompose.targets.target import Draft, Limit, Outcome
+from mjcompose.targets.target import Draft, FeatureOutcome, Limit
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -44,9 +44,11 @@ def one_root(*, with_free: bool) -> Limit:
             etree.SubElement(root, "inertial", _EMPTY)
             root.extend(held)
             for body in held:
-                draft.lose("roots", body, f"a body `{NAME}` holds the bodies of the world", outcome=Outcome.WRITTEN)
+                draft.lose(
+                    "roots", body, f"a body `{NAME}` holds the bodies of the world", outcome=FeatureOutcome.WRITTEN
+                )
 
-    return Limit("roots", Outcome.WRITTEN, apply)
+    return Limit("roots", FeatureOutcome.WRITTEN, apply)
 
 
 def _is_free(body: Node) -> bool:
@@ -64,7 +66,7 @@ def single_joints(mass: str = "0") -> Limit:
             if len(joints) < 2 or holder is None:
                 continue
             draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
-            draft.lose("joints", body, "each joint but the last has a body of its own", outcome=Outcome.WRITTEN)
+            draft.lose("joints", body, "each joint but the last has a body of its own", outcome=FeatureOutcome.WRITTEN)
             at = holder.index(body)
             place = {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
             for joint in joints[:-1]:
@@ -80,7 +82,7 @@ def single_joints(mass: str = "0") -> Limit:
             body.set("quat", place["quat"])
             holder.append(body)
 
-    return Limit("joints", Outcome.WRITTEN, apply)
+    return Limit("joints", FeatureOutcome.WRITTEN, apply)
 
 
 def _zeroed(draft: Draft) -> None:
@@ -102,7 +104,7 @@ def _zeroed(draft: Draft) -> None:
         for joint in joints:
             if joint.attrib.pop("ref", ""):
                 why = "their bodies are where the joints are at zero"
-                draft.lose("references", joint, why, outcome=Outcome.WRITTEN)
+                draft.lose("references", joint, why, outcome=FeatureOutcome.WRITTEN)
 
 
 def _moved(joint: Node, by: float) -> Pose:
@@ -121,7 +123,7 @@ def _numbers(element: Node, name: str) -> Any:
 
 
 SINGLE_JOINTS = single_joints()
-NO_REFERENCES = Limit("references", Outcome.WRITTEN, _zeroed)
+NO_REFERENCES = Limit("references", FeatureOutcome.WRITTEN, _zeroed)
 
 
 _DYNAMICS = {"damping": "damping", "frictionloss": "friction", "armature": "armature"}
@@ -141,15 +143,15 @@ def left_out(feature: str, *paths: str, why: str = "", but: Collection[str] = ()
                     draft.lose(feature, element, why)
                     draft.remove(element)
 
-    return Limit(feature, Outcome.PARTLY if but else Outcome.LEFT_OUT, apply)
+    return Limit(feature, FeatureOutcome.PARTLY if but else FeatureOutcome.LEFT_OUT, apply)
 
 
 def refused(feature: str, path: str, why: str, help: str) -> Limit:
     def apply(draft: Draft) -> None:
         for element in draft.root.iterfind(path):
-            draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
+            draft.lose(feature, element, why, outcome=FeatureOutcome.REFUSED, help=help)
 
-    return Limit(feature, Outcome.REFUSED, apply)
+    return Limit(feature, FeatureOutcome.REFUSED, apply)
 
 
 def without_attribute(
@@ -160,7 +162,7 @@ def without_attribute(
     why: str = "",
     *,
     also: Collection[str] = (),
-    outcome: Outcome = Outcome.LEFT_OUT,
+    outcome: FeatureOutcome = FeatureOutcome.LEFT_OUT,
 ) -> Limit:
     """Return a limit that removes an attribute, and attributes that have no meaning without it.
 
@@ -192,14 +194,14 @@ def no_shapes(*kinds: str) -> Limit:
             if field.get("name") not in used:
                 draft.remove(field)
 
-    return Limit("shapes", Outcome.PARTLY, apply)
+    return Limit("shapes", FeatureOutcome.PARTLY, apply)
 
 
 def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     """Return limits that remove attributes from joints of a type."""
     path = f".//joint[@type='{joints}']"
     return tuple(
-        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name), outcome=Outcome.PARTLY)
+        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name), outcome=FeatureOutcome.PARTLY)
         for name in attributes
     )
 
@@ -241,8 +243,8 @@ def _bare(draft: Draft) -> None:
         compiler.attrib.pop("inertiafromgeom", "")  # their geoms are written without a mass
 
 
-NO_HIDDEN_SHAPES = Limit("shapes", Outcome.PARTLY, _hidden)
-NO_EMPTY_INERTIA = Limit("massless", Outcome.KEPT, _bare)
+NO_HIDDEN_SHAPES = Limit("shapes", FeatureOutcome.PARTLY, _hidden)
+NO_EMPTY_INERTIA = Limit("massless", FeatureOutcome.KEPT, _bare)
 """For a target in which an inertia needs a mass."""
 NO_KEYS = left_out("keys", "keyframe/key")
 NO_SENSORS = left_out("sensors", "sensor/*")
@@ -264,18 +266,18 @@ NO_DAMPING = without_attribute("damping", ".//joint", "damping", what="damping")
 NO_ARMATURE = without_attribute("armature", ".//joint", "armature", what="armature")
 
 
-def _no_effort(outcome: Outcome) -> Limit:
+def _no_effort(outcome: FeatureOutcome) -> Limit:
     also = ("actuatorfrclimited", "actuatorgravcomp")
     what = "the greatest force"
     return without_attribute("effort", ".//joint", "actuatorfrcrange", what=what, also=also, outcome=outcome)
 
 
-NO_EFFORT = _no_effort(Outcome.LEFT_OUT)
-NO_JOINT_EFFORT = _no_effort(Outcome.PARTLY)
+NO_EFFORT = _no_effort(FeatureOutcome.LEFT_OUT)
+NO_JOINT_EFFORT = _no_effort(FeatureOutcome.PARTLY)
 """For a target that reads the force ranges of actuators."""
-NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colors)
-NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`", outcome=Outcome.PARTLY)
-NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)
+NO_TEXTURES = Limit("textures", FeatureOutcome.LEFT_OUT, _plain_colors)
+NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`", outcome=FeatureOutcome.PARTLY)
+NO_POLYNOMIALS = Limit("polynomials", FeatureOutcome.LEFT_OUT, _linear)
 
 
 _SINGLE = ("hinge", "slide")
@@ -296,7 +298,7 @@ def servos(*tags: str) -> Limit:
                 draft.lose("actuators", actuator, why)
                 draft.remove(actuator)
 
-    return Limit("actuators", Outcome.PARTLY if tags else Outcome.LEFT_OUT, apply)
+    return Limit("actuators", FeatureOutcome.PARTLY if tags else FeatureOutcome.LEFT_OUT, apply)
 
 
 def _one_for_each_joint(draft: Draft) -> None:
@@ -326,7 +328,7 @@ def _at_joints(draft: Draft) -> None:
         _scale(actuator, "forcerange", gear)
         _scale(actuator, "ctrlrange", gear if actuator.tag == "motor" else 1 / gear)
         why = "their gear is in their gains, and controls are at the joint"
-        draft.lose("gears", actuator, why, outcome=Outcome.WRITTEN)
+        draft.lose("gears", actuator, why, outcome=FeatureOutcome.WRITTEN)
 
 
 def _gear(actuator: Node) -> float:
@@ -412,19 +414,23 @@ def _geared(draft: Draft) -> None:
             draft.lose("gears", actuator, why, what="`gear`")
 
 
-ONE_FOR_EACH_JOINT = Limit("actuators", Outcome.PARTLY, _one_for_each_joint)
-AT_JOINTS = Limit("gears", Outcome.WRITTEN, _at_joints)
-GEARS = Limit("gears", Outcome.PARTLY, _geared)
-SYMMETRIC_FORCES = Limit("effort", Outcome.PARTLY, _symmetric)
-SYMMETRIC_EFFORTS = Limit("effort", Outcome.PARTLY, _symmetric_efforts)
-REFLECTED_ARMATURE = Limit("armature", Outcome.PARTLY, _reflected)
-CARRIED_FORCES = Limit("effort", Outcome.WRITTEN, _carried)
+ONE_FOR_EACH_JOINT = Limit("actuators", FeatureOutcome.PARTLY, _one_for_each_joint)
+AT_JOINTS = Limit("gears", FeatureOutcome.WRITTEN, _at_joints)
+GEARS = Limit("gears", FeatureOutcome.PARTLY, _geared)
+SYMMETRIC_FORCES = Limit("effort", FeatureOutcome.PARTLY, _symmetric)
+SYMMETRIC_EFFORTS = Limit("effort", FeatureOutcome.PARTLY, _symmetric_efforts)
+REFLECTED_ARMATURE = Limit("armature", FeatureOutcome.PARTLY, _reflected)
+CARRIED_FORCES = Limit("effort", FeatureOutcome.WRITTEN, _carried)
 NO_SERVO_DAMPING = without_attribute("gains", "actuator/position", "kv", what="`kv`")
-NO_ACTUATOR_ARMATURE = without_attribute("armature", "actuator/*", "armature", what="armature", outcome=Outcome.PARTLY)
-NO_DELAY = without_attribute(
-    "actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"), outcome=Outcome.PARTLY
+NO_ACTUATOR_ARMATURE = without_attribute(
+    "armature", "actuator/*", "armature", what="armature", outcome=FeatureOutcome.PARTLY
 )
-NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping", outcome=Outcome.PARTLY)
+NO_DELAY = without_attribute(
+    "actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"), outcome=FeatureOutcome.PARTLY
+)
+NO_ACTUATOR_DAMPING = without_attribute(
+    "damping", "actuator/*", "damping", what="damping", outcome=FeatureOutcome.PARTLY
+)
 
 
 _PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
@@ -465,7 +471,7 @@ def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
                 if changed:
                     draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
 
-    return Limit("contacts", Outcome.LEFT_OUT, apply)
+    return Limit("contacts", FeatureOutcome.LEFT_OUT, apply)
 
 
 def _plain(draft: Draft) -> Any:
@@ -522,8 +528,8 @@ def _listed(names: Collection[str]) -> str:
     return ", ".join(f"`{each}`" if " " not in each else each for each in dict.fromkeys(names))
 
 
-COMPUTING = Limit("computing", Outcome.LEFT_OUT, _options)
-GRAVITY = Limit("gravity", Outcome.LEFT_OUT, _gravity)
-BITS = Limit("bits", Outcome.LEFT_OUT, _bits)
-SOFTNESS = Limit("softness", Outcome.LEFT_OUT, _soft_limits)
-GRAVCOMP = Limit("gravcomp", Outcome.LEFT_OUT, _gravcomp)
+COMPUTING = Limit("computing", FeatureOutcome.LEFT_OUT, _options)
+GRAVITY = Limit("gravity", FeatureOutcome.LEFT_OUT, _gravity)
+BITS = Limit("bits", FeatureOutcome.LEFT_OUT, _bits)
+SOFTNESS = Limit("softness", FeatureOutcome.LEFT_OUT, _soft_limits)
+GRAVCOMP = Limit("gravcomp", FeatureOutcome.LEFT_OUT, _gravcomp)

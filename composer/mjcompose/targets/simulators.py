@@ -11,7 +11,7 @@ import numpy as np
 
 from mjcompose.mujoco.arrays import words
 from mjcompose.targets.restrictions import NO_SOFT
-from mjcompose.targets.target import OPTION, Draft, Limit, Outcome, Refusal
+from mjcompose.targets.target import OPTION, Draft, FeatureOutcome, Limit, UnsupportedElement
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -38,20 +38,20 @@ def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: s
 
 
 def refused_elements(
-    feature: str, kind: str, flagged: Flagged, help: str, outcome: Outcome = Outcome.SOME_REFUSED
+    feature: str, kind: str, flagged: Flagged, help: str, outcome: FeatureOutcome = FeatureOutcome.SOME_REFUSED
 ) -> Limit:
     """Return a limit that refuses a model with an element that `flagged` finds."""
 
-    def refuses(mujoco: Any, model: MjModel) -> Iterator[Refusal]:
+    def refuses(mujoco: Any, model: MjModel) -> Iterator[UnsupportedElement]:
         for number, why in flagged(mujoco, model):
-            yield Refusal(kind, number, why, help=help)
+            yield UnsupportedElement(kind, number, why, help=help)
 
     def apply(draft: Draft) -> None:
         option = next(draft.root.iterchildren(OPTION), draft.root)
         nodes = {0: option} if kind == OPTION else dict(draft.of(kind))
         for number, why in flagged(draft.mujoco, draft.model):
             if number in nodes:
-                draft.lose(feature, nodes[number], why, outcome=Outcome.REFUSED, help=help)
+                draft.lose(feature, nodes[number], why, outcome=FeatureOutcome.REFUSED, help=help)
 
     return Limit(feature, outcome, apply, refuses=refuses)
 
@@ -145,7 +145,7 @@ MJX_COLLISIONS = refused_elements(
     "geom",
     _unknown_pairs,
     help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`",
-    outcome=Outcome.REFUSED,
+    outcome=FeatureOutcome.REFUSED,
 )
 
 
@@ -359,7 +359,9 @@ def _sleepers(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
                 yield body, "MuJoCo Warp does not have `sleep` of a body"
 
 
-WARP_SLEEP = refused_elements("sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=Outcome.REFUSED)
+WARP_SLEEP = refused_elements(
+    "sleep", "body", _sleepers, help="write `set: {sleep: null}`", outcome=FeatureOutcome.REFUSED
+)
 
 
 def _flexes_warp(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:

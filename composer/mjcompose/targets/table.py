@@ -7,10 +7,10 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from mjcompose.base.extensions import Table, check_rows
+from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.targets import restrictions as limits, simulators
 from mjcompose.targets.names import MUJOCO, NAMES
-from mjcompose.targets.target import Draft, Limit, Outcome, Target, write_mjcf
+from mjcompose.targets.target import Draft, FeatureOutcome, Limit, Target, write_mjcf
 from mjcompose.targets.urdf import write_urdf
 
 # The plainest MJCF, for programs that have no target of their own.
@@ -186,7 +186,7 @@ def _without_armature(draft: Draft) -> None:
     for joint in draft.root.iterfind(".//joint"):
         if joint.get("type") != "free" and float(joint.get("armature") or 0) == 0:
             why = "it adds an armature of 0.1 unless you load it with `default_armature=None`"
-            draft.lose("no armature", joint, why, outcome=Outcome.WRITTEN)
+            draft.lose("no armature", joint, why, outcome=FeatureOutcome.WRITTEN)
 
 
 def _springs(draft: Draft) -> None:
@@ -212,14 +212,14 @@ GENESIS = Target(
         limits.NO_PAIRS,
         limits.NO_POLYNOMIALS,
         limits.NO_YIELD,
-        Limit("springs", Outcome.PARTLY, _springs),
+        Limit("springs", FeatureOutcome.PARTLY, _springs),
         limits.no_shapes("hfield"),
         limits.CARRIED_FORCES,
         limits.AT_JOINTS,
         limits.ONE_FOR_EACH_JOINT,
         limits.left_out("equality", "equality/tendon"),
         limits.NO_TENDONS,
-        Limit("no armature", Outcome.WRITTEN, _without_armature),
+        Limit("no armature", FeatureOutcome.WRITTEN, _without_armature),
         limits.GRAVCOMP,
     ),
     write=write_mjcf,
@@ -285,11 +285,11 @@ ISAAC = Target(
 _IN_WRITING = tuple(
     Limit(feature, outcome, lambda _draft: None)
     for feature, outcome in (
-        ("roots", Outcome.WRITTEN),
-        ("shapes", Outcome.LEFT_OUT),
-        ("armature", Outcome.LEFT_OUT),
-        ("equality", Outcome.PARTLY),
-        ("keys", Outcome.PARTLY),
+        ("roots", FeatureOutcome.WRITTEN),
+        ("shapes", FeatureOutcome.LEFT_OUT),
+        ("armature", FeatureOutcome.LEFT_OUT),
+        ("equality", FeatureOutcome.PARTLY),
+        ("keys", FeatureOutcome.PARTLY),
     )
 )
 
@@ -395,7 +395,7 @@ COMPARED: Mapping[str, str] = {
 """The words for quantities that are compared when a model is read back, by name."""
 
 
-TARGETS: Table[Target] = Table("targets", {each.name: each for each in ALL}, "TARGET", kind=Target)
+TARGETS: ExtensionTable[Target] = ExtensionTable("targets", {each.name: each for each in ALL}, "TARGET", kind=Target)
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
 _used = dict.fromkeys(limit.feature for target in TARGETS.values() for limit in target.limits)
@@ -408,13 +408,13 @@ READ_BACK = _ROOT / "tests" / "targets" / "read_back.json"
 """The features that the programs have read, by `tests/targets/read_back.py`."""
 
 
-_CELLS: Mapping[Outcome, str] = {
-    Outcome.KEPT: "",
-    Outcome.WRITTEN: "rewritten",
-    Outcome.PARTLY: "partly",
-    Outcome.LEFT_OUT: "no",
-    Outcome.SOME_REFUSED: "some",
-    Outcome.REFUSED: "error",
+_CELLS: Mapping[FeatureOutcome, str] = {
+    FeatureOutcome.KEPT: "",
+    FeatureOutcome.WRITTEN: "rewritten",
+    FeatureOutcome.PARTLY: "partly",
+    FeatureOutcome.LEFT_OUT: "no",
+    FeatureOutcome.SOME_REFUSED: "some",
+    FeatureOutcome.REFUSED: "error",
 }
 
 
@@ -423,17 +423,19 @@ def features() -> str:
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
     outcomes = {name: outcomes_of(target) for name, target in TARGETS.items()}
     for feature, words in FEATURES.items():
-        cells = [outcomes[name].get(feature, Outcome.KEPT) for name in TARGETS]
-        if set(cells) != {Outcome.KEPT}:
+        cells = [outcomes[name].get(feature, FeatureOutcome.KEPT) for name in TARGETS]
+        if set(cells) != {FeatureOutcome.KEPT}:
             lines.append(f"| {words} | {' | '.join(_CELLS[each] for each in cells)} |")
     return "\n".join(lines) + "\n"
 
 
-def outcomes_of(target: Target) -> Mapping[str, Outcome]:
+def outcomes_of(target: Target) -> Mapping[str, FeatureOutcome]:
     """Return the outcome of each feature: the worst one, if several limits are about it."""
-    found: dict[str, Outcome] = {}
+    found: dict[str, FeatureOutcome] = {}
     for limit in target.limits:
-        found[limit.feature] = max(limit.outcome, found.get(limit.feature, Outcome.KEPT), key=list(Outcome).index)
+        found[limit.feature] = max(
+            limit.outcome, found.get(limit.feature, FeatureOutcome.KEPT), key=list(FeatureOutcome).index
+        )
     return found
 
 

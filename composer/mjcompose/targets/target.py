@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
 
-class Outcome(StrEnum):
+class FeatureOutcome(StrEnum):
     KEPT = "written"
     WRITTEN = "written otherwise"
     PARTLY = "partly"
@@ -43,17 +43,17 @@ class Loss(Struct):
     name: str
     why: str = ""
     what: str = ""
-    outcome: str = Outcome.LEFT_OUT
+    outcome: str = FeatureOutcome.LEFT_OUT
     help: str | None = None
 
     @property
     def refused(self) -> bool:
-        return self.outcome == Outcome.REFUSED
+        return self.outcome == FeatureOutcome.REFUSED
 
     @property
     def otherwise(self) -> bool:
         """Whether the target gets the same model, written in another way."""
-        return self.outcome == Outcome.WRITTEN
+        return self.outcome == FeatureOutcome.WRITTEN
 
     @property
     def shown(self) -> str:
@@ -142,7 +142,7 @@ class Draft(Struct, frozen=False):
         why: str = "",
         *,
         what: str = "",
-        outcome: Outcome = Outcome.LEFT_OUT,
+        outcome: FeatureOutcome = FeatureOutcome.LEFT_OUT,
         help: str | None = None,
     ) -> None:
         """Record that the target cannot express an element, or the part `what` of it."""
@@ -203,7 +203,7 @@ def write_mjcf(draft: Draft) -> dict[str, bytes]:
     return {draft.output: write(draft.root), **files}
 
 
-class Refusal(Struct):
+class UnsupportedElement(Struct):
     """An element of a compiled model that a simulator does not accept; the kind of its options is `option`."""
 
     kind: str
@@ -220,9 +220,9 @@ class Limit(Struct):
     """
 
     feature: str
-    outcome: Outcome
+    outcome: FeatureOutcome
     apply: Callable[[Draft], None]
-    refuses: Callable[[Any, Any], Iterator[Refusal]] | None = None
+    refuses: Callable[[Any, Any], Iterator[UnsupportedElement]] | None = None
 
 
 class Target(Struct):

@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 from mjcompose.targets.plain import simple_actuators, text
 from mjcompose.targets.restrictions import greatest_force
 from mjcompose.targets.same import Pose, about, joined, pose, shifted
-from mjcompose.targets.target import Draft, Outcome
+from mjcompose.targets.target import Draft, FeatureOutcome
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -243,7 +243,9 @@ def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
             draft.lose("actuators", node, "their joints are not in this URDF")
             continue
         if node.get("name") != name:
-            draft.lose("actuators", node, "their controls have the names of their joints", outcome=Outcome.WRITTEN)
+            draft.lose(
+                "actuators", node, "their controls have the names of their joints", outcome=FeatureOutcome.WRITTEN
+            )
         joint = etree.SubElement(found, "joint", name=name)
         command = etree.SubElement(joint, "command_interface", name=_INTERFACE[tag])
         if draft.model.actuator_ctrllimited[number]:
@@ -370,7 +372,7 @@ def _is_floating(model: MjModel) -> bool:
 def _lose_world(draft: Draft) -> None:
     """Record the losses of a URDF without a world."""
     body = draft.elements["body"][1]
-    draft.lose("roots", body, "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN)
+    draft.lose("roots", body, "the root is the body that moves freely, not a world", outcome=FeatureOutcome.WRITTEN)
     for geom in [node for number, node in draft.of("geom") if int(draft.model.geom_bodyid[number]) == 0]:
         draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
 

@@ -12,10 +12,10 @@ from pathlib import PurePath
 from typing import Any, TypeAlias
 
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.base.limits import Advice, advice, in_force
+from mjcompose.base.limits import LimitAdvice, advice, in_force
 from mjcompose.base.report import MjcomposeError, short_traceback
 from mjcompose.text.faults import MAX_KEY
-from mjcompose.text.key_order import Collection, Document, Entry, Leaf, put_in_order
+from mjcompose.text.key_order import Collection, Document, Leaf, TextEntry, put_in_order
 from mjcompose.text.layout import INDENT, write
 from mjcompose.text.load import is_text_in_yaml_1_1
 from mjcompose.text.node import resolve
@@ -175,7 +175,7 @@ class _Conversion:
         return TypeError(f"{place(self._name, path)} is of type `{type(value).__name__}`; a recipe has no such values")
 
 
-def _limit_error(code: str, message: str, help: Advice) -> MjcomposeError:
+def _limit_error(code: str, message: str, help: LimitAdvice) -> MjcomposeError:
     return MjcomposeError([Diagnostic(code, message, help=help)])
 
 
@@ -201,11 +201,11 @@ def in_brackets(value: Data) -> str:
     return _scalar(value)
 
 
-def _entry(key: str | None, value: Data, indent: int) -> Entry:
+def _entry(key: str | None, value: Data, indent: int) -> TextEntry:
     """Return an entry of a block whose lines begin at column `indent`; `key` is None in a list."""
     start = "- " if key is None else f"{_text(key)}: "
     flow = not (indent == 0 and _is_nested(value)) and _room_after(value, WIDTH - indent - len(start)) >= 0
-    return Entry(0, _key(key), _node(value, flow=flow, indent=indent + INDENT))
+    return TextEntry(0, _key(key), _node(value, flow=flow, indent=indent + INDENT))
 
 
 def _is_nested(value: Data) -> bool:
@@ -234,7 +234,7 @@ def _node(value: Data, flow: bool, indent: int) -> Leaf | Collection:
     if not flow and value:
         entries = [_entry(key, inner, indent) for key, inner in _entries(value)]
     else:
-        entries = [Entry(0, _key(key), _node(inner, flow=True, indent=indent)) for key, inner in _entries(value)]
+        entries = [TextEntry(0, _key(key), _node(inner, flow=True, indent=indent)) for key, inner in _entries(value)]
     return Collection(isinstance(value, dict), flow=flow or not value, entries=entries)
 
 

@@ -25,10 +25,10 @@ from mjcompose.text.expression import (
     DataTable,
     Expression,
     ExpressionError,
-    Name,
     Number,
     Rewrite,
     Value,
+    Variable,
     WrongUnits,
     kind,
     leaves,
@@ -64,25 +64,25 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
     """Return the value with the names of `scope`. Raises `ExpressionError`."""
     if isinstance(tree, syntax.Constant):
         return tree.value
-    if isinstance(tree, Name):
+    if isinstance(tree, Variable):
         found = scope.get(tree.key)
         return _constant(tree, scope) if found is None else found
-    if isinstance(tree, syntax.Item):
+    if isinstance(tree, syntax.Subscript):
         return _item(tree, scope)
-    if isinstance(tree, syntax.Vector):
+    if isinstance(tree, syntax.VectorLiteral):
         return tuple(evaluate(item, scope) for item in tree.items)
     if isinstance(tree, syntax.Unary):
         return _unary(tree, scope)
     if isinstance(tree, syntax.Comparison):
         return _comparison(tree, scope)
-    if isinstance(tree, syntax.Choice):
+    if isinstance(tree, syntax.Conditional):
         return evaluate(tree.yes if _boolean(tree.condition, "if", scope) else tree.no, scope)
     return _call(tree, scope) if isinstance(tree, syntax.Call) else _binary(tree, scope)
 
 
-def names(tree: Expression) -> Iterator[Name]:
+def names(tree: Expression) -> Iterator[Variable]:
     """Yield every name in an expression, including constants such as `pi`."""
-    if isinstance(tree, Name):
+    if isinstance(tree, Variable):
         yield tree
     for child in _children(tree):
         yield from names(child)
@@ -96,7 +96,7 @@ def _children(tree: Expression) -> Iterator[Expression]:
                 yield child
 
 
-def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
+def _constant(tree: Variable, scope: Mapping[str, Value]) -> Value:
     if tree.space == syntax.PARAMETERS and tree.name in scope:
         return scope[tree.name]
     if tree.space:
@@ -110,7 +110,7 @@ def _constant(tree: Name, scope: Mapping[str, Value]) -> Value:
     raise syntax.UnknownName(tree.name, tree.at)
 
 
-def _item(tree: syntax.Item, scope: Mapping[str, Value]) -> Value:
+def _item(tree: syntax.Subscript, scope: Mapping[str, Value]) -> Value:
     whole = evaluate(tree.of, scope)
     index = evaluate(tree.index, scope)
     if isinstance(whole, DataTable):
@@ -128,7 +128,7 @@ def _item(tree: syntax.Item, scope: Mapping[str, Value]) -> Value:
     return whole[index]
 
 
-def _row(tree: syntax.Item, table: DataTable, name: Value) -> Value:
+def _row(tree: syntax.Subscript, table: DataTable, name: Value) -> Value:
     if not isinstance(name, str):
         raise ExpressionError(f"the rows of a table have names, got {kind(name)}", tree.index.at)
     if name not in table:
@@ -136,8 +136,8 @@ def _row(tree: syntax.Item, table: DataTable, name: Value) -> Value:
     return table[name]
 
 
-def _missing(tree: syntax.Item, name: str, table: DataTable) -> ExpressionError:
-    whole, item = ("the row", "column") if isinstance(tree.of, syntax.Item) else ("the table", "row")
+def _missing(tree: syntax.Subscript, name: str, table: DataTable) -> ExpressionError:
+    whole, item = ("the row", "column") if isinstance(tree.of, syntax.Subscript) else ("the table", "row")
     names = [f"`{each}`" for each in itertools.islice(table, _SHOWN_ROWS)]
     more = ", …" if len(table) > _SHOWN_ROWS else ""
     listed = f"its {item}s are {', '.join(names)}{more}" if names else "it is empty"
@@ -147,7 +147,7 @@ def _missing(tree: syntax.Item, name: str, table: DataTable) -> ExpressionError:
 
 def place_of(tree: Expression, scope: Mapping[str, Value]) -> Span | None:
     """Return where the table has the value of an expression, or None for any other value."""
-    if not isinstance(tree, syntax.Item):
+    if not isinstance(tree, syntax.Subscript):
         return None
     whole = evaluate(tree.of, scope)
     if isinstance(whole, DataTable):
@@ -275,7 +275,7 @@ def _difference(symbol: str, sides: Sequence[tuple[Expression, Value]]) -> float
         if isinstance(value, bool) or not isinstance(value, int | float | Angle):
             raise ExpressionError(f"`{symbol}` of {' and '.join(kind(each) for _, each in sides)}", at)
     operands = [(tree, value) for tree, value in sides if isinstance(value, int | float | Angle)]
-    (first, second), unit = _in_one_unit(f"`{symbol}`", operands, syntax.Vector((), at))
+    (first, second), unit = _in_one_unit(f"`{symbol}`", operands, syntax.VectorLiteral((), at))
     return Angle(first, unit).compared_to(Angle(second, unit))
 
 
@@ -435,15 +435,15 @@ class Template(Struct):
     def is_read(self) -> bool:
         """Return whether the text is one item or row of something."""
         piece = self.pieces[0]
-        return len(self.pieces) == 1 and not isinstance(piece, str) and isinstance(piece.tree, syntax.Item)
+        return len(self.pieces) == 1 and not isinstance(piece, str) and isinstance(piece.tree, syntax.Subscript)
 
-    def names(self) -> Iterator[Name]:
+    def names(self) -> Iterator[Variable]:
         for piece in self.pieces:
             if not isinstance(piece, str):
                 for each in names(piece.tree):
-                    yield Name(each.name, (each.at[0] + piece.start, each.at[1] + piece.start), each.space)
+                    yield Variable(each.name, (each.at[0] + piece.start, each.at[1] + piece.start), each.space)
 
-    def parameters(self) -> Iterator[Name]:
+    def parameters(self) -> Iterator[Variable]:
         """Yield the names that may be parameters or variants, which attributes of an element are not."""
         return (each for each in self.names() if each.space != syntax.ELEMENT)
 
@@ -472,11 +472,11 @@ def _literals(
     tree: Expression, turn: Mapping[str, Value], scope: Mapping[str, Value]
 ) -> Iterator[tuple[syntax.Range, str]]:
     """Yield the parts of an expression that a turn determines, from left to right, with their values as text."""
-    if isinstance(tree, Name):
+    if isinstance(tree, Variable):
         if tree.key in turn:
             yield tree.at, _literal(turn[tree.key], tree)
         return
-    if isinstance(tree, syntax.Item) and _is_read(tree):
+    if isinstance(tree, syntax.Subscript) and _is_read(tree):
         used = {each.key for each in names(tree)}
         if not used.isdisjoint(turn) and used <= scope.keys():
             yield tree.at, _literal(evaluate(tree, scope), tree)
@@ -487,13 +487,13 @@ def _literals(
 
 def _is_read(tree: Expression) -> bool:
     """Return whether an expression begins with a name, whose items it takes; its place covers all its text."""
-    while isinstance(tree, syntax.Item):
+    while isinstance(tree, syntax.Subscript):
         tree = tree.of
-    return isinstance(tree, Name) and not tree.space
+    return isinstance(tree, Variable) and not tree.space
 
 
 def _no_table(tree: Expression, table: DataTable) -> ExpressionError:
-    whole, item = ("a row", "column") if isinstance(tree, syntax.Item) else ("a table", "row")
+    whole, item = ("a row", "column") if isinstance(tree, syntax.Subscript) else ("a table", "row")
     first = next(iter(table), "NAME")
     example = f".{first}" if first.isidentifier() else f'["{first}"]'
     return ExpressionError(f"{whole} has no value here", tree.at, f"write which {item} of it, such as `{example}`")

@@ -284,7 +284,7 @@ PARAMETERS = "params"
 ELEMENT = "element"
 
 
-class Name(Struct):
+class Variable(Struct):
     """A name: `reach`, or with the `space` that it is from, `params.reach` and `element.damping`."""
 
     name: str
@@ -296,7 +296,7 @@ class Name(Struct):
         return f"{self.space}.{self.name}" if self.space else self.name
 
 
-class Item(Struct):
+class Subscript(Struct):
     """An item of a vector or a row of a table: `of[index]`, and `of.row` for `of["row"]`."""
 
     of: Expression
@@ -304,7 +304,7 @@ class Item(Struct):
     at: Range
 
 
-class Vector(Struct):
+class VectorLiteral(Struct):
     items: tuple[Expression, ...]
     at: Range
 
@@ -332,7 +332,7 @@ class Comparison(Struct):
     at: Range
 
 
-class Choice(Struct):
+class Conditional(Struct):
     """A conditional expression: `yes if condition else no`."""
 
     condition: Expression
@@ -347,10 +347,10 @@ class Call(Struct):
     at: Range
 
 
-Expression = Constant | Name | Item | Vector | Unary | Binary | Comparison | Choice | Call
+Expression = Constant | Variable | Subscript | VectorLiteral | Unary | Binary | Comparison | Conditional | Call
 
 
-class Token(NamedTuple):
+class ExpressionToken(NamedTuple):
     """A token of an expression: `kind` is `number`, `text`, `name`, `end`, or the operator or keyword itself."""
 
     kind: str
@@ -378,9 +378,9 @@ _MAX_DIGITS = 1000
 _FOREIGN = {"&&": "and", "||": "or", "!": "not", "^": "**", "=": "=="}
 
 
-def tokens(text: str) -> list[Token]:
+def tokens(text: str) -> list[ExpressionToken]:
     """Return all tokens, the last one of kind `end`. Raises `ExpressionError`."""
-    found: list[Token] = []
+    found: list[ExpressionToken] = []
     at = 0
     end = len(text.rstrip())
     while at < end:
@@ -394,11 +394,11 @@ def tokens(text: str) -> list[Token]:
             raise _run_on(text, start)
         if kind in ("number", "angle") and len(token) > _MAX_DIGITS:
             raise ExpressionError("the number is too long", (start, match.end()))
-        found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
+        found.append(ExpressionToken(token if kind == "operator" or token in KEYWORDS else kind, token, start))
         at = match.end()
         if len(found) > _MAX_TOKENS:
             raise ExpressionError("the expression is too long", (0, len(text)), "make parts of it parameters")
-    found.append(Token("end", "", end))
+    found.append(ExpressionToken("end", "", end))
     return found
 
 
@@ -439,23 +439,23 @@ def parse(text: str) -> Expression:
 
 
 class _Parser:
-    def __init__(self, found: list[Token]) -> None:
+    def __init__(self, found: list[ExpressionToken]) -> None:
         self.found = found
         self.at = 0
         self.depth = 0
 
     @property
-    def next(self) -> Token:
+    def next(self) -> ExpressionToken:
         return self.found[self.at]
 
-    def take(self, *kinds: str) -> Token | None:
+    def take(self, *kinds: str) -> ExpressionToken | None:
         token = self.next
         if token.kind not in kinds:
             return None
         self.at += 1
         return token
 
-    def expect(self, kind: str, opened: Token) -> Token:
+    def expect(self, kind: str, opened: ExpressionToken) -> ExpressionToken:
         token = self.take(kind)
         if token is None:
             if self.next.kind == "end":
@@ -485,7 +485,7 @@ class _Parser:
             if self.take("else") is None:
                 raise self.unexpected("`else`")
             other = self.choice()
-            value = Choice(condition, value, other, at=_over(value, other))
+            value = Conditional(condition, value, other, at=_over(value, other))
         self.depth -= 1
         return value
 
@@ -534,9 +534,9 @@ class _Parser:
         while opened := self.take("[", "."):
             if opened.kind == "[":
                 index = self.choice()
-                value = Item(value, index, at=_over(first, self.expect("]", opened)))
+                value = Subscript(value, index, at=_over(first, self.expect("]", opened)))
             elif row := self.take("name", *KEYWORDS):
-                value = Item(value, Constant(row.text, row.at), at=_over(first, row))
+                value = Subscript(value, Constant(row.text, row.at), at=_over(first, row))
             else:
                 raise self.unexpected("the name of a row")
         return value
@@ -559,17 +559,17 @@ class _Parser:
             return value
         if opened := self.take("["):
             items, end = self.items(opened, "]")
-            return Vector(items, (opened.start, end))
+            return VectorLiteral(items, (opened.start, end))
         raise self.unexpected("a value")
 
-    def call(self, name: Token, opened: Token) -> Expression:
+    def call(self, name: ExpressionToken, opened: ExpressionToken) -> Expression:
         if name.text not in FUNCTIONS:
             message = f"the function `{name.text}` does not exist; the functions are {', '.join(FUNCTIONS)}"
             raise ExpressionError(message, name.at)
         arguments, end = self.items(opened, ")")
         return Call(name.text, arguments, (name.start, end))
 
-    def items(self, opened: Token, closing: str) -> tuple[tuple[Expression, ...], int]:
+    def items(self, opened: ExpressionToken, closing: str) -> tuple[tuple[Expression, ...], int]:
         found: list[Expression] = []
         while not (closed := self.take(closing)):
             if found:
@@ -581,12 +581,12 @@ class _Parser:
         return tuple(found), closed.at[1]
 
 
-def _named(token: Token) -> Name:
+def _named(token: ExpressionToken) -> Variable:
     space, dot, name = token.text.rpartition(".")
-    return Name(name, (token.start + len(space + dot), token.at[1]), space)
+    return Variable(name, (token.start + len(space + dot), token.at[1]), space)
 
 
-def _number(token: Token, text: str | None = None) -> int | float:
+def _number(token: ExpressionToken, text: str | None = None) -> int | float:
     text = token.text if text is None else text
     if text.isdigit():
         if len(text) > 19:
@@ -598,5 +598,5 @@ def _number(token: Token, text: str | None = None) -> int | float:
     return value
 
 
-def _over(first: Expression | Token, last: Expression | Token) -> Range:
+def _over(first: Expression | ExpressionToken, last: Expression | ExpressionToken) -> Range:
     return first.at[0], last.at[1]

@@ -20,7 +20,7 @@ class Leaf(Struct, frozen=False):
     ended: bool = True  # for a block scalar, whether a line break follows
 
 
-class Entry(Struct, frozen=False):
+class TextEntry(Struct, frozen=False):
     """A key and its value, or an item of a list (`key` is None). `column`, from 0, is its place in the text."""
 
     column: int
@@ -53,7 +53,7 @@ class Collection(Struct, frozen=False):
     mapping: bool
     flow: bool
     properties: str = ""
-    entries: list[Entry] = field(default_factory=list)
+    entries: list[TextEntry] = field(default_factory=list)
     opening: Comment | None = None  # the comment after the opening bracket
     tail: list[Comment] = field(default_factory=list)  # comments on their own lines after the last entry
     broken: bool = False
@@ -128,7 +128,7 @@ def _sort(node: Collection, path: Path) -> None:
     node.entries = after
 
 
-def _name(entry: Entry) -> str:
+def _name(entry: TextEntry) -> str:
     return "*" if entry.key is None else entry.key.text.strip("\"'")
 
 

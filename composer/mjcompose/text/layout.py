@@ -6,7 +6,7 @@ import re
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
-from mjcompose.text.key_order import Collection, Document, Entry, Leaf, Path, is_free, put_in_order
+from mjcompose.text.key_order import Collection, Document, Leaf, Path, TextEntry, is_free, put_in_order
 from mjcompose.text.load import Comment, Token, comments, decode, load, tokens
 from mjcompose.text.node import LINE_BREAK, Mapping, Node, Scalar, Sequence
 
@@ -15,7 +15,7 @@ _ENDS = {"FlowMappingEnd", "FlowSequenceEnd"}
 _PROPERTIES = {"Anchor", "Tag"}
 
 
-class Unusual(Exception):
+class UnusualYaml(Exception):
     """A form of YAML without a canonical layout; `line` counts from 1."""
 
     def __init__(self, message: str, line: int) -> None:
@@ -24,7 +24,7 @@ class Unusual(Exception):
 
 
 class _Reader:
-    """Reads the syntax of a text in which `load` found no fault. Raises `Unusual`."""
+    """Reads the syntax of a text in which `load` found no fault. Raises `UnusualYaml`."""
 
     def __init__(self, found: list[Token]) -> None:
         self.tokens = found
@@ -60,10 +60,10 @@ class _Reader:
         while self.next.kind in ("Directive", "DocumentStart"):
             preface += [comment.text for comment in self.rest()]
             preface.append(self.take().text)
-        root = Entry(0)
+        root = TextEntry(0)
         self.value(root, in_mapping=False)
         if not isinstance(root.value, Collection):
-            raise Unusual("the file contains a single value", 1)
+            raise UnusualYaml("the file contains a single value", 1)
         tail: list[Comment] = []
         while self.next.kind != "StreamEnd":
             tail += self.rest()
@@ -75,7 +75,7 @@ class _Reader:
             header, parted = _header(entries[0])
         return Document(preface, header, parted, head=root.head, root=root.value, tail=[*tail, *self.rest()])
 
-    def value(self, entry: Entry, in_mapping: bool) -> None:
+    def value(self, entry: TextEntry, in_mapping: bool) -> None:
         """Read the value of an entry after its `:` or `-`, and the comments before it."""
         entry.head = self.beside()
         properties = []
@@ -112,7 +112,7 @@ class _Reader:
         token = self.take()
         return Leaf(token.text, depth=token.depth, ended=token.ended)
 
-    def key(self, entry: Entry) -> None:
+    def key(self, entry: TextEntry) -> None:
         pins = self.pins
         self.take()
         properties = []
@@ -120,15 +120,15 @@ class _Reader:
             entry.lead += self.rest()
             properties.append(self.anchor_or_tag())
         if self.next.kind not in ("Scalar", "Alias") or self.next.line != self.next.end_line:
-            raise Unusual("a key here is not a name on one line", self.next.line + 1)
+            raise UnusualYaml("a key here is not a name on one line", self.next.line + 1)
         entry.lead += self.rest()
         entry.key = self.leaf()
         entry.key.properties = " ".join(properties)
         entry.pinned = self.pins > pins
 
-    def entry(self, result: Collection) -> Entry:
+    def entry(self, result: Collection) -> TextEntry:
         token = self.next
-        entry = Entry(token.column, lead=self.rest(), blank=token.blank)
+        entry = TextEntry(token.column, lead=self.rest(), blank=token.blank)
         result.entries.append(entry)
         return entry
 
@@ -151,9 +151,9 @@ class _Reader:
             self.take()
         return result
 
-    def pair(self, entry: Entry, in_mapping: bool) -> None:
+    def pair(self, entry: TextEntry, in_mapping: bool) -> None:
         if self.next.kind != "Key":
-            raise Unusual("a value has no key", self.next.line + 1)
+            raise UnusualYaml("a value has no key", self.next.line + 1)
         self.key(entry)
         if self.next.kind == "Value":
             entry.lead += self.rest()
@@ -184,7 +184,7 @@ class _Reader:
             token = self.next
             comments = self.rest()
             self.hand_over(comments, result)
-            entry = Entry(token.column, lead=[*waiting, *comments], blank=token.blank, breaks=token.line != line)
+            entry = TextEntry(token.column, lead=[*waiting, *comments], blank=token.blank, breaks=token.line != line)
             result.entries.append(entry)
             self.member(entry, result.mapping)
             line = self.tokens[self.at - 1].end_line
@@ -201,9 +201,9 @@ class _Reader:
         if comments and not comments[0].own_line and result.entries and result.entries[-1].trail is None:
             result.entries[-1].trail = comments.pop(0)
 
-    def member(self, entry: Entry, mapping: bool) -> None:
+    def member(self, entry: TextEntry, mapping: bool) -> None:
         if self.next.kind == "Key" and not mapping:  # `[a: 1]` is a list of mappings with one key each
-            pair = Entry(self.next.column)
+            pair = TextEntry(self.next.column)
             self.member(pair, mapping=True)
             entry.lead += pair.lead
             entry.value = Collection(mapping=True, flow=True, entries=[pair])
@@ -219,7 +219,7 @@ class _Reader:
         entry.inner = []
 
 
-def _header(first: Entry) -> tuple[list[Comment], bool]:
+def _header(first: TextEntry) -> tuple[list[Comment], bool]:
     """Return the comments before the first key that are about the file, and whether a blank line follows them."""
     lead = first.lead
     if first.blank or not lead:
@@ -336,7 +336,7 @@ class _Writer:
             self.entry(entry, indent)
         self.comments(node.tail, indent)
 
-    def entry(self, entry: Entry, indent: int) -> None:
+    def entry(self, entry: TextEntry, indent: int) -> None:
         shift = indent - entry.column
         value = entry.value
         start = " " * indent + ("-" if entry.key is None else f"{_key(entry.key)}:")
@@ -356,7 +356,7 @@ class _Writer:
             self.value(value, indent, INDENT if below else 0)
         self.beside(entry.trail, shift)
 
-    def nested(self, entry: Entry, value: Collection, indent: int) -> None:
+    def nested(self, entry: TextEntry, value: Collection, indent: int) -> None:
         """Write a block below its key, or in a list next to its dash."""
         if entry.key is not None or value.properties or entry.head or entry.inner or value.entries[0].lead:
             self.block(value, indent + INDENT)
@@ -404,7 +404,7 @@ class _Writer:
         self.comments(node.tail, indent + INDENT)
         self.lines.append(inner + ("}" if node.mapping else "]"))
 
-    def member(self, entry: Entry, indent: int) -> None:
+    def member(self, entry: TextEntry, indent: int) -> None:
         text = _inline_entry(entry)
         if text is not None or entry.value is None:
             self.lines[-1] += text or ""
@@ -420,7 +420,7 @@ def _key(key: Leaf) -> str:
     return f"{key.properties} {text}" if key.properties else text
 
 
-def _start(entry: Entry) -> str:
+def _start(entry: TextEntry) -> str:
     key = "" if entry.key is None else _key(entry.key) + ": "
     properties = f"{entry.value.properties} " if entry.value is not None and entry.value.properties else ""
     return key + properties
@@ -436,7 +436,7 @@ def _inline(node: Collection) -> str | None:
     return f"{{{inside}}}" if node.mapping else f"[{inside}]"
 
 
-def _inline_entry(entry: Entry) -> str | None:
+def _inline_entry(entry: TextEntry) -> str | None:
     value = entry.value
     if value is None:
         return _start(entry)  # the space separates the colon from the following text
@@ -482,7 +482,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     assert text is not None
     try:
         document = _Reader(tokens(text)).document()
-    except Unusual as unusual:
+    except UnusualYaml as unusual:
         message = f"`{file}` is left unchanged: {unusual}"
         place = Span(file, unusual.line, 1)
         sink.error("cannot-format", message, place, help="write it in the usual form")

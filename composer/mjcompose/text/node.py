@@ -251,7 +251,7 @@ def is_template(text: str) -> bool:
     return OPENING in text
 
 
-class Change(Struct):
+class TextChange(Struct):
     """A replacement of a stretch of text. With an empty span, the text is inserted there."""
 
     span: Span
@@ -279,7 +279,7 @@ def lines_of(text: str) -> list[str]:
     return LINE_BREAK.split(text)
 
 
-def with_key(tree: Mapping, lines: Lines[str], file: str, path: tuple[str | int, ...], value: str) -> Change | None:
+def with_key(tree: Mapping, lines: Lines[str], file: str, path: tuple[str | int, ...], value: str) -> TextChange | None:
     """Return the change that writes `path: value` with the missing keys, or None if the path leads through a value."""
     holder: Node = tree
     for depth, step in enumerate(path):
@@ -293,10 +293,10 @@ def with_key(tree: Mapping, lines: Lines[str], file: str, path: tuple[str | int,
         holder = below
     if holder.span.end_column is None or isinstance(holder, Mapping | Sequence):
         return None
-    return Change(holder.span, value)
+    return TextChange(holder.span, value)
 
 
-def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
+def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> TextChange | None:
     """Return the change that appends a value to the list below a key of the recipe, or creates the list; or None."""
     found = tree.entries.get(key)
     if found is None:
@@ -312,7 +312,7 @@ def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str)
     return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}- {value}")
 
 
-def added_key(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
+def added_key(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> TextChange:
     if not top and _is_flow(holder, lines):
         line, column = _end(holder, file)
         at = lines[line - 1].find("}", column - 1) + 1 or column
@@ -335,11 +335,11 @@ def _end(node: Node, file: str) -> tuple[int, int]:
     return max((each.end_line or each.line, each.end_column or each.column) for each in own[1:] or own)
 
 
-def _insert(file: str, line: int, column: int, text: str) -> Change:
-    return Change(Span(file, line, column, end_line=line, end_column=column), text)
+def _insert(file: str, line: int, column: int, text: str) -> TextChange:
+    return TextChange(Span(file, line, column, end_line=line, end_column=column), text)
 
 
-def changed(text: str, changes: Iterable[Change]) -> str:
+def changed(text: str, changes: Iterable[TextChange]) -> str:
     r"""Return the text with changes that do not overlap.
 
     >>> changed("a: 1\nb: 2\n", [Change(Span("", 2, 4, 2, 5), "3"), Change(Span("", 1, 5, 1, 5), "\nc: 4")])

@@ -24,7 +24,7 @@ from mjcompose.bundle.bundle import MANIFEST, Bundle
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.cache.cells import cells_of, choices_of, pick_text
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import quoted, word
@@ -38,14 +38,14 @@ _CLOSING = {"[": "]", "{": "}", '"': '"', "'": "'"}
 _BLOCKS = ("|", ">")
 
 
-class Edit(Struct):
+class TextEdit(Struct):
     """Replaces the characters from `start` up to `end` by `text`."""
 
     start: int
     end: int
     text: str
 
-    def meets(self, other: Edit) -> bool:
+    def meets(self, other: TextEdit) -> bool:
         return self.start == other.start or (self.start < other.end and other.start < self.end)
 
 
@@ -53,11 +53,11 @@ class _Apart:
     """Changes of one text that do not meet, in their order; each new one is compared with its two neighbors."""
 
     def __init__(self) -> None:
-        self.edits: dict[Edit, Diagnostic] = {}
+        self.edits: dict[TextEdit, Diagnostic] = {}
         self._places: list[tuple[int, int]] = []
-        self._at: dict[tuple[int, int], Edit] = {}
+        self._at: dict[tuple[int, int], TextEdit] = {}
 
-    def add(self, edit: Edit, diagnostic: Diagnostic) -> None:
+    def add(self, edit: TextEdit, diagnostic: Diagnostic) -> None:
         """Add a change, unless it meets an earlier one."""
         place = (edit.start, edit.end)
         number = bisect(self._places, place)
@@ -69,7 +69,7 @@ class _Apart:
         self.edits[edit] = diagnostic
 
 
-def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
+def edit_of(diagnostic: Diagnostic, source: str) -> TextEdit | None:
     """Return the change to a file's text for a diagnostic's fix, or None if there is no fix or it does not fit.
 
     A fix does not fit if it drops a template, whose value may differ in each model, or makes a recipe wrong as YAML.
@@ -93,16 +93,16 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
         return None
     if fix.replaces is None and (_is_cut_off(written) or written.startswith(_BLOCKS)):
         return None
-    edit = Edit(start, end, text)
+    edit = TextEdit(start, end, text)
     if not span.file.endswith(RECIPES):
         return edit
     start, end = _piece_to_read(source, edit)
     before = source[start:end]
-    after = applied(before, [Edit(edit.start - start, edit.end - start, edit.text)])
+    after = applied(before, [TextEdit(edit.start - start, edit.end - start, edit.text)])
     return edit if _yaml_faults(after) <= _yaml_faults(before) else None
 
 
-def _piece_to_read(source: str, edit: Edit) -> tuple[int, int]:
+def _piece_to_read(source: str, edit: TextEdit) -> tuple[int, int]:
     """Return the part of a text that shows whether a change makes it wrong as YAML: the line, or all of the text.
 
     Reading all of the text for each of many fixes would take N² time. A line is enough if the change is behind its
@@ -173,7 +173,7 @@ def place_of(diagnostic: Diagnostic) -> Span | None:
     return diagnostic.fix.span or diagnostic.span if diagnostic.fix is not None else None
 
 
-def applied(source: str, edits: Iterable[Edit]) -> str:
+def applied(source: str, edits: Iterable[TextEdit]) -> str:
     """Return the text with all changes; if two changes overlap, only the first one is made.
 
     >>> applied("a b c", [Edit(0, 1, "x"), Edit(4, 5, "z"), Edit(0, 3, "y")])
@@ -279,7 +279,7 @@ def models_of(
         def judged(cell: Cell | None, given: Given) -> Judged:
             own = replace(context, sink=Sink(), timings=[])
             name, sample = (None, 0) if cell is None else (cell.name, cell.sample)
-            request = Request(recipe, given, name, sample=sample, verified=verified)
+            request = ModelRequest(recipe, given, name, sample=sample, verified=verified)
             label = None if cell is None else cell.label
             try:
                 built = build(request, own, session=session, library=library)

@@ -19,11 +19,11 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
 from mjcompose.base.sink import Sink
-from mjcompose.lint.rule import Edit, Finding, Rule, Subject, found, in_child
+from mjcompose.lint.rule import ElementEdit, Finding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, parse, report as report_message, translate
-from mjcompose.sides.operand import Kind, read_operand
+from mjcompose.sides.operand import OperandKind, read_operand
 from mjcompose.sides.side import load
 from mjcompose.sources.context import Context
 from mjcompose.tree.parse import all_admitted, parse_file
@@ -43,7 +43,7 @@ _HEAD = 1 << 20
 _MOST_NEAR = 200
 
 
-class Target(Struct):
+class LintFile(Struct):
     """A file to lint. If it `may_be_part` of another file, its errors do not count. `door` has the files to change."""
 
     path: Path
@@ -51,22 +51,22 @@ class Target(Struct):
     door: Door = ALL
 
 
-def targets_of(paths: Iterable[Path]) -> list[Target]:
+def targets_of(paths: Iterable[Path]) -> list[LintFile]:
     """Return the models in folders, the models that a glob matches, and all other paths unchanged.
 
     A folder with a manifest is a bundle. In another folder, an XML or YAML file counts if it is a model or a recipe.
     A file that another file includes may not be a model by itself.
     """
-    found: dict[Path, Target] = {}
+    found: dict[Path, LintFile] = {}
     for path in paths:
         named = sorted(Path().glob(str(path))) if _GLOB.search(str(path)) and not os.path.exists(path) else [path]
         for each in named or [path]:
             if os.path.isdir(each) and not _is_bundle(each):
                 below = _models_below(each)
             elif each == path:
-                below = [Target(each, door=door_of_named(each))]
+                below = [LintFile(each, door=door_of_named(each))]
             else:
-                below = [Target(each, door=door_of_walk(_folder_of_glob(path)))]
+                below = [LintFile(each, door=door_of_walk(_folder_of_glob(path)))]
             found |= {target.path: target for target in below}
     return list(found.values())
 
@@ -80,7 +80,7 @@ def _is_bundle(folder: Path) -> bool:
     return os.path.isfile(folder / "manifest.json")
 
 
-def _models_below(top: Path) -> list[Target]:
+def _models_below(top: Path) -> list[LintFile]:
     models: list[Path] = []
     included: set[str] = set()
     for folder, folders, names in os.walk(top):
@@ -96,7 +96,7 @@ def _models_below(top: Path) -> list[Target]:
             is_model = _MODEL.search(head) if kind in MJCF_FILES else _RECIPE.search(head) if head else kind in SUFFIXES
             models += [path] if is_model else []
     door = door_of_walk(top)
-    return [Target(path, os.path.normpath(path) in included, door) for path in sorted(models)]
+    return [LintFile(path, os.path.normpath(path) in included, door) for path in sorted(models)]
 
 
 def _included(path: Path, head: bytes) -> set[str]:
@@ -197,7 +197,7 @@ def _model(path: Path, context: Context, session: Session, opened: ExitStack) ->
     operand = read_operand(str(path), context, opened)
     if operand is None:
         return None
-    if operand.kind is not Kind.MJCF:
+    if operand.kind is not OperandKind.MJCF:
         side = load(operand, _KEPT, session)
         operand.report(context.sink)
         if side is None or side.traced is None:
@@ -248,7 +248,7 @@ def _in_mujoco(
     elements = list(unit.root.iter("*"))
     for code, at, attribute, message, help, edit in answer.value:
         element = None if at is None else elements[at]
-        change = None if edit is None else Edit(tuple((name, value) for name, value in edit[0]), edit[1])
+        change = None if edit is None else ElementEdit(tuple((name, value) for name, value in edit[0]), edit[1])
         yield by_code[code], Finding(element, message, attribute, help=help, edit=change)
 
 
@@ -261,7 +261,7 @@ def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> D
     return Diagnostic(rule.code, finding.message, span, severity=Severity.WARNING, help=finding.help, fix=fix)
 
 
-def fix_of(element: Node, edit: Edit, unit: Unit) -> Fix | None:
+def fix_of(element: Node, edit: ElementEdit, unit: Unit) -> Fix | None:
     """Return the change of the file's text, or None if the file has the element in another form."""
     owner = unit.origins.owner(element, unit.file)
     line = line_of(element)
@@ -346,7 +346,7 @@ def _ignored(line: str, word: str) -> list[str]:
 
 
 def lint_all(
-    targets: Sequence[Target],
+    targets: Sequence[LintFile],
     new_context: Callable[[], Context],
     selected: Sequence[Rule],
     jobs: int,
@@ -365,7 +365,7 @@ def lint_all(
         for _ in range(max(1, min(jobs, len(targets)))):
             free.put(opened.enter_context(Session()))
 
-        def one(target: Target) -> tuple[Linted, Context]:
+        def one(target: LintFile) -> tuple[Linted, Context]:
             own = new_context()
             session = free.get()
             try:

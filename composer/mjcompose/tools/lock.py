@@ -27,7 +27,7 @@ from mjcompose.plan.plan import Plan
 from mjcompose.plan.planner import make_plan, plan_what_remains
 from mjcompose.plan.read import Given, read_recipe
 from mjcompose.sides.names import names_of
-from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sides.side import load_cell
 from mjcompose.sources.blobs import differences, digest
 from mjcompose.sources.context import Context
@@ -155,7 +155,7 @@ def _interface(recipe: Path, plan: Plan, context: Context, given: Given) -> dict
     """Return the interface of the compiled model, or None after reported errors."""
     own = replace(context, sink=Sink())
     with Session() as session:
-        operand = Operand(str(recipe), Kind.RECIPE, context.folder / recipe, context=own)
+        operand = Operand(str(recipe), OperandKind.RECIPE, context.folder / recipe, context=own)
         side = load_cell(operand, "lock", session, given=given, cell=None)
         found = None if side is None else names_of(side, session, own)
     context.sink.extend(own.sink.errors)

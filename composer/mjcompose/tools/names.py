@@ -12,7 +12,7 @@ from typing import Any
 
 from mjcompose.mujoco.engine import Session
 from mjcompose.plan.read import Given
-from mjcompose.sides.names import Names, names_of
+from mjcompose.sides.names import NamesRecord, names_of
 from mjcompose.sides.operand import read_operand
 from mjcompose.sides.side import load
 from mjcompose.sources.context import Context
@@ -24,7 +24,7 @@ Address = tuple[str, int, str]
 
 def names(
     text: str, context: Context, given: Given | None = None, pick: str | None = None, sample: int | None = None
-) -> Names | None:
+) -> NamesRecord | None:
     """Return the names of a recipe, a bundle or a model file; None after errors, which are reported."""
     with ExitStack() as opened, Session() as session:
         operand = read_operand(text, context, opened)
@@ -35,7 +35,7 @@ def names(
         return None if side is None or context.sink.has_errors else names_of(side, session, context)
 
 
-def to_json(names: Names) -> str:
+def to_json(names: NamesRecord) -> str:
     return json.dumps(names.as_data(), indent=2, ensure_ascii=False) + "\n"
 
 
@@ -68,7 +68,7 @@ def _identifier(name: str, taken: frozenset[str]) -> str:
     return f"{word}_" if word in taken else word
 
 
-def _head(names: Names, data: Mapping[str, Any]) -> Iterator[str]:
+def _head(names: NamesRecord, data: Mapping[str, Any]) -> Iterator[str]:
     yield f"Names and addresses of the model {_printed(names.model)}, written by `mjcompose names`."
     yield "Angles are in radians, lengths in meters."
     yield f"sha256 of the MJCF text: {names.sha256}"
@@ -77,7 +77,7 @@ def _head(names: Names, data: Mapping[str, Any]) -> Iterator[str]:
             yield f"{number} {kind if number > 1 else kind[:-1]} without a name: see `mjcompose names --json`."
 
 
-def to_python(names: Names) -> str:
+def to_python(names: NamesRecord) -> str:
     """Return a module that imports only `enum`: an enumeration of addresses by vector, and a mapping by kind."""
     data = names.as_data()
     lines = [f"# {line}" for line in _head(names, data)]
@@ -130,7 +130,7 @@ _ESCAPE = "\\%03o"
 _WIDTHS = {"qpos": "nq", "qvel": "nv", "act": "na", "ctrl": "nu", "mpos": "3 * nmocap", "mquat": "4 * nmocap"}
 
 
-def to_cpp(names: Names) -> str:
+def to_cpp(names: NamesRecord) -> str:
     """Return a C++17 header that includes only the standard library."""
     data = names.as_data()
     space = _identifier(names.model or "model", _CPP)

@@ -42,7 +42,7 @@ from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
 
 
-class Joint(Struct):
+class OutlineJoint(Struct):
     """A joint; `range` is None without limits, in radians for a hinge or ball joint and in meters for a slide."""
 
     name: str | None
@@ -70,7 +70,7 @@ class Body(Struct):
 
     name: str | None
     part: str | None
-    joints: tuple[Joint, ...] = ()
+    joints: tuple[OutlineJoint, ...] = ()
     places: tuple[Place, ...] = ()
     children: tuple[Body, ...] = ()
     copies: int = 1
@@ -81,7 +81,7 @@ class Body(Struct):
             yield from child.walk()
 
 
-class Part(Struct):
+class OutlinePart(Struct):
     """A part: its name in the recipe, the origin of its model, and the body that it is fixed to."""
 
     name: str
@@ -95,14 +95,14 @@ class Outline(Struct):
     name: str
     label: str
     world: Body
-    parts: tuple[Part, ...] = field(default=())
+    parts: tuple[OutlinePart, ...] = field(default=())
 
     @property
     def bodies(self) -> tuple[Body, ...]:
         return tuple(self.world.walk())[1:]
 
     @property
-    def joints(self) -> tuple[Joint, ...]:
+    def joints(self) -> tuple[OutlineJoint, ...]:
         return tuple(joint for body in self.world.walk() for joint in body.joints)
 
 
@@ -180,7 +180,7 @@ class _Outliner:
 
     def body(self, name: str | None, part: str | None, holders: list[Node], pose: Pose, copies: int = 1) -> Body:
         """Return a body with the contents of `holders`; `pose` is its pose in the world."""
-        joints: list[Joint] = []
+        joints: list[OutlineJoint] = []
         children: list[Body] = []
         is_named = name is not None and any(holder.tag == "body" for holder in holders)
         places = [Place("body", str(name), Pose(), world=pose)] if is_named else []
@@ -188,7 +188,7 @@ class _Outliner:
             own = node.get("name") or None
             if node.tag in _JOINTS:
                 type = "free" if node.tag == "freejoint" else joint_type(node, self.unit.classes)
-                joints.append(Joint(own, type, self.range(node, type)))
+                joints.append(OutlineJoint(own, type, self.range(node, type)))
             elif node.tag == "body":
                 world = pose @ inside @ self.pose(node)
                 children.append(self.body(own, self.part_of(node), holders=[node], pose=world, copies=times))
@@ -298,7 +298,7 @@ def _line(body: Body, parent: Body, paint: Paint) -> str:
     return " ".join(words)
 
 
-def _joint(joint: Joint, paint: Paint) -> str:
+def _joint(joint: OutlineJoint, paint: Paint) -> str:
     name = f"{paint('code', joint.name)} " if joint.name else ""
     if joint.range is None:
         return f"{name}{joint.type}"
@@ -360,7 +360,7 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
     if composed is None:
         return None
     parts = tuple(
-        Part(
+        OutlinePart(
             each.part,
             context.shown(each.source.path) if each.source.origin is None else each.source.reference,
             each.body,
@@ -401,7 +401,9 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
         except ValueError:
             context.sink.warning("bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known")
     members = () if manifest is None else manifest.parts
-    parts = tuple(Part(each.part, manifest.inputs[each.input].reference, each.body) for each in members if manifest)
+    parts = tuple(
+        OutlinePart(each.part, manifest.inputs[each.input].reference, each.body) for each in members if manifest
+    )
 
     def part_of(node: Node) -> str | None:
         """Return the part with the longest matching prefix; others may belong to the base or the recipe."""

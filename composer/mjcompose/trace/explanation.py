@@ -19,7 +19,7 @@ class Reason(Struct):
     span: Span | None = None
 
 
-class Changed(Struct):
+class ChangeExplained(Struct):
     """A changed attribute: values as MJCF text, None if it is not written."""
 
     attribute: str | None
@@ -44,7 +44,7 @@ class ClassStep(Struct):
     reason: Reason
 
 
-class Listed(Struct):
+class ListedElement(Struct):
     """One of several elements; `value` is the value of an attribute, or the start tag."""
 
     label: str
@@ -83,11 +83,11 @@ class ElementExplained(Struct):
     written: tuple[Reason, ...]
     end_line: int | None
     parts: tuple[Reason, ...]
-    changes: tuple[Changed, ...]
+    changes: tuple[ChangeExplained, ...]
     in_force: Reason | None
     classes: tuple[ClassStep, ...]
     given: tuple[Given, ...]
-    sets: tuple[Listed, ...]
+    sets: tuple[ListedElement, ...]
 
 
 class LevelExplained(Struct):
@@ -104,7 +104,7 @@ class LevelExplained(Struct):
     wins: bool
     part_of_it: str | None
     span: Span | None
-    changes: tuple[Changed, ...]
+    changes: tuple[ChangeExplained, ...]
     words: str = ""
 
 
@@ -124,7 +124,7 @@ class AttributeExplained(Struct):
     notes: tuple[str, ...]
 
 
-Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
+Explained = ElementExplained | AttributeExplained | tuple[ListedElement, ...]
 
 
 def as_data(explained: Explained) -> dict[str, Any]:
@@ -270,7 +270,7 @@ def _placed(reason: Reason) -> str:
     return f"{reason.words}{_at(reason.span, ', ' if reason.words else '')}"
 
 
-def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
+def _changes(changes: Iterable[ChangeExplained], name: bool = True) -> Iterator[str]:
     for reason, alike in groupby(changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"):
         yield f"  {reason}"
         rows = [each for each in alike if each.attribute is not None]
@@ -284,7 +284,7 @@ def _value(text: str | None) -> str:
     return "-" if text is None else _cut(text) or '""'
 
 
-def _list(found: Iterable[Listed]) -> Iterator[str]:
+def _list(found: Iterable[ListedElement]) -> Iterator[str]:
     rows = []
     for each in found:
         words = "" if each.reason.words == "read from" else each.reason.words

@@ -95,7 +95,7 @@ _LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
 _SYNONYMS = {"keyframe": "key", "class": "default"}
 
 
-class Asked(Struct):
+class ExplainQuery(Struct):
     """A parsed query: `kinds` are the grammar paths that match (None: all), and the other fields narrow them down."""
 
     text: str
@@ -106,7 +106,7 @@ class Asked(Struct):
     attribute: str | None = None
 
 
-def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
+def read(text: str, attribute: str | None, sink: Sink) -> ExplainQuery | None:
     """Parse a query; report it and return None if it has no meaning."""
     words = text.split()
     if not words:
@@ -126,26 +126,26 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
     return replace(asked, attribute=rest[0] if rest else None)
 
 
-def _target(text: str, words: list[str]) -> tuple[Asked, list[str], str | None]:
+def _target(text: str, words: list[str]) -> tuple[ExplainQuery, list[str], str | None]:
     """Return the query for elements, the words after it, and the first word if it names a kind that MJCF lacks."""
     numbered = _NUMBERED.fullmatch(words[0])
     line = _LINE.fullmatch(words[0])
     kinds = _kinds(numbered[1] if numbered else words[0])
     unknown = numbered[1] if numbered and kinds is None else None
     if numbered and kinds is not None:
-        return Asked(text, kinds, number=int(numbered[2])), words[1:], unknown
+        return ExplainQuery(text, kinds, number=int(numbered[2])), words[1:], unknown
     if line and kinds is None:
-        return Asked(text, None, line=(line[1], int(line[2]))), words[1:], unknown
+        return ExplainQuery(text, None, line=(line[1], int(line[2]))), words[1:], unknown
     if kinds is None:
         if _is_meant_as_kind(words):
             unknown = words[0]
-        return Asked(text, None, name=words[0]), words[1:], unknown
+        return ExplainQuery(text, None, name=words[0]), words[1:], unknown
     if _is_one(kinds):
         asked, rest = _inside(text, words)
         return asked, rest, unknown
     if len(words) > 1:
-        return Asked(text, kinds, name=words[1]), words[2:], unknown
-    return Asked(text, kinds), [], unknown
+        return ExplainQuery(text, kinds, name=words[1]), words[2:], unknown
+    return ExplainQuery(text, kinds), [], unknown
 
 
 def _is_meant_as_kind(words: list[str]) -> bool:
@@ -155,7 +155,7 @@ def _is_meant_as_kind(words: list[str]) -> bool:
     return not any(words[1] in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
 
 
-def find(asked: Asked, root: Node, separator: str) -> list[Node]:
+def find(asked: ExplainQuery, root: Node, separator: str) -> list[Node]:
     """Return the elements that a query matches, in the order of the model; it does not handle queries that name a line.
 
     Raises `BadPattern`.
@@ -272,24 +272,24 @@ def _is_one(kinds: frozenset[str]) -> bool:
     return len(kinds) == sum(GRAMMAR.element(path).family is None for path in settings)
 
 
-def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
+def _inside(text: str, words: list[str]) -> tuple[ExplainQuery, list[str]]:
     """Follow the words into a section of settings as far as there are elements, as in `option flag gravity`."""
     path = words[0]
     rest = words[1:]
     while rest and f"{path}/{rest[0]}" in GRAMMAR.paths:
         path = f"{path}/{rest[0]}"
         rest = rest[1:]
-    return Asked(text, _kinds(path) or frozenset({path})), rest
+    return ExplainQuery(text, _kinds(path) or frozenset({path})), rest
 
 
-def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
+def not_found(asked: ExplainQuery, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
     notes = tuple(notes)
     word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
     if asked.line is not None:
         file, line = asked.line
         sink.error("unknown-name", f"nothing in the model comes from `{file}:{line}`", notes=notes)
     elif asked.number is not None:
-        count = len(find(Asked(asked.text, asked.kinds), root, "/"))
+        count = len(find(ExplainQuery(asked.text, asked.kinds), root, "/"))
         existing = f"there are {count}, the first is `{word}#0`" if count else "there are none"
         sink.error("unknown-name", f"`{word}#{asked.number}` does not exist: {existing}", notes=notes)
     elif asked.name is None:
@@ -298,8 +298,8 @@ def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) 
         _no_such_name(asked, asked.name, word, root=root, sink=sink, notes=notes)
 
 
-def _no_such_name(asked: Asked, name: str, word: str, root: Node, sink: Sink, notes: tuple[Note, ...]) -> None:
-    fitting = find(Asked("", asked.kinds), root, "/")
+def _no_such_name(asked: ExplainQuery, name: str, word: str, root: Node, sink: Sink, notes: tuple[Note, ...]) -> None:
+    fitting = find(ExplainQuery("", asked.kinds), root, "/")
     names = [found for node in fitting if (found := name_of(node)) is not None]
     other = next((node for node in ordered(root) if name_of(node) == name), None)
     help = did_you_mean(name, names, f"{f'{word} ' if asked.kinds else ''}{{}}")

@@ -17,7 +17,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
-from mjcompose.link.key_layout import Layout, Unknown, lay_out
+from mjcompose.link.key_layout import KeyLayout, Unknown, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
 from mjcompose.plan.steps import DrawValues, EditElements
@@ -29,7 +29,7 @@ Function = Callable[..., object]
 TAG = "<tag>"
 
 
-class Cause(Struct):
+class TracedOperation(Struct):
     """The operation, as reported to the `Watch`, and the tree and part in which it changed something."""
 
     done: object
@@ -47,22 +47,22 @@ class Cause(Struct):
         return callable(self.done)
 
 
-class Change(Struct):
+class AttributeChange(Struct):
     """A new value of an attribute or of `TAG`; None if it is not written. `owner` knows its place."""
 
     attribute: str
     before: str | None
     after: str | None
-    cause: Cause
+    cause: TracedOperation
     owner: Owner
 
 
-class Move(Struct):
+class ParentChange(Struct):
     """A new parent."""
 
     before: Node | None
     after: Node | None
-    cause: Cause
+    cause: TracedOperation
 
 
 class Life(Struct, frozen=False, eq=False):
@@ -81,12 +81,12 @@ class Life(Struct, frozen=False, eq=False):
     attributes: dict[str, str]
     parent: Node | None
     home: Node
-    made_by: Cause | None
-    born: Cause
-    changes: list[Change | Move] = field(default_factory=list)
+    made_by: TracedOperation | None
+    born: TracedOperation
+    changes: list[AttributeChange | ParentChange] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     sources: list[Life] = field(default_factory=list)
-    gone: Cause | None = None
+    gone: TracedOperation | None = None
     items: list[tuple[str, str]] = field(default_factory=list)
     last_tag: str = ""
     last_parent: Node | None = None
@@ -104,8 +104,8 @@ class Life(Struct, frozen=False, eq=False):
     def name(self) -> str | None:
         return self.attributes.get("class" if self.tag == "default" else "name")
 
-    def of(self, attribute: str) -> list[Change]:
-        return [each for each in self.changes if isinstance(each, Change) and each.attribute == attribute]
+    def of(self, attribute: str) -> list[AttributeChange]:
+        return [each for each in self.changes if isinstance(each, AttributeChange) and each.attribute == attribute]
 
 
 class Trace:
@@ -133,7 +133,7 @@ class Trace:
         if not changed:
             return
         linking = self._linkings.get(units[0].root)
-        causes = {each.root: Cause(done, each, self._parts.get(each.root), linking=linking) for each in units}
+        causes = {each.root: TracedOperation(done, each, self._parts.get(each.root), linking=linking) for each in units}
         before = {node for unit in changed for node in self._members.get(unit.root, ())}
         now: set[Node] = set()
         born: list[Life] = []
@@ -174,7 +174,7 @@ class Trace:
         lives = (life for life in self.lives.values() if life.root is unit.root and life.tag == tag)
         return next(reversed([life for life in lives if attribute in life.attributes]), None)
 
-    def _born(self, node: Node, cause: Cause) -> Life:
+    def _born(self, node: Node, cause: TracedOperation) -> Life:
         owner = cause.unit.origins.owner(node, cause.unit.file)
         laid_out = node in cause.unit.origins.keys  # by the edits of a part that is not linked to anything yet
         made = cause if cause.linking is not None or laid_out else None
@@ -199,7 +199,7 @@ class Trace:
         self.lives[node] = life
         part = cause.part or (self._carriers(cause.linking).of(life) if cause.linking is not None else None)
         if part is not None and made is not None and made.is_pass:
-            life.made_by = Cause(cause.done, part.unit, part, linking=cause.linking)
+            life.made_by = TracedOperation(cause.done, part.unit, part, linking=cause.linking)
             life.parts.append(part)
         return life
 
@@ -209,7 +209,7 @@ class Trace:
             self._indexed = linking, _Carriers(linking.parts)
         return self._indexed[1]
 
-    def _compare(self, life: Life, cause: Cause, unit: Unit) -> None:
+    def _compare(self, life: Life, cause: TracedOperation, unit: Unit) -> None:
         items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
         tag = life.node.tag
         if items != life.items or tag != life.last_tag:
@@ -220,7 +220,7 @@ class Trace:
             life.last_tag = str(tag)
         parent = life.node.getparent()
         if parent is not life.last_parent:
-            life.changes.append(Move(life.last_parent, parent, cause))
+            life.changes.append(ParentChange(life.last_parent, parent, cause))
             life.last_parent = parent
 
     def _succeed(self, life: Life, replaced: list[Life]) -> None:
@@ -235,10 +235,12 @@ class Trace:
             life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
 
-def _differences(before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner) -> Iterator[Change]:
+def _differences(
+    before: dict[str, str], after: dict[str, str], cause: TracedOperation, owner: Owner
+) -> Iterator[AttributeChange]:
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
-            yield Change(name, before.get(name), after.get(name), cause=cause, owner=owner)
+            yield AttributeChange(name, before.get(name), after.get(name), cause=cause, owner=owner)
 
 
 class _Carriers:
@@ -286,7 +288,7 @@ class NumberOrigin(Struct):
     written: str | None = None
     taken: tuple[Span, ...] = ()
     moved: tuple[tuple[str, Span | None], ...] = ()
-    change: Change | None = None
+    change: AttributeChange | None = None
     lost: NumberOrigin | None = None
     joint: str | None = None
 
@@ -328,7 +330,7 @@ class _Known(NamedTuple):
     """A number of a key, and the edit or draw that made it, if any."""
 
     number: Number
-    change: Change | None = None
+    change: AttributeChange | None = None
 
 
 class _Reading:
@@ -420,7 +422,7 @@ class _Reading:
         return NumberOrigin("file", span, " ".join(words.split()))
 
 
-def _after(known: list[_Known], now: str, changes: list[Change], vector: str) -> list[_Known]:
+def _after(known: list[_Known], now: str, changes: list[AttributeChange], vector: str) -> list[_Known]:
     """Apply the changes of recipe steps to the numbers; numbers that no step accounts for become unknown."""
     source = KeySource("edited", vector)
     for change in changes:
@@ -439,7 +441,7 @@ def _numbered(text: str, source: KeySource) -> list[Number]:
     return [Number(each, source, at) for at, each in enumerate(text.split())]
 
 
-def _layout(model: Unit, life: Life) -> Layout | None:
+def _layout(model: Unit, life: Life) -> KeyLayout | None:
     """Return the layout of a key's numbers: the linker's, or else the layout that the tree implies."""
     linking = None if life.made_by is None else life.made_by.linking
     if linking is not None and linking.keys.final_layout is not None:

@@ -48,9 +48,9 @@ from mjcompose.plan.plan import DropElements, Plan
 from mjcompose.plan.steps import DrawValues, EditElements, Step
 from mjcompose.text.node import find, locate
 from mjcompose.trace.explanation import Reason, RowExplained
-from mjcompose.trace.trace import Cause, Change, Function, Life, Move, NumberOrigin, Trace
+from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin, ParentChange, Trace, TracedOperation
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
-from mjcompose.tree.files import Settings, read_settings
+from mjcompose.tree.files import SourceSettings, read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
@@ -68,7 +68,7 @@ def row_explained(label: str, numbers: str, origin: NumberOrigin, reason: Reason
     return RowExplained(label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way))
 
 
-def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
+def reason_of(origin: NumberOrigin, edited: Callable[[AttributeChange], Reason]) -> Reason:
     """Return the cause that set the numbers, and its place; `edited` describes an edit or a draw."""
     if origin.change is not None:
         return edited(origin.change)
@@ -82,7 +82,7 @@ def only_place(reasons: Iterable[Reason]) -> Span | None:
     return spans.pop() if len(spans) == 1 else None
 
 
-def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
+def of_step(cause: TracedOperation, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
     """Return the action of a cause, and its place; `owner` wrote the element or its attribute."""
     done = cause.done
     if isinstance(done, Plan) and attribute == "model":
@@ -113,7 +113,7 @@ def owned(owner: object, attribute: str | None) -> Span | None:
     return None
 
 
-def _drawn(cause: Cause, node: Node, field: str) -> object | None:
+def _drawn(cause: TracedOperation, node: Node, field: str) -> object | None:
     """Return the draw of a field for an element, or for the body whose mass the element determines."""
     if cause.linking is None:
         return None
@@ -132,7 +132,7 @@ def _summary(done: object) -> str:
     return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
 
 
-_DEFAULT = Settings()
+_DEFAULT = SourceSettings()
 _CALLED = "the top class of {} is called that here"
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _COMPUTED = {
@@ -156,7 +156,7 @@ class Causes:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
 
-    def _names(self, life: Life, change: Change) -> Reason | None:
+    def _names(self, life: Life, change: AttributeChange) -> Reason | None:
         part = change.cause.part
         span = change.cause.part.span if change.cause.part else None
         if change.after is not None and change.before is None and change.attribute == "name":
@@ -167,7 +167,7 @@ class Causes:
             return Reason(_CALLED.format(_file(change.cause.unit)))
         return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
 
-    def _angles(self, life: Life, change: Change) -> Reason | None:
+    def _angles(self, life: Life, change: AttributeChange) -> Reason | None:
         unit = change.cause.unit
         linking = change.cause.linking
         sequence = None if linking is None else linking.base.settings.eulerseq
@@ -183,7 +183,7 @@ class Causes:
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
-    def _inertia(self, life: Life, change: Change) -> Reason:
+    def _inertia(self, life: Life, change: AttributeChange) -> Reason:
         settings = change.cause.unit.settings
         unit = change.cause.unit
         measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
@@ -197,17 +197,17 @@ class Causes:
                 return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
         return Reason(f"the inertia rules of {_file(unit)}, made explicit")
 
-    def _reduced(self, life: Life, change: Change) -> Reason:
+    def _reduced(self, life: Life, change: AttributeChange) -> Reason:
         unit = change.cause.unit
         found = {name: span for name in ("fusestatic", "discardvisual") if (span := self.setting(unit, name))}
         names = " and ".join(f"`{name}`" for name in found)
         return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", next(iter(found.values()), None))
 
-    def _unrolled(self, life: Life, change: Change) -> Reason:
+    def _unrolled(self, life: Life, change: AttributeChange) -> Reason:
         words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
         return Reason(words, of_step(change.cause, life.owner, None).span)
 
-    def _lengthranges(self, life: Life, change: Change) -> Reason | None:
+    def _lengthranges(self, life: Life, change: AttributeChange) -> Reason | None:
         unit = change.cause.unit
         lives = self.trace.lives.values()
         rule = next((each for each in lives if each.tag == "lengthrange" and each.root is unit.root), None)
@@ -216,10 +216,10 @@ class Causes:
             return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
-    def _muscle_forces(self, life: Life, change: Change) -> Reason:
+    def _muscle_forces(self, life: Life, change: AttributeChange) -> Reason:
         return Reason(f"the peak force that its `scale` gives it in {_file(change.cause.unit)} alone")
 
-    def _agreement(self, life: Life, change: Change) -> Reason | None:
+    def _agreement(self, life: Life, change: AttributeChange) -> Reason | None:
         linking = change.cause.linking
         if linking is None or change.after is None:
             return Reason("only one of these settings may be written")
@@ -235,18 +235,18 @@ class Causes:
                     return Reason(f"required by the part `{part.called}`", span)
         return Reason("enough for all parts")
 
-    def _agreement_made(self, life: Life, change: Change) -> Reason:
+    def _agreement_made(self, life: Life, change: AttributeChange) -> Reason:
         for name, value in life.attributes.items():
             if reason := self._agreement(life, replace(change, attribute=str(name), after=str(value))):
                 return reason
         return Reason("settings that the parts require")
 
-    def _defaults(self, life: Life, change: Change) -> Reason | None:
+    def _defaults(self, life: Life, change: AttributeChange) -> Reason | None:
         file = _file(change.cause.unit)
         is_new = change.before is None
         return Reason(f"elements without a class have the top class of {file}" if is_new else _CALLED.format(file))
 
-    def _defaults_made(self, life: Life, change: Change) -> Reason:
+    def _defaults_made(self, life: Life, change: AttributeChange) -> Reason:
         unit = change.cause.unit
         if life.tag != "default" or "class" not in life.attributes:
             return Reason("contains the default classes of the parts")
@@ -254,18 +254,18 @@ class Causes:
         first = next((each for each in top if each.tag == "default" and not each.made_by), None)
         return Reason(f"the top class of {_file(unit)}", None if first is None else first.span(unit.origins))
 
-    def _compiler_value(self, life: Life, change: Change) -> Reason | None:
+    def _compiler_value(self, life: Life, change: AttributeChange) -> Reason | None:
         for source in life.sources:
             if source.attributes.get(change.attribute) == change.after:
                 return Reason("", source.span(change.cause.unit.origins, change.attribute))
         return self._compiler(life, change)
 
-    def _defaults_value(self, life: Life, change: Change) -> Reason | None:
+    def _defaults_value(self, life: Life, change: AttributeChange) -> Reason | None:
         if change.attribute == "class" and change.cause.part is not None:
             return Reason("named after the part", change.cause.part.span)
         return None
 
-    def _bodies_value(self, life: Life, change: Change) -> Reason | None:
+    def _bodies_value(self, life: Life, change: AttributeChange) -> Reason | None:
         """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
         part = change.cause.part
         attribute = change.attribute
@@ -290,7 +290,7 @@ class Causes:
             return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
         return Reason(f"for the part `{part.called}`", part.span)
 
-    def _bodies_made(self, life: Life, change: Change) -> Reason:
+    def _bodies_made(self, life: Life, change: AttributeChange) -> Reason:
         part = change.cause.part
         if part is None:
             return Reason("contains elements of the parts")
@@ -303,11 +303,11 @@ class Causes:
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
 
-    def _weld(self, life: Life, change: Change) -> Reason:
+    def _weld(self, life: Life, change: AttributeChange) -> Reason:
         part = change.cause.part
         return Reason("removed: `joint: none` fixes the part in its place", part.span if part else None)
 
-    def _compiler(self, life: Life, change: Change) -> Reason | None:
+    def _compiler(self, life: Life, change: AttributeChange) -> Reason | None:
         linking = change.cause.linking
         if change.attribute in _FOLDERS:
             return Reason("every file is named by its path in the bundle")
@@ -317,23 +317,23 @@ class Causes:
             return Reason("made explicit where it matters")
         return Reason("made explicit on the elements that it affects, so it does not reach other parts")
 
-    def _compiler_made(self, life: Life, change: Change) -> Reason:
+    def _compiler_made(self, life: Life, change: AttributeChange) -> Reason:
         if len(life.sources) == 1:
             return Reason("the base's settings, which apply to every part")
         return Reason("the settings that hold for every part")
 
-    def _keyframes_made(self, life: Life, change: Change) -> Reason:
+    def _keyframes_made(self, life: Life, change: AttributeChange) -> Reason:
         if not isinstance(life.owner, str):
             return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
         if len(life.sources) > 1:
             return Reason(f"{len(life.sources)} keys of that name merged, laid out for the whole model")
         return Reason("laid out anew for the whole model")
 
-    def _worded(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
+    def _worded(self, table: dict[Function | None, Words], life: Life, change: AttributeChange) -> Reason | None:
         words = table.get(change.cause.function)
         return None if words is None else words(self, life, change)
 
-    def change(self, change: Change, life: Life) -> Reason:
+    def change(self, change: AttributeChange, life: Life) -> Reason:
         """Return the reason that an attribute changed."""
         reason = self._worded(CHANGES, life, change)
         return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
@@ -341,21 +341,21 @@ class Causes:
     def made(self, life: Life) -> Reason:
         """Return the reason that an element exists that was not read from a file."""
         assert life.made_by is not None
-        reason = self._worded(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
+        reason = self._worded(MADE, life, AttributeChange("", None, None, cause=life.made_by, owner=life.owner))
         return reason or of_step(life.made_by, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
         """Return the reason that an element that a pass created has this value of an attribute."""
         assert life.made_by is not None
-        change = Change(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
+        change = AttributeChange(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
         return self._worded(VALUES, life, change) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
         assert life.gone is not None
-        reason = self._worded(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
+        reason = self._worded(GONE, life, AttributeChange("", None, None, cause=life.gone, owner=life.owner))
         return reason or of_step(life.gone, None, None)
 
-    def move(self, move: Move, life: Life) -> Reason | None:
+    def move(self, move: ParentChange, life: Life) -> Reason | None:
         """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
         cause = move.cause
         if cause.function in (sections, defaults, compiler, keyframes):
@@ -381,7 +381,7 @@ def _file(unit: Unit) -> str:
     return f"`{unit.file.rpartition('/')[2]}`"
 
 
-Words = Callable[[Causes, Life, Change], Reason | None]
+Words = Callable[[Causes, Life, AttributeChange], Reason | None]
 
 
 def _as(words: str) -> Words:
@@ -448,7 +448,7 @@ VALUES: dict[Function | None, Words] = {
 GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia, roots: Causes._weld}
 
 
-def rewrites(cause: Cause) -> bool:
+def rewrites(cause: TracedOperation) -> bool:
     """Return whether a cause only rewrites a value or renames it. If so, the value keeps its origin."""
     row = row_of(cause.done)
     return (

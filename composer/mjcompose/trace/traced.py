@@ -28,9 +28,9 @@ from mjcompose.plan.read import Given as ConcreteGiven
 from mjcompose.plan.steps import EditElements, SetCollisions
 from mjcompose.sources.context import Context
 from mjcompose.trace import explanation, query, trace_words
-from mjcompose.trace.explanation import AttributeExplained, Changed, ElementExplained, Explained, Reason
+from mjcompose.trace.explanation import AttributeExplained, ChangeExplained, ElementExplained, Explained, Reason
 from mjcompose.trace.query import MIRRORED, RecipeLines, no_attribute, not_found, same_words
-from mjcompose.trace.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
+from mjcompose.trace.trace import TAG, AttributeChange, Life, NumberOrigin, ParentChange, Trace, key_origins, rows
 from mjcompose.tree import classes as default_classes
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
 from mjcompose.tree.edit import attached_notes
@@ -63,7 +63,7 @@ class Traced:
         declared = (each for section in sections for each in section.iter("default"))
         self.declared = {str(each.get("class") or MAIN): each for each in declared}
 
-    def answer(self, asked: query.Asked, context: Context) -> Explained | None:
+    def answer(self, asked: query.ExplainQuery, context: Context) -> Explained | None:
         """Return the answer to a query, or None if there is none, which is reported."""
         try:
             found = self.on_line(*asked.line) if asked.line else query.find(asked, self.model.root, self.separator)
@@ -109,7 +109,9 @@ class Traced:
                 values.append(explanation.Given(attribute.name, str(level.text), str(level.name), span=span))
         children = node.iterchildren("*") if node.tag == "default" else ()
         sets = [
-            explanation.Listed(f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name))))
+            explanation.ListedElement(
+                f"{child.tag!s} {name!s}", str(text), Reason("", self.written_at(child, str(name)))
+            )
             for child in children
             if child.tag != "default"
             for name, text in child.items()
@@ -142,7 +144,7 @@ class Traced:
             numbers = (step.text or "").split()
             is_part = step.taken and len(step.taken) < len(numbers)
             origin = self._level_origin(step.kind, step.name, step.writer, attribute=name)
-            changes: tuple[Changed, ...] = ()
+            changes: tuple[ChangeExplained, ...] = ()
             if step.writer is not None and (step.text is not None or step.kind == "element"):
                 changes = tuple(self.changes(self.watch.life(step.writer), name))
             explained.append(
@@ -193,7 +195,7 @@ class Traced:
             notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
         )
 
-    def _listed(self, node: Node, attribute: str | None) -> explanation.Listed:
+    def _listed(self, node: Node, attribute: str | None) -> explanation.ListedElement:
         text = None
         life = self.watch.life(node)
         written = list(self.written(life))
@@ -208,7 +210,7 @@ class Traced:
             words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(winner.kind, f"class {winner.name}")
             origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute=attribute)
             reason = Reason("computed" if origin.words else words, origin.span)
-        return explanation.Listed(self.labels[node], text, reason)
+        return explanation.ListedElement(self.labels[node], text, reason)
 
     def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, explanation.RowExplained]]:
         """Yield the numbers of a key by their joint, actuator or mocap body, and by their origin."""
@@ -248,28 +250,28 @@ class Traced:
         lives = ((node, self.watch.life(node)) for node in query.ordered(self.model.root))
         return [node for node, life in lives if any(map(is_there, (life, *life.sources)))]
 
-    def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
+    def changes(self, life: Life, only: str | None = None) -> Iterator[ChangeExplained]:
         if len(life.sources) == 1:
             for source in life.sources:
                 yield from self.changes(source, only)
         yield from self._as_the_recipe_has_it(life, only)
         for change in life.changes:
-            if isinstance(change, Move):
+            if isinstance(change, ParentChange):
                 cause = self.causes.move(change, life) if only is None else None
                 if cause is not None:
-                    yield Changed(None, None, None, reason=cause)
+                    yield ChangeExplained(None, None, None, reason=cause)
             elif only in (None, change.attribute) and change.cause.function is not settle_joints:
                 name = "tag" if change.attribute == TAG else change.attribute
-                yield Changed(name, change.before, change.after, reason=self.causes.change(change, life))
+                yield ChangeExplained(name, change.before, change.after, reason=self.causes.change(change, life))
 
-    def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
+    def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[ChangeExplained]:
         """Yield values that a recipe writes in a different form from MJCF, such as angles in their own unit."""
         if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
             return
         settled = {
             each.attribute: each.after or ""
             for each in life.changes
-            if isinstance(each, Change) and each.cause.function is settle_joints
+            if isinstance(each, AttributeChange) and each.cause.function is settle_joints
         }
         element = life.owner(None)
         for name, text in {**life.attributes, **settled}.items():
@@ -278,7 +280,9 @@ class Traced:
                 continue
             recipe = self.recipe_lines.text_of(span)
             if recipe is not None and not same_words(recipe, text):
-                yield Changed(name, recipe, text, reason=Reason("written in the recipe's own unit or form", span))
+                yield ChangeExplained(
+                    name, recipe, text, reason=Reason("written in the recipe's own unit or form", span)
+                )
 
     def _in_force(self, node: Node) -> Reason | None:
         force = class_in_force(node)
@@ -360,7 +364,7 @@ class Traced:
         found += [self.causes.change(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]
 
-    def _shared_for(self, asked: query.Asked) -> Node | None:
+    def _shared_for(self, asked: query.ExplainQuery) -> Node | None:
         """Return the asset of another copy that is used instead of the asset that a query names, or None."""
         for kind, names in self.merged.items():
             kept = None if asked.name is None else names.get(asked.name)
@@ -373,7 +377,7 @@ class Traced:
         names = self.merged.get(kind_of(node).path, {})
         return tuple(other for other, kept in names.items() if kept == query.name_of(node))
 
-    def _left_out(self, asked: query.Asked) -> Iterator[Note]:
+    def _left_out(self, asked: query.ExplainQuery) -> Iterator[Note]:
         replaced = {source.node for life in self.watch.lives.values() for source in life.sources}
         if asked.name is not None:
             for life in self.watch.gone:
@@ -394,7 +398,7 @@ def _start_tag(node: Node) -> str:
 
 
 def explain(
-    path: Path, asked: query.Asked, context: Context, sample: int = 0, given: ConcreteGiven | None = None
+    path: Path, asked: query.ExplainQuery, context: Context, sample: int = 0, given: ConcreteGiven | None = None
 ) -> Explained | None:
     """Return the answer to a query about the model of a recipe or an MJCF file, or None after an error.
 

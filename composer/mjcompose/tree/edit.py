@@ -119,7 +119,7 @@ def attached_notes(unit: Unit, name: str) -> list[Note]:
     return [Note(message, unit.origins.span(attach, unit.file)) for attach in holders]
 
 
-class Lookup(Protocol):
+class NameLookup(Protocol):
     """Looks up names in a model and in the models attached to it."""
 
     def find_node(self, namespace: str, name: str) -> Node | None:
@@ -135,7 +135,7 @@ class Lookup(Protocol):
         """Return whether MuJoCo may create the name itself, as for the copies of a `<replicate>`."""
 
 
-class Editable(Lookup, Protocol):
+class Editable(NameLookup, Protocol):
     """One tree with its names, which edits keep up to date, and the models that it is attached to.
 
     A recipe edits one flat tree. `mjcompose.mjcf` edits a tree of models: in outer models, names have a prefix.
@@ -161,7 +161,7 @@ class Editable(Lookup, Protocol):
 M = TypeVar("M", bound=Editable)
 
 
-class Reference(NamedTuple, Generic[M]):
+class NameReference(NamedTuple, Generic[M]):
     """An element of `model` that refers to a name by an attribute, as that model writes it."""
 
     model: M
@@ -171,14 +171,14 @@ class Reference(NamedTuple, Generic[M]):
     name: str
 
 
-def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
+def referrers(model: M, namespace: str, name: str) -> Iterator[NameReference[M]]:
     """Yield the references to a name, here and in the models above. A `<flex>` that is a rod refers to its twists."""
     for here, _, kind, used in uses_of(model, namespace, name):
         for node, attribute in here.names.users(kind, used):
-            yield Reference(here, node, attribute, namespace=kind, name=used)
+            yield NameReference(here, node, attribute, namespace=kind, name=used)
     rod = model.find_node("flex", twisted_by(name)) if namespace == "joint" and twisted_by(name) else None
     if rod is not None and is_rod(rod):
-        yield Reference(model, rod, "name", namespace=namespace, name=name)
+        yield NameReference(model, rod, "name", namespace=namespace, name=name)
 
 
 def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, str]]:
@@ -240,14 +240,14 @@ def is_copy(other: str, name: str) -> bool:
     return other.startswith(name) and len(other) > len(name) and other[-1].isdigit()
 
 
-def resolves(model: Lookup, namespace: str, name: str) -> bool:
+def resolves(model: NameLookup, namespace: str, name: str) -> bool:
     """Return whether a name exists in the model; names that MuJoCo may create itself count."""
     is_declared = (namespace, name) in ALWAYS or model.find_node(namespace, name) is not None
     return is_declared or model.may_generate(name)
 
 
 def unresolved(
-    model: Lookup,
+    model: NameLookup,
     namespace: str,
     name: str,
     span: Span | None,
@@ -361,14 +361,14 @@ class Renaming(Struct, Generic[M]):
     def _note(self, model: M, namespace: str, used: str, old: str, new: str) -> None:
         self.followed.setdefault((model, namespace), {})[used] = new + used[len(old) :]
 
-    def unlistable(self) -> Iterator[tuple[Reference[M], str]]:
+    def unlistable(self) -> Iterator[tuple[NameReference[M], str]]:
         """Yield references in lists of names whose new name has a space, which a list cannot hold."""
         for (model, namespace), names in self.followed.items():
             for old, new in names.items():
                 if len(new.split()) != 1:
                     for node, attribute in model.names.users(namespace, old):
                         if is_list(node, attribute, section_of(node)):
-                            yield Reference(model, node, attribute, namespace=namespace, name=old), new
+                            yield NameReference(model, node, attribute, namespace=namespace, name=old), new
 
     def carry_out(self) -> None:
         """Write the new names into all references."""
@@ -376,7 +376,7 @@ class Renaming(Struct, Generic[M]):
             model.names.follow(namespace, names)
 
 
-def unlistable_message(reference: Reference[M], new: str, called: str) -> str:
+def unlistable_message(reference: NameReference[M], new: str, called: str) -> str:
     """Return the message about a new name that a list of names in this element cannot hold."""
     cannot = f"`{reference.name}` cannot be called `{new}`"
     return f"{cannot}: {called} has it in a list of names, which cannot hold one with a space"
@@ -386,7 +386,7 @@ class Removal(Struct, Generic[M]):
     """The outermost removed elements, each with its model, and the remaining references to them."""
 
     going: tuple[tuple[M, Node], ...]
-    references: tuple[Reference[M], ...]
+    references: tuple[NameReference[M], ...]
 
     @classmethod
     def of(cls, nodes: Iterable[tuple[M, Node]]) -> Removal[M]:

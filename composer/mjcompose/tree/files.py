@@ -14,7 +14,7 @@ from mjcompose.base.files import RECIPES
 from mjcompose.base.naming import is_portable
 
 
-class Settings(NamedTuple):
+class SourceSettings(NamedTuple):
     """The compiler settings of one source, as text; the defaults are MuJoCo's.
 
     If there are several `<compiler>` elements, the last written value of each attribute counts.
@@ -47,14 +47,14 @@ class Settings(NamedTuple):
         return self.texturedir if self.texturedir is not None else self.assetdir or ""
 
 
-_KNOWN = frozenset(Settings._fields)
+_KNOWN = frozenset(SourceSettings._fields)
 
 
-def read_settings(root: Node) -> Settings:
+def read_settings(root: Node) -> SourceSettings:
     """Return the settings of a whole `<mujoco>` tree."""
     pairs = (pair for compiler in root.iterchildren("compiler") for pair in compiler.items())
     written = {str(name): str(value).strip() for name, value in pairs if name in _KNOWN and value.strip()}
-    return Settings(**written)
+    return SourceSettings(**written)
 
 
 def is_recipe(file: str) -> bool:
@@ -105,7 +105,7 @@ def is_plain(name: str) -> bool:
     return not (name.startswith(".") or "\\" in name) and is_portable(name)
 
 
-def written_path(settings: Settings, element: Node, name: str) -> str:
+def written_path(settings: SourceSettings, element: Node, name: str) -> str:
     """Return the path under which MuJoCo looks for a file: relative to the folder of the main file unless absolute."""
     if settings.strippath == "true":
         name = posixpath.basename(name.replace("\\", "/"))

@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import TooLarge, read_regular
 from mjcompose.tree.classes import Classes
-from mjcompose.tree.files import Settings, join, read_settings
+from mjcompose.tree.files import SourceSettings, join, read_settings
 from mjcompose.tree.merged_settings import Adopted, ReadRow
 from mjcompose.tree.xml_text import SourceText
 
@@ -283,7 +283,7 @@ class Origins(Struct, frozen=False):
         return None if known is None else known.split()
 
 
-class Key(Struct, frozen=False, eq=False):
+class KeyValues(Struct, frozen=False, eq=False):
     """Numbers by vector (`qpos`, …) and by their owner; `element` is where it is written.
 
     `others` are the elements of keys that were merged into it.
@@ -306,9 +306,9 @@ class PartKeys(NamedTuple):
     """The keys of one part of a model; `depth` is the number of compositions around it."""
 
     depth: int
-    keys: tuple[Key, ...]
+    keys: tuple[KeyValues, ...]
 
-    def named(self, name: str) -> Key | None:
+    def named(self, name: str) -> KeyValues | None:
         return next((key for key in self.keys if key.name == name), None)
 
     def carried(self, copies: Mapping[Node, Node]) -> PartKeys:
@@ -319,7 +319,7 @@ class PartKeys(NamedTuple):
                 return old._replace(element=holder(old.element))  # type: ignore[attr-defined]
             return copies.get(old, old)
 
-        def values(key: Key) -> dict[str, dict[Any, list[Number]]]:
+        def values(key: KeyValues) -> dict[str, dict[Any, list[Number]]]:
             return {vector: {holder(old): [*kept] for old, kept in rows.items()} for vector, rows in key.values.items()}
 
         return self._replace(keys=tuple(replace(key, values=values(key)) for key in self.keys))
@@ -379,7 +379,7 @@ class Unit:
     table: tuple[ReadRow, ...] = ()
 
     @cached_property
-    def settings(self) -> Settings:
+    def settings(self) -> SourceSettings:
         return read_settings(self.root)
 
     @cached_property

@@ -12,7 +12,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.parse import parse_xml
-from mjcompose.tree.xml_text import Piece, Written, pieces, root_of
+from mjcompose.tree.xml_text import Piece, WrittenAttribute, pieces, root_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -49,7 +49,7 @@ def outermost(parts: list[Piece]) -> set[str]:
     return found
 
 
-class Unusual(Exception):
+class UnusualXml(Exception):
     """A piece of text that has no place in the layout, at a character of the text."""
 
     def __init__(self, message: str, at: int) -> None:
@@ -92,7 +92,7 @@ class _Layout:
                     self.line(text)
                     self.before = piece
                 case _:
-                    raise Unusual("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
+                    raise UnusualXml("a text between elements, a CDATA section or a `<!DOCTYPE>`", piece.start)
             self.breaks = breaks
         return "".join([*self.written, "\n"])
 
@@ -151,7 +151,7 @@ class _Layout:
 
     def tag(self, piece: Piece, kind: ElementType | None) -> str:
         if not piece.complete:
-            raise Unusual(f"the tag `<{piece.tag}` has no end", piece.start)
+            raise UnusualXml(f"the tag `<{piece.tag}` has no end", piece.start)
         order = {} if kind is None else attribute_order(kind)
         indent = "  " * len(self.kinds)
         text = f"<{piece.tag}"
@@ -168,9 +168,9 @@ class _Layout:
             several = "\n" in shown
         return text + ("/>" if piece.closed else ">")
 
-    def quoted(self, written: Written) -> str:
+    def quoted(self, written: WrittenAttribute) -> str:
         if written.value is None:
-            raise Unusual(f"the attribute `{written.name}` has no value", written.at)
+            raise UnusualXml(f"the attribute `{written.name}` has no value", written.at)
         quote = '"' if '"' not in written.value else "'"
         return f"{quote}{written.value}{quote}"
 
@@ -193,7 +193,7 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
         return None
     try:
         result = _Layout(text).write()
-    except Unusual as unusual:
+    except UnusualXml as unusual:
         line = text.count("\n", 0, unusual.at) + 1
         column = unusual.at - text.rfind("\n", 0, unusual.at)
         message = f"`{file}` is left unchanged: {unusual} has no place in the layout"

@@ -29,7 +29,7 @@ _RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
 Kind = Literal["start", "end", "comment", "cdata", "other", "text"]
 
 
-class Written(NamedTuple):
+class WrittenAttribute(NamedTuple):
     """An attribute of a start tag; `start` and `end` enclose its value, which is None without a quote."""
 
     name: str
@@ -49,7 +49,7 @@ class Piece(NamedTuple):
     start: int
     end: int
     tag: str = ""
-    attributes: tuple[Written, ...] = ()
+    attributes: tuple[WrittenAttribute, ...] = ()
     closed: bool = False
     complete: bool = True
 
@@ -90,7 +90,7 @@ def start_tag(text: str, start: int, tag: str) -> Piece:
         at = found.end()
         group = next((each for each in (2, 3) if found[each] is not None), None)
         value, (begin, end) = (None, (at, at)) if group is None else (found[group], found.span(group))
-        attributes.append(Written(found[1], found.start(1), value, start=begin, end=end))
+        attributes.append(WrittenAttribute(found[1], found.start(1), value, start=begin, end=end))
     if (closing := _TAG_END.match(text, at)) is not None:
         return Piece("start", start, closing.end(), tag=tag, attributes=tuple(attributes), closed=bool(closing[1]))
     return Piece("start", start, _BLANK.match(text, at).end(), tag=tag, attributes=tuple(attributes), complete=False)  # type: ignore[union-attr]
@@ -210,7 +210,7 @@ class SourceText:
         return self._stretch(*items[first]), self._stretch(*items[last]), text
 
     @staticmethod
-    def _attribute(name: str, tag: Piece | None) -> Written | None:
+    def _attribute(name: str, tag: Piece | None) -> WrittenAttribute | None:
         return None if tag is None else next((each for each in tag.attributes if each.name == name), None)
 
     def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> Piece | None:

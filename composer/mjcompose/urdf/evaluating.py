@@ -38,7 +38,7 @@ class Stopped(Exception):
         self.subject = subject
 
 
-class Function(Struct, frozen=False, eq=False):
+class XacroFunction(Struct, frozen=False, eq=False):
     """A function that expressions may call. It has no text."""
 
     name: str
@@ -131,7 +131,7 @@ class Evaluator:
         self._mappings = (*_MAPPINGS, *mappings)
         self._lists = (*_LISTS, *lists)
         self._is_namespace = is_namespace
-        self._kinds = {*_SCALARS, str, bytes, range, *self._mappings, *self._lists, *_VIEWS, Function, Space}
+        self._kinds = {*_SCALARS, str, bytes, range, *self._mappings, *self._lists, *_VIEWS, XacroFunction, Space}
         self._parsed = functools.lru_cache(2048)(self._tree)
 
     def value(self, text: str, names: Names) -> Any:
@@ -181,7 +181,7 @@ class Evaluator:
 
     def admitted(self, value: Any) -> Any:
         """Return a value after checking its size and the kinds of all its items."""
-        if type(value) not in (Function, Space) and not self._is_namespace(value):
+        if type(value) not in (XacroFunction, Space) and not self._is_namespace(value):
             self.spend(self.weight(value) // 8)
         return value
 
@@ -205,7 +205,7 @@ class Evaluator:
                 raise Stopped("costly", f"a whole number has at most {BITS} bits")
             elif kind is complex:
                 raise Stopped("unsafe", "the root of a negative number")
-            elif kind not in _SCALARS and kind is not Function:
+            elif kind not in _SCALARS and kind is not XacroFunction:
                 raise Stopped("unsafe", f"an expression has no values of the kind `{kind.__name__}`")
             if count + len(waiting) > LARGEST:
                 raise Stopped("costly", f"a value in an expression has more than {LARGEST} characters or items")
@@ -248,7 +248,7 @@ class Evaluator:
                 raise NameError(f"name '{name}' is not defined") from None
         plain = dict if kind in self._mappings else list if kind in self._lists[2:] else kind
         if name in METHODS.get(plain, ()):
-            return Function(name, functools.partial(self._method, value, name))
+            return XacroFunction(name, functools.partial(self._method, value, name))
         if kind in self._mappings[1:] and not hasattr(dict, name):
             return self.known(value[name])
         if plain in METHODS and not hasattr(plain, name):
@@ -286,7 +286,7 @@ class Evaluator:
 
     def called(self, function: Any, given: Sequence[Any], named: Mapping[str, Any]) -> Any:
         """Call a function. Native functions get only values of known kinds, and their work counts as steps."""
-        if not isinstance(function, Function):
+        if not isinstance(function, XacroFunction):
             raise TypeError(f"'{type(function).__name__}' object is not callable")
         for each in (*given, *named.values()):
             self.admitted(each)
@@ -314,7 +314,7 @@ class Evaluator:
             raise Stopped("unsafe", "`@` is not allowed in an expression", "@")
         self.spend(1)
         for each in (one, other):
-            if isinstance(each, Function | Space) or self._is_namespace(each):
+            if isinstance(each, XacroFunction | Space) or self._is_namespace(each):
                 raise TypeError("unsupported operand")
         if kind is ast.Mult:
             for value, times in ((one, other), (other, one)):
@@ -445,7 +445,7 @@ class Evaluator:
             "max": (functools.partial(self._ordered, max), None),
             "isinstance": (self._is_instance, None),
         }
-        return {name: Function(name, apply, kind) for name, (apply, kind) in native.items()}
+        return {name: XacroFunction(name, apply, kind) for name, (apply, kind) in native.items()}
 
     def mathematics(self) -> dict[str, Any]:
         special: dict[str, Callable[..., Any]] = {
@@ -457,13 +457,13 @@ class Evaluator:
         return {
             name: each
             if isinstance(each, float)
-            else Function(name, functools.partial(special[name], each) if name in special else each)
+            else XacroFunction(name, functools.partial(special[name], each) if name in special else each)
             for name, each in vars(math).items()
             if isinstance(each, float) or (callable(each) and not name.startswith("_"))
         }
 
     def _text(self, *value: Any) -> str:
-        if len(value) > 1 or (value and type(value[0]) is Function):
+        if len(value) > 1 or (value and type(value[0]) is XacroFunction):
             raise TypeError("`str` takes one value")
         return str(*value)
 
@@ -487,7 +487,7 @@ class Evaluator:
 
     def _is_instance(self, value: Any, kinds: Any) -> bool:
         named = kinds if isinstance(kinds, tuple) else (kinds,)
-        types = tuple(each.kind for each in named if isinstance(each, Function) and each.kind is not None)
+        types = tuple(each.kind for each in named if isinstance(each, XacroFunction) and each.kind is not None)
         if len(types) != len(named):
             raise TypeError("isinstance() arg 2 must be a type or a tuple of types")
         return isinstance(value, types)

@@ -21,7 +21,7 @@ from xml.dom import expatbuilder, minidom
 
 from mjcompose.base.access import Door
 from mjcompose.base.files import Refused
-from mjcompose.urdf.evaluating import Evaluator, Function, Space, Stopped, offered
+from mjcompose.urdf.evaluating import Evaluator, Space, Stopped, XacroFunction, offered
 
 BEFORE = ("xacro", "xacro.substitution_args", "yaml")
 """Modules that the process imports before it is confined: they may load libraries of the system."""
@@ -133,7 +133,7 @@ class _Work:
             "error": self.told,
             "fatal": self.fatal,
         }
-        ours = {name: Function(name, apply) for name, apply in special.items()}
+        ours = {name: XacroFunction(name, apply) for name, apply in special.items()}
         spaces = {"python": functions, "math": mathematics, "xacro": ours}
         found = offered(own, functions | mathematics | ours)
         for name, entries in spaces.items():
@@ -152,11 +152,11 @@ class _Work:
             **self.evaluator.mathematics(),
             "true": True,
             "false": False,
-            "find": Function("find", self.found),
-            "env": Function("env", self.environment),
-            "optenv": Function("optenv", lambda name, default="": default),
-            "arg": Function("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
-            "dirname": Function("dirname", lambda: self.folder()),
+            "find": XacroFunction("find", self.found),
+            "env": XacroFunction("env", self.environment),
+            "optenv": XacroFunction("optenv", lambda name, default="": default),
+            "arg": XacroFunction("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
+            "dirname": XacroFunction("dirname", lambda: self.folder()),
         }
         arguments = context.get("arg", {})
 

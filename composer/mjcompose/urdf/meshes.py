@@ -24,7 +24,7 @@ from mjcompose.mujoco.shapes import Doubt, doubts, measured
 from mjcompose.tree.files import stem
 from mjcompose.tree.unit import Unit
 from mjcompose.urdf.converting import convert, measure
-from mjcompose.urdf.robot import FLAT_HELP, Look, Robot, locate_as
+from mjcompose.urdf.robot import FLAT_HELP, Appearance, Robot, locate_as
 
 CONVERTED = ("dae", "glb", "gltf", "ply", "off", "3mf")
 _FOLDER = "converted"
@@ -198,7 +198,7 @@ class Meshes(Struct, frozen=False):
     def _keep_part(self, path: Path, part: dict[str, Any], is_one: bool) -> str:
         name = self._keep(path, part["obj"], is_one=is_one)
         texture = None if part["texture"] is None else base64.b64decode(part["texture"])
-        self.robot.looks[name] = Look(None if part["rgba"] is None else tuple(part["rgba"]), texture)
+        self.robot.looks[name] = Appearance(None if part["rgba"] is None else tuple(part["rgba"]), texture)
         return name
 
     def _keep(self, path: Path, obj: str, *, is_one: bool) -> str:

@@ -32,7 +32,7 @@ from mjcompose.urdf.limits import complete_limits, report_unlimited
 from mjcompose.urdf.meshes import Meshes, add_looks
 from mjcompose.urdf.mimics import free_lost_mimics
 from mjcompose.urdf.robot import Robot, explain, faulty_joints, locate_in_urdf, mesh_of, name_fused_links, named_in
-from mjcompose.urdf.xacro import Template, is_template, owned, parsed
+from mjcompose.urdf.xacro import XacroTemplate, is_template, owned, parsed
 
 _READ = ("compiler", "option", "size")
 """The sections of `<mujoco>` that MuJoCo reads in URDF."""
@@ -135,7 +135,7 @@ class UrdfReader(Struct, frozen=False):
             return Robot(unit, source.path, packages)
         packages = ros.all_folders(source.path, given)
         arguments = dict(source.urdf.arguments)
-        expanded = Template(source.path, source.door, packages, arguments=arguments, shown=self.shown).expanded()
+        expanded = XacroTemplate(source.path, source.door, packages, arguments=arguments, shown=self.shown).expanded()
         for each in expanded.found:
             notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
             sink.add(replace(each, notes=notes))

@@ -16,7 +16,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
+from mjcompose.mujoco.messages import EngineMessage, Sentence, Topic, read_sentence, translate
 from mjcompose.tree.files import is_absolute, join, stem
 from mjcompose.tree.unit import Origins, Unit, line_of
 
@@ -171,7 +171,7 @@ SCHEMES = (PACKAGE, "model://")
 _FILE = "file://"
 
 
-class Look(Struct):
+class Appearance(Struct):
     """The color of a mesh or material of URDF, and its picture as PNG, if it has them."""
 
     rgba: tuple[float, ...] | None
@@ -190,7 +190,7 @@ class Robot(Struct, frozen=False):
     packages: Mapping[str, Path]
     changed: bool = False
     made: dict[str, bytes] = field(default_factory=dict)
-    looks: dict[str, Look] = field(default_factory=dict)
+    looks: dict[str, Appearance] = field(default_factory=dict)
 
     @property
     def root(self) -> Node:
@@ -312,7 +312,7 @@ Place = Callable[[Node, str | None], Span]
 """The place of an element, or of one of its attributes."""
 
 
-def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
+def explain(fault: EngineMessage, robot: Node, place: Place) -> Diagnostic:
     """Return MuJoCo's error about the URDF whose root is `robot`, in the words of URDF."""
     message = " ".join(fault.message.split())
     sentence = read_sentence(message)
@@ -343,7 +343,7 @@ def named_in(message: str, robot: Node) -> Node:
     return next(named, robot)
 
 
-def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
+def _element(fault: EngineMessage, sentence: Sentence, robot: Node) -> Node:
     if sentence.topic in _OF_MESHES:
         for mesh in robot.iter("mesh"):
             file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]

@@ -63,7 +63,7 @@ def is_template(path: Path, data: bytes) -> bool:
     return b"<xacro:" in written or bool(_DECLARED.search(written) and _OF_XACRO.search(written))
 
 
-class Template(Struct):
+class XacroTemplate(Struct):
     """A xacro template, the values of its arguments, and the files that it may read."""
 
     path: Path

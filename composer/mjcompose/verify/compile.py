@@ -99,7 +99,7 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
     messages.report(found, element, model, context=context, cause=cause)
 
 
-def _element(fault: messages.Fault, bundle: Bundle, model: Unit) -> Node | None:
+def _element(fault: messages.EngineMessage, bundle: Bundle, model: Unit) -> Node | None:
     """Return the element that a message is about: by the line, a plugin instance, a unique name or a setting."""
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
@@ -134,7 +134,7 @@ def _with_file(root: Node, names: Collection[str]) -> list[Node]:
     ]
 
 
-def _is_another(found: Node | None, fault: messages.Fault) -> bool:
+def _is_another(found: Node | None, fault: messages.EngineMessage) -> bool:
     """Return whether the message is about an element with a different name: its line then belongs to another file."""
     if found is None or not fault.name:
         return False
@@ -146,7 +146,7 @@ def _is_another(found: Node | None, fault: messages.Fault) -> bool:
     return _attaching(fault, found.getroottree().getroot()) is not None
 
 
-def _attaching(fault: messages.Fault, root: Node) -> Node | None:
+def _attaching(fault: messages.EngineMessage, root: Node) -> Node | None:
     """Return the `<attach>` that brings in the element of the message, by its prefix."""
     prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
     fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
@@ -175,9 +175,9 @@ class Verified(Struct):
     """MuJoCo's verdict on a bundle. `error` is the reason for a refusal or, with `crash`, for having no verdict."""
 
     compiled: engine.Compiled
-    error: messages.Fault | None = None
+    error: messages.EngineMessage | None = None
     crash: str | None = None
-    warnings: tuple[messages.Fault, ...] = ()
+    warnings: tuple[messages.EngineMessage, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -200,7 +200,7 @@ class OutsideFilesError(Exception):
 def verify(
     bundle: Bundle,
     *,
-    limits: engine.Limits | None = None,
+    limits: engine.RequestLimits | None = None,
     session: engine.Session | None = None,
     keep: str | None = None,
     stranger: str | None = None,
@@ -226,11 +226,11 @@ def verify(
     warnings = tuple(map(messages.parse, compiled.warnings))
     fault = None
     if compiled.crash is not None:
-        fault = messages.Fault(compiled.error or compiled.crash)
+        fault = messages.EngineMessage(compiled.error or compiled.crash)
     elif compiled.error is not None:
         fault = messages.parse(compiled.error)
     elif compiled.forward is not None:
-        fault = messages.Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
+        fault = messages.EngineMessage(f"the model compiles, but its first forward step fails: {compiled.forward}")
     return Verified(compiled, fault, compiled.crash, warnings=warnings)
 
 

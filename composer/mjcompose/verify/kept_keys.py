@@ -25,7 +25,7 @@ from mjcompose.link.linking import WrittenKey
 from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.compare import key_rows
-from mjcompose.mujoco.index import Index, Ranged, ranged
+from mjcompose.mujoco.index import CompiledIndex, Ranged, ranged
 from mjcompose.plan.plan import Plan
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import locate
@@ -286,7 +286,7 @@ _SHOWN = 8
 _VECTOR_KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
 
 
-def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
+def check_key_ranges(plan: Plan, model: Unit, index: CompiledIndex, sink: Sink) -> None:
     """Warn about out-of-range values in the recipe's own keys, without the keys of parts."""
     if not plan.keyframes:
         return
@@ -312,7 +312,7 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
                     _report_control_by_joint(plan, model, path, joint=joint, bound=each, index=index, sink=sink)
 
 
-def _name(index: Index, each: Ranged) -> str:
+def _name(index: CompiledIndex, each: Ranged) -> str:
     """Return the name in keys of a joint or an actuator; an unnamed joint has its body's name."""
     if each.kind == "actuator":
         return index.actuators[each.number].name
@@ -321,7 +321,7 @@ def _name(index: Index, each: Ranged) -> str:
     return joint.name or ("" if is_taken else joint.body)
 
 
-def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
+def check_stiffness(model: Unit, index: CompiledIndex, at: Span, sink: Sink) -> None:
     """Warn about servos stiffer at their joints than any drive, often because a gear multiplies `kp` twice."""
     if not (stiff := [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]):
         return
@@ -389,7 +389,7 @@ def _only_actuator(root: Node, joint: str) -> str:
 
 
 def _report_control_by_joint(
-    plan: Plan, model: Unit, path: Path, joint: str, bound: Ranged, index: Index, sink: Sink
+    plan: Plan, model: Unit, path: Path, joint: str, bound: Ranged, index: CompiledIndex, sink: Sink
 ) -> None:
     name = _name(index, bound)
     holder = _element(model.root, "actuator", name)

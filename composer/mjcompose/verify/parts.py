@@ -22,7 +22,7 @@ from mjcompose.link.subtree import take_from_excerpt, take_subtree
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, NameTable, name_table
-from mjcompose.mujoco.compare import Keys
+from mjcompose.mujoco.compare import KeyMode
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
 from mjcompose.mujoco.unchanged import compare
 from mjcompose.plan.plan import PartRecord
@@ -180,7 +180,7 @@ def compare_part(
         renamed = {**(renamed or {}), "key": {name: key_prefix + name for name in NameTable(alone).ids["key"]}}
     hung_on = Mount(body, None) if pose is None else Mount.of(composed, body=body, pos=pose["pos"], quat=pose["quat"])
     others = {name: value for name, value in question.items() if name not in _PLACED}
-    found = compare(alone, composed, hung_on=hung_on, renamed=renamed, keys=Keys(keys or Keys.MERGE), **others)
+    found = compare(alone, composed, hung_on=hung_on, renamed=renamed, keys=KeyMode(keys or KeyMode.MERGE), **others)
     free = _free(alone, question.get("prefix", "")) if welded else frozenset()
     return [asdict(each) for each in found if not _of_welding(each, free)]
 
@@ -285,12 +285,12 @@ class PartComparer(Struct, frozen=False):
         }
         edited = self.renamed.get(member.part, {})
         renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
-        keys = Keys.MERGE
+        keys = KeyMode.MERGE
         key_prefix = None
         if member.keys is None:
-            keys = Keys.NONE
+            keys = KeyMode.NONE
         elif member.keys and member.keys == prefix:
-            keys = Keys.PREFIX
+            keys = KeyMode.PREFIX
         elif member.keys:
             key_prefix = member.keys
         return {
@@ -327,7 +327,7 @@ class PartComparer(Struct, frozen=False):
         source.keep_subtree(member, name)
         # The subtree's world is the first of them, or a body further up if `fusestatic` fused them.
         above = (*(_name_around(each, around) for each in around), None)
-        keys = Keys.NONE if member.keys is None else Keys.MERGE
+        keys = KeyMode.NONE if member.keys is None else KeyMode.MERGE
         for body in above:
             pose = asdict(Pose()) if body == above[0] else None
             question = {"body": body, "pose": pose, "keys": keys, "tolerance": _ROUNDING, "cut": True}

@@ -9,11 +9,11 @@ from typing import Any
 
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Severity, Span
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
 from mjcompose.base.sink import Sink
 from mjcompose.bundle.assemble import Renamed
-from mjcompose.bundle.bundle import Bundle, Outcome
+from mjcompose.bundle.bundle import Bundle, CheckOutcome
 from mjcompose.language.check import MODULES, SEVERITY, Check
 from mjcompose.link.files import Merged
 from mjcompose.mujoco import engine
@@ -67,7 +67,7 @@ def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
 # The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
 _LOSS = "target-loss"  # a warning: the check holds
-_RUNS: Table[Callable[..., dict[str, Any]]] = Table("checks", {}, "run", modules=MODULES)
+_RUNS: ExtensionTable[Callable[..., dict[str, Any]]] = ExtensionTable("checks", {}, "run", modules=MODULES)
 """How to carry out the checks that need more than the compiled model."""
 
 
@@ -92,7 +92,7 @@ class Checks:
     def drawn(self) -> list[str]:
         return sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
 
-    def run(self, outcomes: list[Outcome]) -> None:
+    def run(self, outcomes: list[CheckOutcome]) -> None:
         """Run every check in the order of the recipe, and append each outcome."""
         kept = True
         for recipe, check in checks_in(self.plan):
@@ -109,7 +109,7 @@ class Checks:
                 )
             self.context.sink.extend(reported)
             name = recipe.part + check.name
-            outcomes.append(Outcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values))
+            outcomes.append(CheckOutcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values))
             if not kept:
                 break
 

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 pytestmark = pytest.mark.mujoco4("it has no pid")
@@ -107,7 +107,7 @@ def converted(folder: Path, xml: str, names: Iterable[str], to: str) -> tuple[mu
     edits = "".join(f"  - {{select: {{actuator: {name}}}, convert: {{to: {to}}}}}\n" for name in names)
     (folder / "recipe.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n{edits}")
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "recipe.yaml", verified=False), context)
+    built = build(ModelRequest(folder / "recipe.yaml", verified=False), context)
     found = list(context.sink.diagnostics)
     if built is None:
         return None, found

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.language.datasheets import library
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 MODEL = """<mujoco>
@@ -37,7 +37,7 @@ def made(edit: str, folder: Path, sheets: str = SHEETS) -> mujoco.MjModel | list
         f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\n{sheets}edit: [{edit}]\n", encoding="utf-8"
     )
     context = Context(folder=folder)
-    built = build(Request(folder / "recipe.yaml"), context)
+    built = build(ModelRequest(folder / "recipe.yaml"), context)
     if built is None:
         return [(each.code, each.message) for each in context.sink.errors]
     assert not context.sink.diagnostics, [each.message for each in context.sink.diagnostics]

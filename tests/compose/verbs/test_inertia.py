@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 CORNERS = "0 0 0 .4 0 0 0 .3 0 0 0 .2 .1 .1 .3"
@@ -41,7 +41,7 @@ def edited(text: str, edit: str, folder: Path, more: str = "") -> mujoco.MjModel
         f"recipe: 1\nallow: [license-missing]\nbase: {{model: ./model.xml{more}}}\n{edit}"
     )
     context = Context(folder=folder)
-    built = build(Request(folder / "recipe.yaml"), context)
+    built = build(ModelRequest(folder / "recipe.yaml"), context)
     if built is None:
         return [(each.code, each.message) for each in context.sink.errors]
     assert not context.sink.diagnostics

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from compose.arm import Case, changed
 from lxml import etree
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -60,7 +60,7 @@ def test_plugin_instances_go_with_the_last_element_that_uses_them(tmp_path: Path
     (tmp_path / "hand.xml").write_text(HAND)
     (tmp_path / "recipe.yaml").write_text(f"recipe: 1\nallow: [license-missing, convert-loss]\n{change}\n")
     context = Context(environment={}, folder=tmp_path)
-    built = build(Request(tmp_path / "recipe.yaml"), context)
+    built = build(ModelRequest(tmp_path / "recipe.yaml"), context)
     assert built is not None, context.sink.errors
     model = etree.fromstring(built.bundle.files["model.xml"])
     assert [each.get("name") for each in model.iter("instance")] == kept

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from compose.arm import Case
 from link.test_files import skin
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 
@@ -44,7 +44,7 @@ def test_a_bone_keeps_the_name_of_its_body_when_a_geom_of_that_name_is_renamed(t
     def bones(selected: str) -> bytes:
         recipe = f"recipe: 1\nbase: ./arm.xml\nedit: [{{select: {{{selected}: trunk}}, rename: chest}}]\n"
         (tmp_path / "recipe.yaml").write_text(recipe)
-        built = build(Request(tmp_path / "recipe.yaml", verified=False), Context(environment={}, folder=tmp_path))
+        built = build(ModelRequest(tmp_path / "recipe.yaml", verified=False), Context(environment={}, folder=tmp_path))
         assert built is not None
         (coat,) = [content for path, content in built.bundle.files.items() if path.endswith(".skn")]
         return coat

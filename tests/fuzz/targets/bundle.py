@@ -14,7 +14,7 @@ from fuzz.target import RECIPES, Seed, Target, Tools
 from mjcompose.bundle.remote import write_shared
 from mjcompose.bundle.staging import write_folder
 from mjcompose.bundle.write import write_archive
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.verify.stored import verify_stored
 
@@ -25,7 +25,7 @@ _RECIPE = RECIPES / "arm_gripper.yaml"
 def _folder() -> TemporaryDirectory[str]:
     """A bundle as an archive, as a folder, and as one that shares its assets; removed with this process."""
     folder = TemporaryDirectory(prefix="mjcompose-fuzz-")
-    built = build(Request(_RECIPE), Context(environment={}, folder=RECIPES))
+    built = build(ModelRequest(_RECIPE), Context(environment={}, folder=RECIPES))
     assert built is not None
     write_archive(built.bundle, Path(folder.name, "whole.zip"), {})
     write_folder(built.bundle, Path(folder.name, "folder"))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fuzz.target import Tools, without_a_place
 from mjcompose.mujoco import engine
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 # Where mjcompose is stricter than MuJoCo, on purpose: docs/contributing/security_tests.md says why.
@@ -49,7 +49,7 @@ def differs(path: Path, tools: Tools, recipes: dict[str, str]) -> str | None:
         recipe = path.with_name(f"{name}.yaml")
         recipe.write_text(text, encoding="utf-8")
         context = Context(environment={}, folder=path.parent)
-        built = build(Request(recipe), context, session=tools.session)
+        built = build(ModelRequest(recipe), context, session=tools.session)
         if unlocated := without_a_place(context):
             return f"{unlocated}-{name}"
         if source.crash is not None or any(each.code == "mujoco-timeout" for each in context.sink.errors):

@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 _NAME = "fuzzed"
@@ -96,7 +96,7 @@ def _written(tree: Any, value: Any) -> Any:
 
 def _outcome(path: Path, tools: Tools) -> tuple[bytes | None, set[str], Context]:
     context = Context(environment={}, folder=path.parent)
-    built = build(Request(path, verified=False), context, session=tools.session)
+    built = build(ModelRequest(path, verified=False), context, session=tools.session)
     codes = {each.code for each in context.sink.errors}
     return (None if built is None else built.bundle.files["model.xml"]), codes, context
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzz.mutation import yaml_changed
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
 from mjcompose.base.sink import Sink
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.layout import format_recipe
 
@@ -25,7 +25,7 @@ def check(path: Path, tools: Tools) -> str | None:
     if once is not None and format_recipe(once, path.name, Sink()) != once:
         return "layout-not-stable"
     context = Context(environment={}, folder=path.parent)
-    built = build(Request(path), context, session=tools.session)
+    built = build(ModelRequest(path), context, session=tools.session)
     if built is None and not context.sink.has_errors:
         return "refused-without-a-word"
     return without_a_place(context)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fuzz.mutation import json_changed
 from fuzz.target import Seed, Target, Tools, without_a_place
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 
 _MODEL = """<mujoco><default><default class="pad"><geom friction="1"/></default></default><asset><mesh name="m"
@@ -40,7 +40,7 @@ def check(path: Path, tools: Tools) -> str | None:
     part = b"recipe: 1\nattach: {p: {model: ./model.xml, pos: [1, 0, 0]}}\nedit:\n  - optional: true\n    set: {}\n    select: "
     recipe.write_bytes(part + path.read_bytes().replace(b"\n", b" ") + b"\n")
     context = Context(environment={}, folder=path.parent)
-    build(Request(recipe, verified=False), context, session=tools.session)
+    build(ModelRequest(recipe, verified=False), context, session=tools.session)
     return without_a_place(context)
 
 

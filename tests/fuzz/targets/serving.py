@@ -21,7 +21,7 @@ from fuzz.mutation import ODD_TEXT, flipped, json_changed
 from fuzz.target import Seed, Target, Tools
 from lsp.client import Editor
 from mjcompose.tools.view.builder import Shown, Workshop
-from mjcompose.tools.view.server import Server
+from mjcompose.tools.view.server import PageServer
 
 _SECRET = b"only its owner may read this"
 _ESCAPES = (
@@ -146,9 +146,9 @@ class _Shop:
 
 
 @cache
-def _served() -> tuple[Server, Path, list[str]]:
+def _served() -> tuple[PageServer, Path, list[str]]:
     """A server, a file beside it, and what its threads have opened."""
-    server = Server(cast(Workshop, _Shop()), "127.0.0.1", 0, writes=True)
+    server = PageServer(cast(Workshop, _Shop()), "127.0.0.1", 0, writes=True)
     threading.Thread(target=server.run, daemon=True).start()
     folder = tempfile.TemporaryDirectory(prefix="mjcompose-fuzz-")
     atexit.register(folder.cleanup)

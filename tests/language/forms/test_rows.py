@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 import pytest
 from language.forms.schemas import schema_of
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.language.forms.context import Lazy, Rows, Settings, define, settings, validated
 from mjcompose.language.forms.json_schema import Generator
 from mjcompose.language.forms.model import WHOLE, Model
@@ -36,7 +36,9 @@ class Call(Model):
         return f"{settings(info.context).selected}/{name}"
 
 
-TABLE: Table[Any] = Table("verbs", {"call": Call, "paint": f"{__name__}:Paint", "turn": float}, "VERB")
+TABLE: ExtensionTable[Any] = ExtensionTable(
+    "verbs", {"call": Call, "paint": f"{__name__}:Paint", "turn": float}, "VERB"
+)
 
 
 class Entry(Model):

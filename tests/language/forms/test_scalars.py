@@ -10,7 +10,7 @@ from mjcompose.language.forms.context import define
 from mjcompose.language.forms.model import Model
 from mjcompose.language.forms.scalars import (
     AtLeastOne,
-    Attribute,
+    AttributeValue,
     Count,
     Items,
     Measure,
@@ -41,7 +41,7 @@ KINDS: dict[str, tuple[Any, list[Any], list[Any]]] = {
     "measure": (Annotated[float | Angle, Measure(ge=0)], [1, "90deg", "1.5rad"], ["90", -1, "x", True]),
     "range": (Range, [[1, 2], [1, 1]], [[1], [1, 2, 3], ["a", 1], 3]),
     "several": (Several, ["a", ["a", "b/*"]], [[], 3, [3], [""]]),
-    "attribute": (Annotated[Any, Attribute("frame", "pos")], [[1, 2, 3]], [[1, 2], "x", [1, "a", 2]]),
+    "attribute": (Annotated[Any, AttributeValue("frame", "pos")], [[1, 2, 3]], [[1, 2], "x", [1, "a", 2]]),
 }
 UNSEEN = {"measure": [-1], "positive": [float("nan")]}
 """What JSON Schema cannot say: a text has no bounds, and a number that is none is no JSON."""

@@ -17,9 +17,9 @@ from mjcompose.language.forms.scalars import (
     Measure,
     Name,
     NotNegative,
+    NumberUnit,
     Positive,
     Range,
-    Unit,
 )
 from mjcompose.language.forms.translate import faults
 from mjcompose.text.expression import Angle
@@ -34,7 +34,7 @@ class Grip(Model):
 
     pad: Annotated[str, Name("geom")] = Field(examples=["NAME"])
     """what it touches with"""
-    force: Annotated[Positive, Unit("N")] = 1.0
+    force: Annotated[Positive, NumberUnit("N")] = 1.0
     """how hard"""
 
 
@@ -44,9 +44,9 @@ class Arm(Model):
     rules: ClassVar = (Exclusive("mass", "range"), Belongs("tol", "mass"), Bars("rope", "grip", why="hangs on a rope"))
     instead: ClassVar = {"weight": "mass", "pay": "write `mass: …`, which is what it carries"}
 
-    mass: Annotated[NotNegative, Unit("kg")] | None = None
+    mass: Annotated[NotNegative, NumberUnit("kg")] | None = None
     """what it carries"""
-    range: Annotated[Range, Unit("kg")] | None = None
+    range: Annotated[Range, NumberUnit("kg")] | None = None
     """what it may carry"""
     tol: float | None = None
     """how much more"""

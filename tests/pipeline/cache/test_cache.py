@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from cli.shell import environment, process, run, snapshot
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
-from mjcompose.bundle.bundle import Outcome
+from mjcompose.bundle.bundle import CheckOutcome
 from mjcompose.pipeline.cache.cache import Record, from_json, to_json
 from sampling import rest_slow
 
@@ -490,7 +490,7 @@ RECORD = Record(
     mujoco=None,
     licenses=(),
     diagnostics=(WARNING,),
-    checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),),
+    checks=(CheckOutcome("upright", "stable", SPAN, (WARNING,), {}),),
     draws=None,
     recipes=(),
     places="",

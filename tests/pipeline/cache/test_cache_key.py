@@ -5,14 +5,14 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
-from mjcompose.pipeline.cache.cache import Answer, Cache
+from mjcompose.pipeline.cache.cache import Cache, CacheAnswer
 from mjcompose.pipeline.cache.cache_key import (
     ABSENT,
     GIVEN,
     BuildOptions,
     CacheKey,
-    Files,
     FileState,
+    FileStates,
     differences,
     file_state,
     now,
@@ -55,9 +55,11 @@ def test_a_package_of_another_version_is_a_change(tmp_path: Path) -> None:
     (found,) = _installed("lxml")
     assert Path(found[2]).is_file() and found[1] in found[2]
     cache = Cache(Store(tmp_path), print)
-    assert cache._changes(Answer("", (), (found,))) == []
+    assert cache._changes(CacheAnswer("", (), (found,))) == []
     other = (found[0], "0.1", found[2].replace(found[1], "0.1"))
-    assert cache._changes(Answer("", (), (found, other))) == ["the package `lxml` was 0.1, and its version has changed"]
+    assert cache._changes(CacheAnswer("", (), (found, other))) == [
+        "the package `lxml` was 0.1, and its version has changed"
+    ]
 
 
 def variables_in_key(environment: dict[str, str], store: Path) -> dict[str, str]:
@@ -84,35 +86,35 @@ def test_differences() -> None:
 def test_content_counts_where_stamps_differ(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_text("one")
-    before = Files().look(str(file))
+    before = FileStates().look(str(file))
     os.utime(file, (0, 0))
-    assert Files().is_same(before)
+    assert FileStates().is_same(before)
     file.write_text("two")
-    assert not Files().is_same(before)
+    assert not FileStates().is_same(before)
     file.unlink()
-    assert not Files().is_same(before)
-    assert Files().look(str(file)) == FileState(str(file), ABSENT, None)
+    assert not FileStates().is_same(before)
+    assert FileStates().look(str(file)) == FileState(str(file), ABSENT, None)
 
 
 def test_a_file_that_was_just_written_is_known_by_its_content_alone(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_text("one")
-    assert Files().look(str(file)).stamp is None
+    assert FileStates().look(str(file)).stamp is None
 
 
 def test_a_folder_is_its_licenses(tmp_path: Path) -> None:
     (tmp_path / "LICENSE").write_text("free")
-    before = Files().look(str(tmp_path))
+    before = FileStates().look(str(tmp_path))
     (tmp_path / "model.xml").write_text("<mujoco/>")
-    assert Files().is_same(before)
+    assert FileStates().is_same(before)
     (tmp_path / "NOTICE").write_text("more")
-    assert not Files().is_same(before)
+    assert not FileStates().is_same(before)
 
 
 def test_what_was_looked_at_is_looked_at_anew_when_told(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_text("one")
-    files = Files()
+    files = FileStates()
     moment = now()
     before = files.look(str(file))
     file.write_text("other")

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mjcompose.base.sink import Sink
-from mjcompose.contrast.changes import Change, Diff
+from mjcompose.contrast.changes import Diff, FieldChange
 from mjcompose.mujoco.engine import Session
-from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import between
 from tools.diff.changing import Value
 
 _TRIES = 4
-Lines = dict[tuple[str, int] | None, tuple[Change, ...]]
+Lines = dict[tuple[str, int] | None, tuple[FieldChange, ...]]
 """The changes by the file and line that `diff` names; None for those without one."""
 
 
@@ -79,7 +79,7 @@ class Sweep:
     def _side(self, folder: Path, kept: str) -> Side | None:
         context = Context(folder=folder, sink=Sink())
         path = folder / self.name
-        side = load(Operand(self.name, Kind.RECIPE, path, context), kept, self.session)
+        side = load(Operand(self.name, OperandKind.RECIPE, path, context), kept, self.session)
         return None if context.sink.has_errors else side
 
 

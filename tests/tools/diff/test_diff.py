@@ -14,7 +14,7 @@ from mjcompose.cli.options import Choices
 from mjcompose.contrast.changes import Diff
 from mjcompose.contrast.text import as_data, render, render_markdown as in_markdown
 from mjcompose.mujoco.engine import Session
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
 
@@ -76,7 +76,7 @@ def test_another_order_is_addresses_and_nothing_else(session: Session, tmp_path:
 
 def test_a_bundle_and_the_recipe_that_it_is_of(session: Session, tmp_path: Path) -> None:
     built = build(
-        Request(CASES / "sources" / "a" / "recipe.yaml"), context := Context(folder=tmp_path), session=session
+        ModelRequest(CASES / "sources" / "a" / "recipe.yaml"), context := Context(folder=tmp_path), session=session
     )
     assert built is not None, context.sink.diagnostics
     write(built.bundle, str(tmp_path / "old.zip"), environment={}, session=session)

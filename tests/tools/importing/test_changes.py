@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.bundle.staging import write_files
-from mjcompose.contrast.changes import Change
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.contrast.changes import FieldChange
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.importing.elements import Changed
-from mjcompose.tools.importing.recover import Outcome, Recovered, changed, left, recover
+from mjcompose.tools.importing.elements import ChangedAttribute
+from mjcompose.tools.importing.recover import Recovered, RecoveryDifferences, changed, left, recover
 
 ARM = """\
 <mujoco model="arm">
@@ -239,12 +239,12 @@ def test_a_key_without_a_name_is_a_comment(merged: str, tmp_path: Path) -> None:
 
 
 def test_what_differs_is_told_in_sentences() -> None:
-    outcome = Outcome(
+    outcome = RecoveryDifferences(
         (
-            Change("removed", "equality", "#0 (`a`, `b`)"),
-            Change("changed", "joint", "elbow", "dof_damping", 2.0, 3.0, "hinge"),
-            Change("changed", "geom", "pad", "geom_rbound", 1.0, 2.0, follows=True),
-            Change("changed", "body", "palm", "body_invweight0", (1.0, 1.0), (2.0, 2.0), follows=True),
+            FieldChange("removed", "equality", "#0 (`a`, `b`)"),
+            FieldChange("changed", "joint", "elbow", "dof_damping", 2.0, 3.0, "hinge"),
+            FieldChange("changed", "geom", "pad", "geom_rbound", 1.0, 2.0, follows=True),
+            FieldChange("changed", "body", "palm", "body_invweight0", (1.0, 1.0), (2.0, 2.0), follows=True),
         )
     )
     assert list(left(outcome, "all.xml")) == [
@@ -256,10 +256,10 @@ def test_what_differs_is_told_in_sentences() -> None:
 
 def test_what_changed_is_told_once() -> None:
     facts = (
-        Changed("mesh", "elbow", "scale", "1 1 1", "1.1 1.1 1.1"),
-        Changed("joint", "a", "damping", "1", "2", "N·m·s/rad"),
-        Changed("joint", "b", "damping", "1", "2", "N·m·s/rad"),
-        Changed("default class", "pad", "geom friction", None, "1.5", count=4),
+        ChangedAttribute("mesh", "elbow", "scale", "1 1 1", "1.1 1.1 1.1"),
+        ChangedAttribute("joint", "a", "damping", "1", "2", "N·m·s/rad"),
+        ChangedAttribute("joint", "b", "damping", "1", "2", "N·m·s/rad"),
+        ChangedAttribute("default class", "pad", "geom friction", None, "1.5", count=4),
     )
     assert list(changed(facts)) == [
         "mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1",
@@ -299,7 +299,7 @@ def test_real_models_that_were_changed(pair: str, corpus: Path, tmp_path: Path) 
     (tmp_path / "cell.yaml").write_text(
         f"recipe: 1\nconflict: mujoco\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
     )
-    built = build(Request(tmp_path / "cell.yaml"), Context(folder=tmp_path))
+    built = build(ModelRequest(tmp_path / "cell.yaml"), Context(folder=tmp_path))
     assert built is not None
     (tmp_path / "cell").mkdir()
     write_files(built.bundle, tmp_path / "cell")

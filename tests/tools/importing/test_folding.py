@@ -12,13 +12,13 @@ from mjcompose.language.expand import expand
 from mjcompose.sources.context import Context
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, to_python
-from mjcompose.tools.importing.elements import Entry
+from mjcompose.tools.importing.elements import SectionEntry
 from mjcompose.tools.importing.folding import folded
 from mjcompose.tools.importing.recover import recover
 
 
 def texts(section: str, *entries: str) -> list[str]:
-    return [each.text for each in folded([Entry(section, text) for text in entries])]
+    return [each.text for each in folded([SectionEntry(section, text) for text in entries])]
 
 
 def expanded(section: str, entries: list[str]) -> Any:
@@ -72,10 +72,10 @@ def test_what_has_no_pattern_stays(entries: list[str]) -> None:
 
 
 def test_comments_and_other_sections_end_a_run() -> None:
-    entries = [Entry("sensor", f"s{i}: {{type: force, site: t}}") for i in range(9)]
+    entries = [SectionEntry("sensor", f"s{i}: {{type: force, site: t}}") for i in range(9)]
     entries[4].note = "it does not build"
     assert folded(entries) == entries
-    mixed = [Entry("sensor" if i < 4 else "actuator", f"s{i}: {{type: force, site: t}}") for i in range(8)]
+    mixed = [SectionEntry("sensor" if i < 4 else "actuator", f"s{i}: {{type: force, site: t}}") for i in range(8)]
     assert folded(mixed) == mixed
 
 

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.importing.propose import propose
 from mjcompose.tools.importing.recover import Recovered, recover
@@ -341,7 +341,7 @@ def test_bodies_without_a_name_come_with_their_part(old: str, new: str, expected
     attached = "arm: {model: ./arm.xml, body: torso, pos: [0, 0.1, 0.3], euler: [10deg, 20deg, 30deg]}"
     (tmp_path / "all.yaml").write_text(f"recipe: 1\nname: all\nbase: ./base.xml\nattach:\n  {attached}\n")
     context = Context(folder=tmp_path)
-    built = build(Request(tmp_path / "all.yaml"), context)
+    built = build(ModelRequest(tmp_path / "all.yaml"), context)
     assert built is not None
     text = built.bundle.files["model.xml"].decode()
     assert old in text

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 from mjcompose.mujoco import environments, programs
-from mjcompose.mujoco.environments import Compiled, Other, open_python
+from mjcompose.mujoco.environments import CompiledByVersion, Other, open_python
 from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.changes import ORDERED, TABLE, between
@@ -188,7 +188,7 @@ def test_the_compiled_model_is_the_same(
     monkeypatch.setattr("mjcompose.mujoco.environments._run", kept)
     folders = [tmp_path / name for name in ("with", "without")]
     outcomes = []
-    known: dict[str, Compiled] = {}
+    known: dict[str, CompiledByVersion] = {}
     for folder, adopt in zip(folders, ((), (feature.change,)), strict=True):
         folder.mkdir()
         prover = Prover(folder, others, lambda words: None, known)

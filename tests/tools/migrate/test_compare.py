@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mjcompose.mujoco.environments import Other, open_python, this_python
 from mjcompose.mujoco.programs import ProgramError
-from mjcompose.tools.migrate.compare import Outcome, compare
+from mjcompose.tools.migrate.compare import ArrayComparison, compare
 from mjcompose.tools.migrate.migrate import installed
 
 MODEL = """\
@@ -20,7 +20,7 @@ MODEL = """\
 """
 
 
-def compared(one: str, two: str, folder: Path) -> Outcome:
+def compared(one: str, two: str, folder: Path) -> ArrayComparison:
     other = Other(this_python(), installed())
     found = []
     for name, text in (("one", one), ("two", two)):

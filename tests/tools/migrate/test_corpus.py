@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.sources.context import Context
-from mjcompose.tools.migrate.migrate import Wish, installed, run
+from mjcompose.tools.migrate.migrate import MigrateRequest, installed, run
 from tools.migrate.test_changes import mujoco
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
@@ -35,7 +35,7 @@ def test_it_is_the_same_robot(model: str, before: str | None, after: str | None,
         pytest.skip("the corpus does not have it")
     context = Context(environment={}, folder=tmp_path)
     python = mujoco(str(before or after)).python
-    result = run(Wish(str(path), before, after, pythons=(python,)), context, lambda words: None)
+    result = run(MigrateRequest(str(path), before, after, pythons=(python,)), context, lambda words: None)
     assert result is not None, context.sink.diagnostics
     assert result.proof.outcome is not None and result.proof.outcome.same, result.unexplained
     assert not result.proof.outcome or not result.proof.outcome.apart

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 from mjcompose.sources.context import Context
-from mjcompose.tools.migrate.editing import Editing, Markup, MarkupError, Pieces
+from mjcompose.tools.migrate.editing import Markup, MarkupError, Migration, Pieces
 from mjcompose.tools.migrate.migrate import _sources, read
 
 ARM = """\
@@ -74,18 +74,18 @@ TEXT = """\
 """
 
 
-def edited(text: str, folder: Path) -> tuple[Editing, Path]:
+def edited(text: str, folder: Path) -> tuple[Migration, Path]:
     model = folder / "model.xml"
     model.write_bytes(text.encode())
     context = Context(environment={}, folder=folder)
     unit = read(model, context)
     assert unit is not None
-    editing = Editing(unit, context.sink, "4.0.0", "4.0.0")
+    editing = Migration(unit, context.sink, "4.0.0", "4.0.0")
     editing.values["sources"] = _sources(unit, context)
     return editing, model
 
 
-def text_of(editing: Editing, model: Path) -> str:
+def text_of(editing: Migration, model: Path) -> str:
     sources = editing.values["sources"]
     assert isinstance(sources, dict)
     found = sources[model][0].rewritten(editing.renamed)

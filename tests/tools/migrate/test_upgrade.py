@@ -9,7 +9,7 @@ from mjcompose.mujoco.environments import TRIALS, Motion, Other, differences, ot
 from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate.migrate import installed
-from mjcompose.tools.migrate.upgrade import Request, upgrade
+from mjcompose.tools.migrate.upgrade import UpgradeRequest, upgrade
 from tools.migrate.test_changes import mujoco
 
 MODEL = """<mujoco model="m">
@@ -46,7 +46,7 @@ def test_a_key_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
 def test_the_same_version_moves_alike(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(MODEL)
     context = Context(environment={}, folder=tmp_path)
-    found = upgrade(Request("m.xml", installed(), None, seconds=0.1, tolerance=0), context, lambda _: None)
+    found = upgrade(UpgradeRequest("m.xml", installed(), None, seconds=0.1, tolerance=0), context, lambda _: None)
     assert found is not None and found.moved == found.diverged == ()
     assert found.trials == ("settle", "hold home", "step home", "drop home")
 
@@ -103,9 +103,9 @@ def test_a_model_that_diverges_or_is_rejected(tmp_path: Path) -> None:
 def test_faults_of_the_request(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(MODEL)
     for request in (
-        Request("m.xml", "2.3", None, seconds=1, tolerance=0),
-        Request("none.xml", "3.17", None, seconds=1, tolerance=0),
-        Request("m.xml", "3.17", None, seconds=1, tolerance=0, pythons=(tmp_path / "python",)),
+        UpgradeRequest("m.xml", "2.3", None, seconds=1, tolerance=0),
+        UpgradeRequest("none.xml", "3.17", None, seconds=1, tolerance=0),
+        UpgradeRequest("m.xml", "3.17", None, seconds=1, tolerance=0, pythons=(tmp_path / "python",)),
     ):
         context = Context(environment={}, folder=tmp_path)
         assert upgrade(request, context, lambda _: None) is None
@@ -119,7 +119,7 @@ def test_another_version_and_the_line_that_moves_the_box(tmp_path: Path) -> None
     (tmp_path / "m.xml").write_text(MODEL)
     python = mujoco("3.8.1").python
     context = Context(environment={}, folder=tmp_path)
-    request = Request("m.xml", "3.8.1", "4.0", seconds=1, tolerance=1e-3, pythons=(python,))
+    request = UpgradeRequest("m.xml", "3.8.1", "4.0", seconds=1, tolerance=1e-3, pythons=(python,))
     found = upgrade(request, context, lambda _: None)
     assert found is not None, context.sink.errors
     first = found.moved[0]
@@ -129,7 +129,7 @@ def test_another_version_and_the_line_that_moves_the_box(tmp_path: Path) -> None
     assert first.data()["causes"] == [{"change": "gap", "at": "m.xml:10:7", "edit": step.words}]
     both = MODEL.replace('size="1 1 1"', 'size="1 1 1" margin=".01"').replace(' gap=".015"', "")
     (tmp_path / "m.xml").write_text(both)
-    request = Request("m.xml", "3.4.0", "4.0", seconds=1, tolerance=1e-3, pythons=(mujoco("3.4.0").python,))
+    request = UpgradeRequest("m.xml", "3.4.0", "4.0", seconds=1, tolerance=1e-3, pythons=(mujoco("3.4.0").python,))
     found = upgrade(request, context, lambda _: None)
     assert found is not None and found.moved[0].steps == ()
     assert [each.change for each in found.moved[0].suspects] == ["margins"]

@@ -67,10 +67,10 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
 def test_is_the_model_that_a_build_writes(cell: Path, tmp_path: Path) -> None:
     from mjcompose.bundle.write import write
-    from mjcompose.pipeline.stages import Request, build
+    from mjcompose.pipeline.stages import ModelRequest, build
     from mjcompose.sources.context import Context
 
-    built = build(Request(cell), Context())
+    built = build(ModelRequest(cell), Context())
     assert built is not None
     write(built.bundle, tmp_path / "out", environment={})
     written = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))

@@ -12,14 +12,14 @@ from threading import Event
 
 import pytest
 from mjcompose.base.files import Mark
-from mjcompose.tools.view.builder import Watch, marks
+from mjcompose.tools.view.builder import FileWatch, marks
 
 
 @pytest.fixture(params=["watchfiles", "polling"])
-def watch(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Watch:
+def watch(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> FileWatch:
     if request.param == "polling":
         monkeypatch.setitem(sys.modules, "watchfiles", None)
-    found = Watch(Event())
+    found = FileWatch(Event())
     if found._watchfiles is None and request.param == "watchfiles":
         pytest.skip("watchfiles is not installed")
     return found
@@ -40,7 +40,7 @@ def _delete(file: Path) -> None:
 
 
 @contextmanager
-def waiting(watch: Watch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPatch) -> Iterator[Future[bool]]:
+def waiting(watch: FileWatch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPatch) -> Iterator[Future[bool]]:
     """The answer of a watch that has looked at the files and waits now."""
     waits = Event()
     sleep = watch._sleep
@@ -61,7 +61,7 @@ def waiting(watch: Watch, before: dict[Path, Mark], monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize("change", [_write, _rename, _delete])
 def test_a_change_is_noticed_however_it_is_saved(
-    watch: Watch, change: Callable[[Path], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    watch: FileWatch, change: Callable[[Path], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "file"
     file.write_text("as old")
@@ -70,14 +70,14 @@ def test_a_change_is_noticed_however_it_is_saved(
         assert answer.result(20)
 
 
-def test_a_file_that_appears_is_a_change(watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_appears_is_a_change(watch: FileWatch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with waiting(watch, marks([tmp_path / "folder" / "file"]), monkeypatch) as answer:
         (tmp_path / "folder").mkdir()
         (tmp_path / "folder" / "file").write_text("")
         assert answer.result(20)
 
 
-def test_waiting_ends_when_it_is_told_to(watch: Watch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_waiting_ends_when_it_is_told_to(watch: FileWatch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with waiting(watch, marks([tmp_path / "file"]), monkeypatch) as answer:
         watch.stop.set()
         assert not answer.result(20)

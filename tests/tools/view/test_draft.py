@@ -9,13 +9,13 @@ from random import Random
 import pytest
 from mjcompose.base.rotation import Pose, euler_of, normalize, quat_from_euler
 from mjcompose.plan.steps import AngleSettings
-from mjcompose.tools.view.draft import Draft, Offset, Refused, name_text, short
+from mjcompose.tools.view.draft import DraftRefused, PoseDraft, RecipeDraft, name_text, short
 
 FORMS = ("", "quat", "euler", "axisangle", "xyaxes", "zaxis")
 
 
-def _drafted(text: str) -> Draft:
-    return Draft.of("a.yaml", Path("a.yaml"), text.encode())
+def _drafted(text: str) -> RecipeDraft:
+    return RecipeDraft.of("a.yaml", Path("a.yaml"), text.encode())
 
 
 def _written(random: Random, form: str, angle: str | None) -> str:
@@ -60,12 +60,12 @@ def test_the_new_numbers_are_the_pose_and_the_rest_stays(form: str) -> None:
             quat = quat_from_euler([random.choice([0, math.pi / 2, -math.pi / 2, math.pi]) for _ in range(3)], sequence)
         pose = Pose(tuple(random.uniform(-2, 2) for _ in range(3)), quat)  # type: ignore[arg-type]
         try:
-            Offset(draft, ("attach", "part"), settings).move(pose)
+            PoseDraft(draft, ("attach", "part"), settings).move(pose)
             result = draft.result().decode()
-        except Refused as refused:  # a list over several lines cannot get another length
+        except DraftRefused as refused:  # a list over several lines cannot get another length
             assert form == "zaxis" and "over several lines" in str(refused)
             continue
-        found = Offset(_drafted(result), ("attach", "part"), settings)
+        found = PoseDraft(_drafted(result), ("attach", "part"), settings)
         assert math.dist(found.pose.pos, pose.pos) < 1e-5
         assert abs(sum(a * b for a, b in zip(found.pose.quat, pose.quat, strict=True))) > 1 - 1e-8, (text, result)
         if not form and pose.quat[0] ** 2 > 1 - 1e-9:
@@ -93,7 +93,7 @@ def test_angles_stay_near_those_that_are_written() -> None:
 
 def test_numbers_that_do_not_change_keep_their_text() -> None:
     draft = _drafted("recipe: 1\nattach: {a: {pos: [1e-1, 0.200, 3], euler: [90deg, 1.5708rad, 0]}}\n")
-    offset = Offset(draft, ("attach", "a"), AngleSettings(None))
+    offset = PoseDraft(draft, ("attach", "a"), AngleSettings(None))
     offset.move(Pose((0.1, 0.2, 4), offset.pose.quat))
     assert draft.result() == b"recipe: 1\nattach: {a: {pos: [1e-1, 0.200, 4], euler: [90deg, 1.5708rad, 0]}}\n"
 
@@ -101,12 +101,12 @@ def test_numbers_that_do_not_change_keep_their_text() -> None:
 def test_a_change_that_would_mean_something_else_is_refused() -> None:
     draft = _drafted("recipe: 1\nattach: {a: {pos: &p [0, 0, 1]}, b: {pos: *p}}\n")
     draft.numbers(("attach", "b", "pos"), ["0", "0", "2"])
-    with pytest.raises(Refused, match="without changing something else"):
+    with pytest.raises(DraftRefused, match="without changing something else"):
         draft.result()
     text = "recipe: 1\nattach:\n  a:\n    edit: |\n      x\n\n      y\n"
     block = _drafted(text)
     block.write(("attach", "a", "pos"), "[0, 0, 1]")
-    with pytest.raises(Refused):
+    with pytest.raises(DraftRefused):
         block.result()
 
 
@@ -114,7 +114,7 @@ def test_a_change_that_would_mean_something_else_is_refused() -> None:
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_line_ends_and_the_mark_of_a_file_stay(mark: bytes, end: str) -> None:
     raw = mark + f"recipe: 1{end}attach:{end}  a: {{pos: [0, 0, 1]}}{end}".encode()
-    draft = Draft.of("a.yaml", Path("a.yaml"), raw)
+    draft = RecipeDraft.of("a.yaml", Path("a.yaml"), raw)
     draft.numbers(("attach", "a", "pos"), ["0", "0", "2"])
     draft.write(("keyframe", "k"), {"qpos": {"j": "1"}})
     added = f"keyframe:{end}  k:{end}    qpos:{end}      j: 1{end}".encode()
@@ -131,5 +131,5 @@ def test_names_and_numbers_as_text() -> None:
     ]
     assert [short(each, 3) for each in (0.1, -1e-9, 2.0, 1234.5678)] == ["0.1", "0", "2", "1234.568"]
     for name in ("", "a\nb", "\x1b[2J", "\u202e"):
-        with pytest.raises(Refused):
+        with pytest.raises(DraftRefused):
             name_text(name)

@@ -19,8 +19,8 @@ from mjcompose.sources.context import Context
 from mjcompose.tools.view import live
 from mjcompose.tools.view.builder import Workshop
 from mjcompose.tools.view.live import Service, serve, started
-from mjcompose.tools.view.page import Asked
-from mjcompose.tools.view.server import Server
+from mjcompose.tools.view.page import ViewChoice
+from mjcompose.tools.view.server import PageServer
 
 MODEL = (
     '<mujoco><worldbody><body name="arm"><joint name="elbow"/><geom name="{}" size="0.1"/></body></worldbody></mujoco>'
@@ -38,7 +38,7 @@ variants: {size: {small: {}, large: {edit: [{select: {body: arm}, scale: {mass: 
 
 
 @pytest.fixture
-def server(tmp_path: Path) -> Iterator[Server]:
+def server(tmp_path: Path) -> Iterator[PageServer]:
     (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
     (tmp_path / "arm.yaml").write_text(RECIPE)
     with running("arm.yaml", tmp_path) as found:
@@ -46,10 +46,10 @@ def server(tmp_path: Path) -> Iterator[Server]:
 
 
 @contextmanager
-def running(target: str, folder: Path, key: str | None = None, opens: bool = False) -> Iterator[Server]:
+def running(target: str, folder: Path, key: str | None = None, opens: bool = False) -> Iterator[PageServer]:
     """A server of a target, which watches."""
     with Session() as session:
-        workshop = Workshop(target, Asked(), session, lambda: Context(folder=folder), words_of, key)
+        workshop = Workshop(target, ViewChoice(), session, lambda: Context(folder=folder), words_of, key)
         found = started(workshop, Service(), Context())
         assert found is not None
         stop = Event()
@@ -62,7 +62,7 @@ def running(target: str, folder: Path, key: str | None = None, opens: bool = Fal
             thread.join()
 
 
-def test_a_port_that_is_taken_is_a_line(server: Server) -> None:
+def test_a_port_that_is_taken_is_a_line(server: PageServer) -> None:
     context = Context()
     port = int(server.address.split(":")[2].split("/")[0])
     assert started(server.workshop, Service(port=port), context) is None
@@ -72,7 +72,7 @@ def test_a_port_that_is_taken_is_a_line(server: Server) -> None:
 
 @pytest.mark.slow
 def test_what_is_saved_is_shown_and_what_is_common_stays(
-    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+    server: PageServer, tmp_path: Path, open_page: Callable[..., Any]
 ) -> None:
     page = open_page(server.address)
     other = open_page(server.address)
@@ -109,7 +109,7 @@ def test_a_new_model_is_drawn_once_and_its_meshes_are_not_made_again(
 
 @pytest.mark.slow
 def test_a_fault_is_shown_above_the_last_good_model(
-    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+    server: PageServer, tmp_path: Path, open_page: Callable[..., Any]
 ) -> None:
     page = open_page(server.address)
     (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./arn.xml\n")
@@ -140,7 +140,7 @@ def test_the_first_build_may_fail_until_the_missing_file_is_there(
 
 @pytest.mark.slow
 def test_a_page_that_lost_the_server_for_a_while_goes_on(
-    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+    server: PageServer, tmp_path: Path, open_page: Callable[..., Any]
 ) -> None:
     page = open_page(server.address)
     server.hub.put(None)  # as after a sleep: no stream is left
@@ -156,7 +156,7 @@ def test_a_keyframe_that_does_not_exist_is_a_fault(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_menu_chooses_another_variant(server: Server, open_page: Callable[..., Any]) -> None:
+def test_a_menu_chooses_another_variant(server: PageServer, open_page: Callable[..., Any]) -> None:
     page = open_page(server.address)
     mass = "mjcompose.world.model.scene.body.mass[1]"
     before = page.evaluate(mass)
@@ -209,7 +209,7 @@ def test_a_page_that_others_can_reach_says_that_it_is_read_only(tmp_path: Path, 
     (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
     lines: list[str] = []
     with Session() as session:
-        workshop = Workshop("arm.xml", Asked(), session, lambda: Context(folder=tmp_path), words_of)
+        workshop = Workshop("arm.xml", ViewChoice(), session, lambda: Context(folder=tmp_path), words_of)
         found = started(workshop, Service(host), Context())
         assert found is not None
         stop = Event()

@@ -6,33 +6,33 @@ from pathlib import Path
 
 import pytest
 from mjcompose.bundle.bundle import OutputError
-from mjcompose.tools.view.render import TRANSPARENT, Format, Wish, color_of, format_of, size_of
+from mjcompose.tools.view.render import TRANSPARENT, Format, RenderRequest, color_of, format_of, size_of
 
 
 @pytest.mark.parametrize(
     ("name", "wish", "expected"),
     [
-        ("a.png", Wish(), Format.PNG),
-        ("a.PNG", Wish(), Format.PNG),
-        ("a.gif", Wish(turntable=True), Format.GIF),
-        ("a.mp4", Wish(play=2.0), Format.MP4),
+        ("a.png", RenderRequest(), Format.PNG),
+        ("a.PNG", RenderRequest(), Format.PNG),
+        ("a.gif", RenderRequest(turntable=True), Format.GIF),
+        ("a.mp4", RenderRequest(play=2.0), Format.MP4),
     ],
 )
-def test_the_suffix_says_the_form(name: str, wish: Wish, expected: Format) -> None:
+def test_the_suffix_says_the_form(name: str, wish: RenderRequest, expected: Format) -> None:
     assert format_of(Path(name), wish) is expected
 
 
 @pytest.mark.parametrize(
     ("name", "wish", "message", "help"),
     [
-        ("a.jpg", Wish(), "not a .png, .gif or .mp4", "-o a"),
-        ("a", Wish(), "not a .png, .gif or .mp4", "`-o a.png`"),
-        ("a.png", Wish(turntable=True), "one picture", "`-o a.gif`"),
-        ("a.gif", Wish(), "nothing moves", "--turntable"),
-        ("a.gif", Wish(play=1.0, background=TRANSPARENT), "transparent", "--background"),
+        ("a.jpg", RenderRequest(), "not a .png, .gif or .mp4", "-o a"),
+        ("a", RenderRequest(), "not a .png, .gif or .mp4", "`-o a.png`"),
+        ("a.png", RenderRequest(turntable=True), "one picture", "`-o a.gif`"),
+        ("a.gif", RenderRequest(), "nothing moves", "--turntable"),
+        ("a.gif", RenderRequest(play=1.0, background=TRANSPARENT), "transparent", "--background"),
     ],
 )
-def test_what_cannot_be_held_is_an_error(name: str, wish: Wish, message: str, help: str) -> None:
+def test_what_cannot_be_held_is_an_error(name: str, wish: RenderRequest, message: str, help: str) -> None:
     with pytest.raises(OutputError) as raised:
         format_of(Path(name), wish)
     assert message in raised.value.diagnostic.message

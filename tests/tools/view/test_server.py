@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from mjcompose.tools.view import server
-from mjcompose.tools.view.server import Guard, Hub, Server
+from mjcompose.tools.view.server import Guard, Hub, PageServer
 from tools.view.test_live import running
 
 GUARD = Guard("127.0.0.1", 8080, "secret")
@@ -88,7 +88,7 @@ SECRET = "only its owner may read this"
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PageServer]:
     folder = tmp_path_factory.mktemp("served")
     (folder / "m.obj").write_text(TETRAHEDRON)
     (folder / "model.xml").write_text(MODEL)
@@ -101,7 +101,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         yield found
 
 
-def raw(served: Server, sent: bytes) -> tuple[int, bytes]:
+def raw(served: PageServer, sent: bytes) -> tuple[int, bytes]:
     """The status of what a server answers to some bytes, and all of it."""
     with socket.create_connection(("127.0.0.1", served.guard.port), 5) as connection:
         connection.sendall(sent)
@@ -110,7 +110,7 @@ def raw(served: Server, sent: bytes) -> tuple[int, bytes]:
 
 
 def asked(
-    served: Server, target: bytes, *headers: str, method: str = "GET", body: bytes = b"", host: str | None = None
+    served: PageServer, target: bytes, *headers: str, method: str = "GET", body: bytes = b"", host: str | None = None
 ) -> tuple[int, bytes]:
     at = urlsplit(served.address)
     lines = [f"Host: {at.netloc if host is None else host}", "Connection: close", *headers]
@@ -120,15 +120,15 @@ def asked(
     return raw(served, head + body)
 
 
-def token(served: Server) -> bytes:
+def token(served: PageServer) -> bytes:
     return urlsplit(served.address).path.encode()
 
 
-def blob(served: Server) -> bytes:
+def blob(served: PageServer) -> bytes:
     return f"blob/{next(iter(served.workshop.shown.blobs))}".encode()
 
 
-ROUTES: list[Callable[[Server], bytes]] = [
+ROUTES: list[Callable[[PageServer], bytes]] = [
     lambda served: b"",
     lambda served: b"page.js",
     lambda served: b"page.css",
@@ -193,7 +193,7 @@ ESCAPES = [
 
 @pytest.mark.parametrize("route", ROUTES, ids=["page", "js", "css", "model", "blob"])
 def test_every_route_answers_its_own_name_and_no_way_out_of_it(
-    served: Server, route: Callable[[Server], bytes]
+    served: PageServer, route: Callable[[PageServer], bytes]
 ) -> None:
     file = (Path(served.workshop._open().folder) / "secret.txt").as_posix()
     own = token(served) + route(served)
@@ -214,12 +214,12 @@ def test_every_route_answers_its_own_name_and_no_way_out_of_it(
 @pytest.mark.parametrize(
     "before", ["/", "//", "/.", "/x/..", "/%2e", "\\", "http://{host}", "http://evil.example", "%2f", "*", "."]
 )
-def test_the_token_stands_at_the_beginning(served: Server, before: str) -> None:
+def test_the_token_stands_at_the_beginning(served: PageServer, before: str) -> None:
     own = before.format(host=urlsplit(served.address).netloc).encode() + token(served)
     assert {asked(served, own + name)[0] for name in (b"", b"page.js", b"../page.js")} == {403}
 
 
-def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
+def test_lines_that_are_no_request_are_forbidden(served: PageServer) -> None:
     own = token(served)
     for sent in (
         b"GET " + own + b"\r\n\r\n",
@@ -252,7 +252,7 @@ def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
         assert asked(served, own, method=method)[0] == 403
 
 
-def test_who_asks_has_one_name_and_comes_from_one_place(served: Server) -> None:
+def test_who_asks_has_one_name_and_comes_from_one_place(served: PageServer) -> None:
     own = token(served)
     host = urlsplit(served.address).netloc
     assert asked(served, own, f"Origin: http://{host}")[0] == 200
@@ -301,11 +301,11 @@ PLAY = {"playing": False, "qpos": [], "ctrl": [], "key": -1}
         ("model/0", "{}", 404),
     ],
 )
-def test_what_a_page_wants_is_in_a_table_too(served: Server, key: str, body: str, expected: int) -> None:
+def test_what_a_page_wants_is_in_a_table_too(served: PageServer, key: str, body: str, expected: int) -> None:
     assert asked(served, token(served) + key.encode(), method="POST", body=body.encode())[0] == expected
 
 
-def test_a_body_has_one_length_and_is_json(served: Server) -> None:
+def test_a_body_has_one_length_and_is_json(served: PageServer) -> None:
     own = token(served) + b"shown"
     kind = "Content-Type: application/json"
     for headers in (
@@ -324,7 +324,7 @@ def test_a_body_has_one_length_and_is_json(served: Server) -> None:
         assert asked(served, own, *headers, method="POST")[0] == 400, headers
 
 
-def test_what_is_late_gets_the_newest_model_and_no_other(served: Server) -> None:
+def test_what_is_late_gets_the_newest_model_and_no_other(served: PageServer) -> None:
     own = token(served)
     assert asked(served, own + b"model/0")[0] == 200
     for name in (
@@ -346,7 +346,7 @@ def test_what_is_late_gets_the_newest_model_and_no_other(served: Server) -> None
 @pytest.mark.parametrize("error", [RecursionError, MemoryError, OSError, UnicodeError, KeyError])
 @pytest.mark.parametrize("inner", [(hmac, "compare_digest"), (server, "ip_address"), (server, "_bracketed")])
 def test_a_guard_that_fails_refuses(
-    served: Server, error: type[Exception], inner: tuple[object, str], monkeypatch: pytest.MonkeyPatch
+    served: PageServer, error: type[Exception], inner: tuple[object, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fails(*arguments: object) -> bool:
         raise error
@@ -361,7 +361,7 @@ def test_a_guard_that_fails_refuses(
         assert raw(served, f"GET /{own.token}/ HTTP/1.1\r\nHost: {at.netloc}\r\n\r\n".encode())[0] == 403
 
 
-def test_four_hundred_slow_clients_keep_nobody_away(served: Server) -> None:
+def test_four_hundred_slow_clients_keep_nobody_away(served: PageServer) -> None:
     before = threading.active_count()
     with ExitStack() as opened:
         slow = []
@@ -390,7 +390,7 @@ def test_four_hundred_slow_clients_keep_nobody_away(served: Server) -> None:
     ],
 )
 def test_nobody_is_waited_for_long_however_slowly_it_comes(
-    served: Server, sent: bytes, monkeypatch: pytest.MonkeyPatch
+    served: PageServer, sent: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(server, "_SECONDS_TO_ASK", 0.5)
     at = urlsplit(served.address)
@@ -409,7 +409,7 @@ def test_nobody_is_waited_for_long_however_slowly_it_comes(
     assert time.monotonic() - begun < 2
 
 
-def test_an_answer_that_nobody_reads_ends(served: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_that_nobody_reads_ends(served: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "_SECONDS_TO_READ", 0.3)
     monkeypatch.setitem(served.workshop.shown.blobs, "large", bytes(60_000_000))
     at = urlsplit(served.address)
@@ -436,7 +436,7 @@ def test_there_are_only_so_many_pages() -> None:
     assert hub.join() is not None
 
 
-def test_the_table_is_read_once(served: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_table_is_read_once(served: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "BUILT", Path("nowhere"))
     assert {asked(served, token(served) + name)[0] for name in (b"page.js", b"page.css")} == {200}
 
@@ -444,11 +444,11 @@ def test_the_table_is_read_once(served: Server, monkeypatch: pytest.MonkeyPatch)
 CHANGE = b'{"kind": "undo"}'
 
 
-def _origin(served: Server) -> str:
+def _origin(served: PageServer) -> str:
     return f"Origin: http://{urlsplit(served.address).netloc}"
 
 
-def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> None:
+def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: PageServer) -> None:
     """Without a browser nothing says where a request comes from, so it has to say it itself."""
     own = token(served) + b"change"
     origin = _origin(served)
@@ -490,12 +490,12 @@ def test_a_recipe_is_changed_only_by_a_page_of_this_server(served: Server) -> No
         '{"kind": "attach", "version": 0}',
     ],
 )
-def test_a_change_that_is_none_is_a_bad_request_or_refused(served: Server, body: str) -> None:
+def test_a_change_that_is_none_is_a_bad_request_or_refused(served: PageServer, body: str) -> None:
     status, said = asked(served, token(served) + b"change", _origin(served), method="POST", body=body.encode())
     assert status == 400 or (status == 200 and b"refused" in said), said
 
 
-def test_a_change_has_a_size(served: Server) -> None:
+def test_a_change_has_a_size(served: PageServer) -> None:
     headers = [_origin(served), "Content-Type: application/json", f"Content-Length: {2 << 20}"]
     assert asked(served, token(served) + b"change", *headers, method="POST")[0] == 400
 

@@ -14,7 +14,7 @@ from mjcompose.cli.reporting import words_of
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.view.builder import Workshop
-from mjcompose.tools.view.page import Asked
+from mjcompose.tools.view.page import ViewChoice
 from mjcompose.tools.view.writing import Writer
 
 ARM = """<mujoco><worldbody><body name="link" pos="0 0 0.1" euler="0 20 0"><joint name="hinge"/>
@@ -39,7 +39,7 @@ class Page:
             (folder / name).write_text(text)
         self.file = folder / "cell.yaml"
         self.file.write_text(recipe)
-        self.workshop = Workshop("cell.yaml", Asked(), session, lambda: Context(folder=folder), words_of)
+        self.workshop = Workshop("cell.yaml", ViewChoice(), session, lambda: Context(folder=folder), words_of)
         self.workshop.writes = True
         self.writer = Writer(self.workshop)
         self.load()
@@ -405,7 +405,7 @@ def test_an_editor_gets_what_to_replace_in_its_own_text(tmp_path: Path, session:
 
 def test_a_model_that_is_no_recipe_says_what_to_write(tmp_path: Path, session: Session) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
-    workshop = Workshop("arm.xml", Asked(), session, lambda: Context(folder=tmp_path), words_of)
+    workshop = Workshop("arm.xml", ViewChoice(), session, lambda: Context(folder=tmp_path), words_of)
     workshop.writes = True
     assert "base: ./MODEL.xml" in json.loads(workshop.build().text)["move"]["why"]
     workshop.writes = False
@@ -435,7 +435,7 @@ def test_a_page_that_is_a_build_behind_means_its_own_lines(tmp_path: Path, sessi
 
 def test_a_urdf_and_a_bundle_are_not_recipes(tmp_path: Path, session: Session) -> None:
     (tmp_path / "robot.urdf").write_text('<robot name="r"><link name="base"/></robot>')
-    workshop = Workshop("robot.urdf", Asked(), session, lambda: Context(folder=tmp_path), words_of)
+    workshop = Workshop("robot.urdf", ViewChoice(), session, lambda: Context(folder=tmp_path), words_of)
     workshop.writes = True
     assert "base: ./MODEL.xml" in json.loads(workshop.build().text)["move"]["why"]
 

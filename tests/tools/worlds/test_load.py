@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from mjcompose.bundle.staging import manifest_beside, with_version
 from mjcompose.bundle.write import write
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds import load as module
 from mjcompose.tools.worlds.load import Loaded, _compiled
@@ -49,7 +49,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("load")
     (folder / "arm.xml").write_text(MODEL.format(name="arm"))
     (folder / "cell.yaml").write_text(RECIPE)
-    built = build(Request(folder / "cell.yaml"), Context(folder=folder))
+    built = build(ModelRequest(folder / "cell.yaml"), Context(folder=folder))
     assert built is not None
     for name in ("cell/", "cell.zip", "cell.mjz", "cell.mjb"):
         write(built.bundle, f"{folder}/{name}", environment={})

@@ -6,7 +6,14 @@ import pytest
 from mjcompose.bundle.manifest import index_of
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.index import index as compiled_index
-from mjcompose.tools.worlds.names import UNLIMITED, Entry, Index as LoadingIndex, Numbers, UnknownNameError, Vector
+from mjcompose.tools.worlds.names import (
+    UNLIMITED,
+    Index as LoadingIndex,
+    Numbers,
+    UnknownNameError,
+    Vector,
+    VectorEntry,
+)
 
 MODEL = """<mujoco>
   <compiler angle="radian"/>
@@ -89,11 +96,11 @@ VECTOR = Vector(
     "qpos",
     "joint",
     [
-        Entry("left/a", 0, ("rad",), ((-1, 1),), "l", "arm.xml:3"),
-        Entry("left/a/b", 1, ("m",), ((0, 2),), "l"),
-        Entry("", 2, ("quaternion",) * 4, (UNLIMITED,) * 4, "ball"),
-        Entry("right/a", 6, ("rad",), (UNLIMITED,), "r"),
-        Entry("odd*", 7, (), ()),
+        VectorEntry("left/a", 0, ("rad",), ((-1, 1),), "l", "arm.xml:3"),
+        VectorEntry("left/a/b", 1, ("m",), ((0, 2),), "l"),
+        VectorEntry("", 2, ("quaternion",) * 4, (UNLIMITED,) * 4, "ball"),
+        VectorEntry("right/a", 6, ("rad",), (UNLIMITED,), "r"),
+        VectorEntry("odd*", 7, (), ()),
     ],
     "/",
 )

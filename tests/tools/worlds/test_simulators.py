@@ -8,7 +8,7 @@ from typing import Any
 import mjcompose
 import mujoco
 import pytest
-from mjcompose.bundle.manifest import Sensor
+from mjcompose.bundle.manifest import IndexedSensor
 from mjcompose.tools.worlds.simulators import Simulator, check_fixed_poses
 from mjcompose.tools.worlds.worlds import Worlds
 from tools.worlds.studies import TENDON, arm, made, refused
@@ -53,7 +53,7 @@ def test_where_a_sensor_is_written() -> None:
     text = TENDON.replace("</mujoco>", '<sensor><e_kinetic name="heat"/></sensor></mujoco>')
     study = made(mujoco.MjModel.from_xml_string(text), body_mass=(1, [1.0, 2.0]))
     assert study.manifest.index is not None
-    sensor = Sensor(name="heat", type="e_kinetic", address=0, size=1, origin="rope.xml:7")
+    sensor = IndexedSensor(name="heat", type="e_kinetic", address=0, size=1, origin="rope.xml:7")
     index = study.manifest.index.model_copy(update={"sensors": (sensor,)})
     with pytest.raises(mjcompose.LoadError) as caught:
         taken(replace(study, manifest=study.manifest.model_copy(update={"index": index})))

@@ -19,7 +19,7 @@ from mjcompose import worlds
 from mjcompose.base.report import MjcomposeError
 from mjcompose.bundle.staging import write_folder
 from mjcompose.cli.main import main
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
 from tools.worlds.studies import differing
 
@@ -86,7 +86,7 @@ def recipe(folder: Path, fields: list[str] = FIELDS, samples: int = SAMPLES, mod
 
 def built(path: Path, sample: int | None = None, verified: bool = True) -> tuple[Built | None, Context]:
     context = Context(folder=path.parent, environment={})
-    request = Request(path, sample=sample or 0, verified=verified, worlds=sample is None)
+    request = ModelRequest(path, sample=sample or 0, verified=verified, worlds=sample is None)
     return build(request, context), context
 
 

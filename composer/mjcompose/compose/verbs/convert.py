@@ -12,7 +12,7 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
 from mjcompose.compose.editing import Editing, is_limited_by_range
 from mjcompose.compose.elements import pose_number
-from mjcompose.compose.values import UnusableValue, Values, report_unusable
+from mjcompose.compose.values import EntryValues, UnusableValue, report_unusable
 from mjcompose.compose.verbs.values import Entry
 from mjcompose.language.value import read_value
 from mjcompose.language.verbs.convert import FROM, Convert
@@ -90,7 +90,7 @@ def _given(
 ) -> dict[str, str]:
     """Return the attributes of the entry as text; the gear converts values that a recipe gives for the joint."""
     kind = GRAMMAR.element(f"actuator/{to}")
-    values = Values(editing, node, index, at=at)
+    values = EntryValues(editing, node, index, at=at)
     gear = _new_gear(values, written, model, at=at)
     found: dict[str, str] = {}
     for name, item in written.items():
@@ -146,7 +146,7 @@ _ROUNDING = 1e-6
 _OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
 
 
-def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> float:
+def _new_gear(values: EntryValues, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> float:
     """Return the gear of the new actuator, which the entry may give; 1 if none moves a joint along one axis."""
     if (given := written.get("gear")) is None or not model.gear:
         return model.gear or 1.0
@@ -155,7 +155,7 @@ def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, 
     return float(first) if isinstance(first, int | float) and first else 1.0
 
 
-def _check_axes(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> None:
+def _check_axes(values: EntryValues, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> None:
     """Report a number for an actuator that acts along or about an axis with a gear that is not of length 1."""
     axes = values.of(written["gear"], (*at[:-1], "gear")) if "gear" in written and model.axes else model.axes
     axes = axes if isinstance(axes, list | tuple) else (axes,)

@@ -12,7 +12,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.compose.editing import Editing, is_limited_by_range
 from mjcompose.compose.values import UnusableValue, report_unusable
-from mjcompose.compose.verbs.values import SET, Change, Entry
+from mjcompose.compose.verbs.values import SET, Entry, ValueChange
 from mjcompose.language.datasheets import SHEETS, Sheet, library
 from mjcompose.language.verbs.datasheet import Datasheet
 from mjcompose.link import numbers
@@ -39,7 +39,7 @@ def carry_out(verb: Datasheet, entry: Entry, at: Path) -> None:
     for index, node in enumerate(entry.found):
         joint, gear = _joint(editing, node, at)
         _without_other(editing, node, at)
-        change = Change(editing, SET, entry.masses)
+        change = ValueChange(editing, SET, entry.masses)
         change.carry_out(joint, index, of_joint, at=at)
         drive = _Drive(editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=verb, at=at)
         change.carry_out(node, index, drive.values(), at=at)

@@ -6,8 +6,8 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.compose.editing import Editing
-from mjcompose.compose.values import UnusableValue, Values, report_unusable
-from mjcompose.compose.verbs.values import SET, Change, Entry
+from mjcompose.compose.values import EntryValues, UnusableValue, report_unusable
+from mjcompose.compose.verbs.values import SET, Entry, ValueChange
 from mjcompose.language.placing import Frame
 from mjcompose.language.verbs.move import Move
 from mjcompose.link.key_layout import JOINTS
@@ -23,7 +23,7 @@ def carry_out(verb: Move, entry: Entry, at: Path) -> None:
     for index, node in enumerate(entry.found):
         _move(entry.editing, node, index, to=verb.to, at=at)
         if verb.pose:
-            Change(entry.editing, SET, entry.masses).carry_out(node, index, verb.pose, at=at)
+            ValueChange(entry.editing, SET, entry.masses).carry_out(node, index, verb.pose, at=at)
 
 
 def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> None:
@@ -56,7 +56,7 @@ def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path)
         kind = "frame"
         written = to.frame
         at = (*at, "frame")
-    name = str(Values(editing, node, index, at=at).of(written, at))
+    name = str(EntryValues(editing, node, index, at=at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
     if (found := editing.names.find(kind, name)) is None:

@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.naming import odd_character
 from mjcompose.compose.editing import Editing
-from mjcompose.compose.values import UnusableValue, Values
+from mjcompose.compose.values import EntryValues, UnusableValue
 from mjcompose.compose.verbs.values import Entry
 from mjcompose.language.verbs.rename import Rename
 from mjcompose.text.node import locate
@@ -83,7 +83,7 @@ def _naming(node: Node) -> Attribute:
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
-    values = Values(editing, node, index, at=at)
+    values = EntryValues(editing, node, index, at=at)
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":
@@ -164,7 +164,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     """Return advice on how to distinguish two elements that would get the same name."""
-    one, two = (Values(editing, each, 0, at=at) for each in (node, other))
+    one, two = (EntryValues(editing, each, 0, at=at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.called[name] != two.called[name]]
     differ += [
         name

@@ -14,10 +14,18 @@ from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.compose.checks import check_angles_of_targets, check_class_angles, refer_to_top_class
 from mjcompose.compose.editing import Editing, take_files
 from mjcompose.compose.elements import settle_joints, turned, update_node
-from mjcompose.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
+from mjcompose.compose.values import POLYNOMIALS, EntryValues, Masses, UnusableValue, report_unusable
 from mjcompose.language.assign import MASS
 from mjcompose.language.select import unknown_attribute
-from mjcompose.language.value import Element, Value, attribute_and_index, bare_angle, is_angular, no_angle, read_value
+from mjcompose.language.value import (
+    RecipeElement,
+    Value,
+    attribute_and_index,
+    bare_angle,
+    is_angular,
+    no_angle,
+    read_value,
+)
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
@@ -66,7 +74,7 @@ OPERATIONS = {each.verb: each for each in (SET, SCALE, OFFSET)}
 
 
 def compute(
-    values: Values, operation: Operation, attribute: Attribute, subscript: int | None, written: Any, at: Path
+    values: EntryValues, operation: Operation, attribute: Attribute, subscript: int | None, written: Any, at: Path
 ) -> None:
     """Replace each number by the result of the operation; a subscript selects one number."""
     editing = values.editing
@@ -104,7 +112,7 @@ def compute(
 
 
 def _present(
-    values: Values, operation: Operation, attribute: Attribute, subscript: int | None, at: Path
+    values: EntryValues, operation: Operation, attribute: Attribute, subscript: int | None, at: Path
 ) -> list[float]:
     """Return the effective numbers of the attribute, in the model's units. Report missing numbers."""
     editing = values.editing
@@ -123,7 +131,7 @@ def _present(
     return now
 
 
-def _without_defaults(values: Values, attribute: Attribute, found: list[float]) -> list[float]:
+def _without_defaults(values: EntryValues, attribute: Attribute, found: list[float]) -> list[float]:
     """Return the numbers without trailing MuJoCo defaults, since an older MuJoCo may accept fewer numbers."""
     node = values.node
     steps = levels(node, kind_of(node), attribute, classes=values.editing.classes)
@@ -135,7 +143,9 @@ def _without_defaults(values: Values, attribute: Attribute, found: list[float]) 
     return found
 
 
-def _number(values: Values, operation: Operation, item: Any, attribute: Attribute, is_angle: bool, at: Path) -> float:
+def _number(
+    values: EntryValues, operation: Operation, item: Any, attribute: Attribute, is_angle: bool, at: Path
+) -> float:
     """Return the written number. An angle is in the model's unit, unless it is a factor."""
     editing = values.editing
     node = values.node
@@ -164,7 +174,7 @@ def _number(values: Values, operation: Operation, item: Any, attribute: Attribut
     return given.in_unit(unit) if isinstance(given, Angle) else float(given)
 
 
-def _check_sequence(values: Values, at: Path) -> None:
+def _check_sequence(values: EntryValues, at: Path) -> None:
     editing = values.editing
     node = values.node
     making = editing.making
@@ -174,7 +184,7 @@ def _check_sequence(values: Values, at: Path) -> None:
         report_unusable(editing, node, Fault("not-supported", message, at, help="set the whole orientation"))
 
 
-def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> None:
+def set_whole(values: EntryValues, attribute: Attribute, written: Any, at: Path) -> None:
     """Write the value onto the element, convert units and files, and check that references exist."""
     editing = values.editing
     node = values.node
@@ -182,7 +192,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
     check_without_ends(values, attribute, at)
     if written is not None:
         editing.note_value(node, attribute.name, at)
-    element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
+    element = RecipeElement(str(node.tag), {attribute.name: read}, at=at[:-1])
     making = editing.making
     making.made[node] = element
     with editing.writing(node, attribute):
@@ -199,7 +209,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
         _check_references(values, attribute, at)
 
 
-def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value:
+def _read(values: EntryValues, attribute: Attribute, written: Any, at: Path) -> Value:
     """Return the written value in the form that the attribute takes. Report its first fault."""
     editing = values.editing
     node = values.node
@@ -216,7 +226,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
     return read
 
 
-def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Path) -> None:
+def check_units(values: EntryValues, wanted: str, written: Mapping[str, Any], at: Path) -> None:
     """Report unwritten numbers of a joint that its new type, `wanted`, turns from lengths into angles or back."""
     editing = values.editing
     joint = values.node
@@ -235,7 +245,7 @@ def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Pat
         )
 
 
-def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
+def check_without_ends(values: EntryValues, attribute: Attribute, at: Path) -> None:
     """Report a part of the pose that has no effect because `fromto` determines the element's pose."""
     if attribute.name not in ("pos", *ORIENTATIONS):
         return
@@ -248,7 +258,7 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
         report_unusable(editing, node, Fault("wrong-type", message, at, help="set `fromto` instead"))
 
 
-def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
+def _check_references(values: EntryValues, attribute: Attribute, at: Path) -> None:
     editing = values.editing
     node = values.node
     if attribute.refers == "default" and node.get(attribute.name) == MAIN:
@@ -264,12 +274,12 @@ def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
 
 
 def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], at: Path) -> None:
-    change = Change(entry.editing, operation, entry.masses)
+    change = ValueChange(entry.editing, operation, entry.masses)
     for index, node in enumerate(entry.found):
         change.carry_out(node, index, written, at=at)
 
 
-class Change(Struct):
+class ValueChange(Struct):
     editing: Editing
     operation: Operation
     masses: Masses
@@ -277,7 +287,7 @@ class Change(Struct):
     def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
         """Write the values onto an element, which has the `index` among the selected elements."""
         kind = kind_of(node)
-        values = Values(self.editing, node, index, at=at)
+        values = EntryValues(self.editing, node, index, at=at)
         for key, item in written.items():
             path = (*at, key)
             if isinstance(item, dict):
@@ -310,7 +320,7 @@ class Change(Struct):
             editing.linking.base.forget_classes()
         self.carry_out(child, index, written, at=at)
 
-    def _mass(self, values: Values, written: Any, at: Path) -> None:
+    def _mass(self, values: EntryValues, written: Any, at: Path) -> None:
         """Change the mass of a body. Its present mass is measured only if something needs it."""
         node = values.node
         needed = not self.operation.is_factor or (isinstance(written, str) and "value" in written)

@@ -23,7 +23,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.suggest import closest
 from mjcompose.tree.pattern import Selector
 
@@ -248,7 +248,7 @@ class Rows:
 
     is_rows = True
 
-    def __init__(self, table: Callable[[], Table[Any]], *, selects: str | None = None) -> None:
+    def __init__(self, table: Callable[[], ExtensionTable[Any]], *, selects: str | None = None) -> None:
         self.table = table
         self.selects = selects
 

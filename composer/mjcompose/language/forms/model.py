@@ -71,7 +71,7 @@ class Model(BaseModel):
         defer_build=True,
         hide_input_in_errors=True,
     )
-    rules: ClassVar[tuple[Rule, ...]] = ()
+    rules: ClassVar[tuple[KeyRule, ...]] = ()
     short: ClassVar[str | None] = None
     short_type: ClassVar[type | tuple[type, ...]] = str
     example: ClassVar[str] = ""
@@ -218,7 +218,7 @@ def _tables(model: type[Model]) -> list[tuple[str, Rows]]:
     return [(str(info.alias), rows) for info in hidden if (rows := rows_of(info)) is not None]
 
 
-class Rule(Protocol):
+class KeyRule(Protocol):
     """A condition on the keys of a mapping. If a rule that is `alone` is broken, no other fault is reported."""
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:

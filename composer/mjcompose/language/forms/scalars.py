@@ -57,7 +57,7 @@ class Expects(Struct):
         return found
 
 
-class Unit(Struct):
+class NumberUnit(Struct):
     """The unit that a number is in: `kg`, `m`, `s`, `kg/m³`. It is never written; `90deg` is a `Measure`."""
 
     name: str
@@ -349,7 +349,7 @@ class Hints:
         self.elsewhere = elsewhere
 
 
-class Attribute(ByGrammar):
+class AttributeValue(ByGrammar):
     """The value of an attribute of an element, by the path of the element in the grammar.
 
     With `computed`, `${…}` is computed for each element, and a value that has it stays as it is written. Otherwise the

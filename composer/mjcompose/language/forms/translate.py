@@ -16,7 +16,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.forms.context import Lazy, Rows
 from mjcompose.language.forms.model import IT, KEY, OWNER, Model, fields_of, is_hidden, is_whole, rest_of, rows_of
-from mjcompose.language.forms.scalars import Expects, Hints, Name, Unit
+from mjcompose.language.forms.scalars import Expects, Hints, Name, NumberUnit
 from mjcompose.language.value import kind_of, shown, without_space, without_unit
 from mjcompose.text.node import Node, Scalar, find, locate
 
@@ -321,7 +321,7 @@ def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault
 
 def _missing(place: Spot) -> Fault:
     assert place.model is not None
-    unit = place.marked(Unit)
+    unit = place.marked(NumberUnit)
     help = f"write `{place.key}: {_example(place) or '…'}`" + (f", in {unit.name}" if unit else "")
     message = f"{_subject(place)} lacks `{place.key}`"
     return Fault("missing-key", message, place.above, key=True, help=help, lacks=place.key)
@@ -418,7 +418,7 @@ def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:
             key = f"{place.at[-1]}: " if place.at and isinstance(place.at[-1], str) else ""
             return f"write `{key}{example}`", None
         return None, None
-    unit = place.marked(Unit)
+    unit = place.marked(NumberUnit)
     if isinstance(value, str) and place.kind in (float, int) and (unit.name if unit else None) in _PLAIN_UNITS:
         advice = without_unit(value)
         return (advice.help, advice.fix) if advice is not None else (None, None)

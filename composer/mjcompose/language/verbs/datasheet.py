@@ -9,7 +9,7 @@ from pydantic import Field
 from mjcompose.language.assign import Changed
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.model import Exclusive
-from mjcompose.language.forms.scalars import Name, NotNegative, Positive, Unit
+from mjcompose.language.forms.scalars import Name, NotNegative, NumberUnit, Positive
 
 _CHANGED = (
     *(("actuator", name) for name in "kp kv dampratio forcerange forcelimited delay nsample".split()),
@@ -32,13 +32,13 @@ class Datasheet(Verb):
 
     model: Annotated[str, Name("datasheet", what="the name of a data sheet")] = Field(examples=["NAME"])
     """a data sheet of the section `datasheets`, or one that comes with mjcompose"""
-    bandwidth: Annotated[Positive, Unit("Hz")] | None = None
+    bandwidth: Annotated[Positive, NumberUnit("Hz")] | None = None
     """the bandwidth, in Hz: `kp` and `kv` follow from this and from the inertia at the output"""
-    error: Annotated[Positive, Unit("rad")] | None = None
+    error: Annotated[Positive, NumberUnit("rad")] | None = None
     """the error in rad at which the motor gives its greatest torque, instead of `bandwidth`"""
     damping_ratio: NotNegative | None = None
     """the damping ratio, with `bandwidth`; by default 1"""
-    inertia: Annotated[NotNegative, Unit("kg·m²")] | None = None
+    inertia: Annotated[NotNegative, NumberUnit("kg·m²")] | None = None
     """the inertia of the load, without the armature, in kg·m², with `bandwidth`"""
     effort: Literal["peak", "rated"] = "peak"
     """its peak or its rated torque"""

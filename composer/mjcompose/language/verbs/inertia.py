@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mjcompose.language.assign import Changed
 from mjcompose.language.edit import For, Verb, listed
-from mjcompose.language.forms.scalars import Positive, Unit, Whole
+from mjcompose.language.forms.scalars import NumberUnit, Positive, Whole
 
 
 class Inertia(Verb):
@@ -19,7 +19,7 @@ class Inertia(Verb):
 
     source: Literal["mesh", "geoms"] = Field(alias="from", examples=["mesh"])
     """from the geoms that are meshes, or from all geoms of the body"""
-    density: Annotated[Positive, Unit("kg/m³")] = Field(examples=[1000])
+    density: Annotated[Positive, NumberUnit("kg/m³")] = Field(examples=[1000])
     """in kg/m³"""
     group: Whole | None = None
     """only from the geoms of this group"""

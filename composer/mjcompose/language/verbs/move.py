@@ -11,7 +11,7 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.language.edit import For, Verb, listed
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import Exclusive
-from mjcompose.language.forms.scalars import Attribute
+from mjcompose.language.forms.scalars import AttributeValue
 from mjcompose.language.placing import ORIENTATIONS, Frame, Place
 from mjcompose.language.select import kinds_of, unknown_attribute
 from mjcompose.tree.grammar import GRAMMAR
@@ -28,17 +28,17 @@ class Move(Verb):
 
     to: Place = Field(examples=["NAME"])
     """a body, `world`, or `{frame: NAME}`"""
-    pos: Annotated[Any, Attribute("frame", "pos", computed=True)] = None
+    pos: Annotated[Any, AttributeValue("frame", "pos", computed=True)] = None
     """`pos` in the frame of the new parent"""
-    quat: Annotated[Any, Attribute("frame", "quat", computed=True)] = None
+    quat: Annotated[Any, AttributeValue("frame", "quat", computed=True)] = None
     """`quat` in the frame of the new parent"""
-    euler: Annotated[Any, Attribute("frame", "euler", computed=True)] = None
+    euler: Annotated[Any, AttributeValue("frame", "euler", computed=True)] = None
     """`euler` in the frame of the new parent"""
-    axisangle: Annotated[Any, Attribute("frame", "axisangle", computed=True)] = None
+    axisangle: Annotated[Any, AttributeValue("frame", "axisangle", computed=True)] = None
     """`axisangle` in the frame of the new parent"""
-    xyaxes: Annotated[Any, Attribute("frame", "xyaxes", computed=True)] = None
+    xyaxes: Annotated[Any, AttributeValue("frame", "xyaxes", computed=True)] = None
     """`xyaxes` in the frame of the new parent"""
-    zaxis: Annotated[Any, Attribute("frame", "zaxis", computed=True)] = None
+    zaxis: Annotated[Any, AttributeValue("frame", "zaxis", computed=True)] = None
     """`zaxis` in the frame of the new parent"""
 
     @property

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mjcompose.base.diagnostic import Severity, log
 from mjcompose.base.files import STDIN
-from mjcompose.bundle.bundle import MANIFEST, Bundle, LicenseRow, Location, Outcome, license_rows
-from mjcompose.pipeline.cache.cache import LOST, Answer, Cache, Facts, KeptFile, KeptRecipe, Record
+from mjcompose.bundle.bundle import MANIFEST, Bundle, CheckOutcome, LicenseRow, Location, license_rows
+from mjcompose.pipeline.cache.cache import LOST, Cache, CacheAnswer, Facts, KeptFile, KeptRecipe, Record
 from mjcompose.pipeline.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.context import Context
@@ -193,7 +193,7 @@ class Maker:
         return self._key if cell is None else self._key.of_cell(cell, values or {})
 
     def recall(
-        self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
+        self, key: CacheKey | None, context: Context, outcomes: list[CheckOutcome] | None = None
     ) -> tuple[BuildResult | None, tuple[str, ...]]:
         """Return the model with its diagnostics and outcomes if the cache has it, or why it does not."""
         if self.cache is None or key is None:
@@ -216,14 +216,14 @@ class Maker:
         *,
         key: CacheKey | None = None,
         why: tuple[str, ...] = (),
-        outcomes: list[Outcome] | None = None,
+        outcomes: list[CheckOutcome] | None = None,
     ) -> BuildResult | None:
         """Plan the model, and build it unless the cache has the plan; report errors."""
         from mjcompose.pipeline import stages
 
         outcomes = [] if outcomes is None else outcomes
         options = self.options
-        request = stages.Request(
+        request = stages.ModelRequest(
             self.recipe,
             choice.given,
             choice.name,
@@ -292,7 +292,7 @@ class Maker:
         if self.form == "archive":
             self._ahead = BackgroundPacker(bundle, self._packed)
 
-    def _with_files(self, record: Record, answer: Answer | None) -> BuildResult | None:
+    def _with_files(self, record: Record, answer: CacheAnswer | None) -> BuildResult | None:
         """Return a stored model with the data that its output needs, or None if that is damaged."""
         assert self.cache is not None
         made = result_from_cache(record, tuple(each.path for each in answer.inputs) if answer else ())
@@ -318,7 +318,7 @@ class Maker:
         return key.of_plan(plan, cell, self.options.choices)
 
     def _recall_planned(
-        self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
+        self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[CheckOutcome]
     ) -> BuildResult | None:
         """Return a model that was built from another state of the recipe file, with the diagnostics of this state."""
         from mjcompose.pipeline.cache.inputs import hash_of_positions, may_move
@@ -364,7 +364,7 @@ class Maker:
     def _keep(
         self,
         result: BuildResult,
-        outcomes: Sequence[Outcome],
+        outcomes: Sequence[CheckOutcome],
         context: Context,
         cell: str | None,
         text: bytes | None = None,
@@ -431,7 +431,7 @@ def _warns(record: Record) -> bool:
     return any(each.severity is Severity.WARNING for each in record.diagnostics)
 
 
-def _report(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+def _report(record: Record, context: Context, outcomes: list[CheckOutcome] | None) -> None:
     log("`%s` is unchanged and comes from the cache", record.name)
     context.sink.extend(record.diagnostics)
     if outcomes is not None:

@@ -24,8 +24,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.bundle.bundle import LicenseRow, Location, Outcome, is_address
-from mjcompose.pipeline.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
+from mjcompose.bundle.bundle import CheckOutcome, LicenseRow, Location, is_address
+from mjcompose.pipeline.cache.cache_key import CacheKey, FileState, FileStates, differences, file_state, stamp_of
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.store import ENTRY, KINDS, Store
@@ -112,7 +112,7 @@ class Record(Facts, kw_only=True):
     files: tuple[KeptFile, ...]
     text: str | None
     diagnostics: tuple[Diagnostic, ...]
-    checks: tuple[Outcome, ...]
+    checks: tuple[CheckOutcome, ...]
     recipes: tuple[KeptRecipe, ...]
     places: str
     mentions_positions: bool = False
@@ -133,7 +133,9 @@ def from_json(text: bytes) -> Record:
     data["licenses"] = tuple(LicenseRow(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
-        Outcome(**{**each, "span": _place(each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))})
+        CheckOutcome(
+            **{**each, "span": _place(each["span"]), "diagnostics": tuple(map(_diagnostic, each["diagnostics"]))}
+        )
         for each in data["checks"]
     )
     data["cells_at"] = _span(data["cells_at"])
@@ -179,7 +181,7 @@ Package = tuple[str, str, str]
 """Name, version, and a file that exists only in this version."""
 
 
-class Answer(Struct):
+class CacheAnswer(Struct):
     """The name of a record, and its dependencies besides the key."""
 
     record: str
@@ -187,11 +189,11 @@ class Answer(Struct):
     packages: tuple[Package, ...]
 
 
-class Lookup(Struct):
+class CacheLookup(Struct):
     """A record and the answer that names it; or, in words, why there is none."""
 
     record: Record | None = None
-    answer: Answer | None = None
+    answer: CacheAnswer | None = None
     why: tuple[str, ...] = ()
 
 
@@ -200,12 +202,12 @@ class Cache(Struct, frozen=False):
 
     store: Store
     warn: Callable[[str], None]
-    files: Files = field(default_factory=Files)
+    files: FileStates = field(default_factory=FileStates)
     broken: bool = False
     grown: bool = False
     on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
 
-    def find(self, key: CacheKey) -> Lookup:
+    def find(self, key: CacheKey) -> CacheLookup:
         """Return the record for a key, or why there is none."""
         answers = self._answers(key.digest)
         for answer in answers:
@@ -216,25 +218,25 @@ class Cache(Struct, frozen=False):
             with contextlib.suppress(TypeError, ValueError, KeyError):
                 record = None if text is None else from_json(text)
             if record is None:
-                return Lookup(why=(LOST,))
+                return CacheLookup(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 # Move the answer to the front, with the current stamps of its files.
                 now = replace(answer, inputs=tuple(self.files.look(each.path) for each in answer.inputs))
                 if now != answers[0]:
                     self._write(key, [now, *(each for each in answers if each is not answer)])
             self._mark_used(answer)
-            return Lookup(record, answer)
+            return CacheLookup(record, answer)
         if answers:
-            return Lookup(why=tuple(self._changes(answers[0])))
+            return CacheLookup(why=tuple(self._changes(answers[0])))
         before = _read(self.store.folder, key.subject_digest)
         if not isinstance(before, dict):
-            return Lookup(why=("it was not built before, or its result was not kept",))
+            return CacheLookup(why=("it was not built before, or its result was not kept",))
         with contextlib.suppress(TypeError, AttributeError):
             if changes := differences(before, key.parts):
-                return Lookup(why=changes)
-        return Lookup(why=("nothing was kept of its last build",))
+                return CacheLookup(why=changes)
+        return CacheLookup(why=("nothing was kept of its last build",))
 
-    def _mark_used(self, answer: Answer) -> None:
+    def _mark_used(self, answer: CacheAnswer) -> None:
         own = os.path.join(self.store.folder, "")
         inside = (each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own))
         for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
@@ -245,7 +247,7 @@ class Cache(Struct, frozen=False):
         text = to_json(record)
         digest = key_of([text.decode()])
         self._put("built", digest, text)
-        answer = Answer(digest, tuple(inputs), tuple(packages))
+        answer = CacheAnswer(digest, tuple(inputs), tuple(packages))
         if self.on_keep is not None:
             self.on_keep(record, answer.inputs)
         self._write(key, [answer, *self._answers(key.digest)])
@@ -297,15 +299,15 @@ class Cache(Struct, frozen=False):
             with contextlib.suppress(Exception):  # another run will do it
                 self.store.prune(self.store.limit)
 
-    def _answers(self, key: str) -> list[Answer]:
+    def _answers(self, key: str) -> list[CacheAnswer]:
         with contextlib.suppress(TypeError, ValueError, KeyError):
             return [
-                Answer(each["record"], tuple(map(file_state, each["inputs"])), tuple(map(tuple, each["packages"])))
+                CacheAnswer(each["record"], tuple(map(file_state, each["inputs"])), tuple(map(tuple, each["packages"])))
                 for each in _read(self.store.folder, key) or ()
             ]
         return []
 
-    def _changes(self, answer: Answer) -> list[str]:
+    def _changes(self, answer: CacheAnswer) -> list[str]:
         changed = [each for each in answer.inputs if not self.files.is_same(each)]
         lines = [_change(each, self.files.look(each.path)) for each in changed]
         return lines + [
@@ -314,8 +316,8 @@ class Cache(Struct, frozen=False):
             if not os.path.isfile(file)
         ]
 
-    def _write(self, key: CacheKey, answers: Sequence[Answer]) -> None:
-        by_state: dict[tuple[str, ...], Answer] = {}
+    def _write(self, key: CacheKey, answers: Sequence[CacheAnswer]) -> None:
+        by_state: dict[tuple[str, ...], CacheAnswer] = {}
         for each in answers:
             by_state.setdefault(tuple(one.state for one in each.inputs), each)
         data = [

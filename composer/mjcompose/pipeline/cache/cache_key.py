@@ -109,7 +109,7 @@ def file_state(data: list[object]) -> FileState:
     return FileState(path, state, tuple(stamp) if isinstance(stamp, list) else None)
 
 
-class Files(Struct, frozen=False):
+class FileStates(Struct, frozen=False):
     """Looks at every file once until `forget`, and reads it again only if its stamp changed."""
 
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)

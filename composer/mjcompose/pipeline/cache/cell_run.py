@@ -15,7 +15,7 @@ from mjcompose.base.limits import Limits, allow, in_force
 from mjcompose.base.processes import Died, Pool, cores
 from mjcompose.base.runtime import interruptible
 from mjcompose.base.sink import Sink
-from mjcompose.bundle.bundle import Outcome
+from mjcompose.bundle.bundle import CheckOutcome
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.cache.builder import (
@@ -44,7 +44,7 @@ class CellResult(Struct):
     result: BuildResult | None
     failed: bool
     diagnostics: tuple[Diagnostic, ...]
-    outcomes: tuple[Outcome, ...] = ()
+    outcomes: tuple[CheckOutcome, ...] = ()
     files: frozenset[str] = frozenset()
     timings: tuple[tuple[str, float], ...] = ()
     of_run: tuple[Diagnostic, ...] = ()
@@ -72,7 +72,7 @@ class CellMaker(Struct, frozen=False):
         """Return the cell if the cache has it, or `builds` it."""
         own = replace(self.maker.context, sink=Sink(), timings=[])
         key = self._key(cell)
-        outcomes: list[Outcome] = []
+        outcomes: list[CheckOutcome] = []
         result, why = self.maker.recall(key, own, outcomes)
         if result is None:
             if not builds:
@@ -122,7 +122,7 @@ class RecipeResult(Struct):
     """The result of a recipe from which one model is made, with the number of `checks` and of `cells`."""
 
     diagnostics: tuple[Diagnostic, ...]
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[CheckOutcome, ...]
     files: frozenset[str]
     timings: tuple[tuple[str, float], ...]
     failed: bool
@@ -133,7 +133,7 @@ class RecipeResult(Struct):
 def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> RecipeResult:
     """Make the model of a recipe with its default values and these, unless the cache has it."""
     context = maker.context
-    outcomes: list[Outcome] = []
+    outcomes: list[CheckOutcome] = []
     key = maker.key()
     made, why = maker.recall(key, context, outcomes)
     if made is None:
@@ -315,7 +315,7 @@ class CellRun:
 
         making = self.making
         maker = self.making.maker
-        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
+        request = stages.ModelRequest(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
         with interruptible():
             stages.planned(request, replace(maker.context, sink=Sink()))
 

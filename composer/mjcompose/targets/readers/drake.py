@@ -12,11 +12,11 @@ SHAPES = {"HalfSpace": "plane", "Convex": "mesh"}
 
 
 def read(file):
-    robot = Robot(file)
+    robot = DrakeRobot(file)
     return robot.facts(), robot.placed, robot.moved, robot.driven
 
 
-class Robot:
+class DrakeRobot:
     """A model in a plant of Drake; `single` are the joints with one position."""
 
     def __init__(self, file):

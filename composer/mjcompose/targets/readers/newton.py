@@ -12,11 +12,11 @@ SINGLE = (int(newton.JointType.REVOLUTE), int(newton.JointType.PRISMATIC))
 
 
 def read(file):
-    robot = Robot(file)
+    robot = NewtonRobot(file)
     return robot.facts(), robot.placed, robot.moved
 
 
-class Robot:
+class NewtonRobot:
     """A model of Newton; `names` of bodies and `joints` are by number, `above` has the joint of a body."""
 
     def __init__(self, file):

@@ -20,11 +20,11 @@ SHAPES = {
 
 
 def read(file):
-    robot = Robot(file)
+    robot = PinocchioRobot(file)
     return robot.facts(), robot.placed, robot.moved, robot.driven if robot.is_urdf else None
 
 
-class Robot:
+class PinocchioRobot:
     """A model of Pinocchio; `single` are the joints with one degree of freedom."""
 
     def __init__(self, file):

@@ -19,11 +19,11 @@ def turned(quat):
 
 
 def read(file):
-    robot = Robot(file)
+    robot = PybulletRobot(file)
     return robot.facts(), robot.placed, robot.moved
 
 
-class Robot:
+class PybulletRobot:
     """The models of a file in PyBullet; `links` and `joints` are pairs of a model and a number in it."""
 
     def __init__(self, file):

@@ -27,7 +27,7 @@ from mjcompose.pipeline.cache.cell_run import CellMaker, CellResult, Finish, Job
 from mjcompose.pipeline.cache.inputs import PACKAGES
 from mjcompose.tools.cluster import worker as station
 from mjcompose.tools.cluster.uploads import ClusterError, away_job, batches, freight_of
-from mjcompose.tools.cluster.worker import Away, Canary, Lacks, NotOpen, Order, Part, Refused, journal_of
+from mjcompose.tools.cluster.worker import Away, Canary, CellBatch, Lacks, RunRefusal, UnknownRun, WorkOrder, journal_of
 
 Client: TypeAlias = Any  # a `distributed.Client`
 LOCAL = "local"
@@ -255,7 +255,7 @@ class Stations:
             out_seen = _token(out, held) if isinstance(out, Path) else None
         except OSError as error:
             raise unwritable_error(str(out), error) from error
-        self.order = Order(
+        self.order = WorkOrder(
             os.urandom(8).hex(),
             pickle.dumps(Job.of(making)),
             away_job(making, away),
@@ -276,7 +276,7 @@ class Stations:
             answers = client.run(station.begin, self.order, workers=workers, on_error="return")
             workers = []
             for worker, answer in answers.items():
-                if isinstance(answer, Refused):
+                if isinstance(answer, RunRefusal):
                     raise ClusterError("cluster-worker", f"the worker `{worker}` {answer.message}", answer.help)
                 if isinstance(answer, Lacks):
                     self._send(client, worker, answer)
@@ -365,8 +365,8 @@ class Crew(ExitStack):
         self._away = away
         self._client: Client = None
         self._stations: Stations | None = None
-        self._running: dict[Any, Part] = {}
-        self._again: deque[Part] = deque()
+        self._running: dict[Any, CellBatch] = {}
+        self._again: deque[CellBatch] = deque()
         self._ready: dict[int, Any] = {}
         self._threads = 0
         self._counted = 0.0
@@ -419,7 +419,7 @@ class Crew(ExitStack):
                 assert isinstance(cell, CellResult)
                 yield cell
 
-    def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[Part]:
+    def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[CellBatch]:
         """Yield parts of half a second each, without cells that exist already; the first part has one cell."""
         at = 0
         while at < len(cells):
@@ -428,10 +428,10 @@ class Crew(ExitStack):
             known = {number: cell for number in numbers if (cell := stations.known(cells[number])) is not None}
             self._ready.update(known)
             unknown = [number for number in numbers if number not in known]
-            yield Part(tuple(unknown), tuple(cells[number] for number in unknown))
+            yield CellBatch(tuple(unknown), tuple(cells[number] for number in unknown))
             at += size
 
-    def _go_on(self, parts: Iterator[Part]) -> None:
+    def _go_on(self, parts: Iterator[CellBatch]) -> None:
         try:
             if not self._threads or time.monotonic() - self._counted > _LOOK_AGAIN:
                 self._count_threads()
@@ -477,13 +477,13 @@ class Crew(ExitStack):
             part = self._running.pop(future)
             if error is not None:
                 self._failed(part, error)
-            elif isinstance(answer, NotOpen):
+            elif isinstance(answer, UnknownRun):
                 self._again.append(part)
                 self.stations.begin(self._client, [answer.worker])
             else:
                 self._note(part, answer)
 
-    def _note(self, part: Part, answer: Sequence[Any]) -> None:
+    def _note(self, part: CellBatch, answer: Sequence[Any]) -> None:
         self._ready.update(zip(part.numbers, answer, strict=True))
         for each in answer:
             cell = each.cell if isinstance(each, Away) else each
@@ -491,11 +491,11 @@ class Crew(ExitStack):
                 took = sum(seconds for _, seconds in cell.timings)
                 self._pace = max(0.9 * self._pace + 0.1 * took, _SECONDS / _MOST_CELLS)
 
-    def _failed(self, part: Part, error: BaseException) -> None:
+    def _failed(self, part: CellBatch, error: BaseException) -> None:
         """Try each cell of a part alone, once, after its workers have died one after the other."""
         if len(part.cells) > 1 or part.tries + 1 < _TRIES:
             pairs = zip(part.numbers, part.cells, strict=True)
-            self._again.extend(Part((number,), (cell,), part.tries + 1) for number, cell in pairs)
+            self._again.extend(CellBatch((number,), (cell,), part.tries + 1) for number, cell in pairs)
         else:
             self._ready[part.numbers[0]] = Died(f"ended with its worker: {' '.join(str(error).split())}")
 

@@ -21,7 +21,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.language.expand import Cell
 from mjcompose.pipeline import stages
 from mjcompose.pipeline.cache.cache import Package
-from mjcompose.pipeline.cache.cache_key import Files, FileState
+from mjcompose.pipeline.cache.cache_key import FileState, FileStates
 from mjcompose.pipeline.cache.cell_run import CellMaker, Finish, Job
 from mjcompose.pipeline.cache.inputs import Inputs
 from mjcompose.sources.blobs import sha256_of
@@ -37,7 +37,7 @@ class ClusterError(DiagnosticError):
 _MOST_LINKS = 40
 
 
-class Layout(Struct):
+class MirrorContents(Struct):
     """The contents of a mirror: real paths of files with their sha256, links with their targets, and folders."""
 
     files: Mapping[str, str]
@@ -45,7 +45,7 @@ class Layout(Struct):
     folders: frozenset[str]
 
 
-def layout_of(paths: Iterable[str]) -> Layout:
+def layout_of(paths: Iterable[str]) -> MirrorContents:
     """Return the layout of a mirror in which the existing paths lead to the same files.
 
     It includes the marker files of the top of a project, which limits the files that a model may read.
@@ -72,10 +72,10 @@ def layout_of(paths: Iterable[str]) -> Layout:
                     if os.path.exists(marker):
                         add(marker)
                 at = os.path.dirname(at)
-    return Layout(files, links, frozenset(folders))
+    return MirrorContents(files, links, frozenset(folders))
 
 
-def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
+def lay_out(layout: MirrorContents, root: Path, content: Callable[[str], Path]) -> None:
     """Create the mirror below an empty folder; `content` returns the file with a sha256. Raises OSError."""
     for folder in layout.folders:
         _inside(root, folder).mkdir(parents=True, exist_ok=True)
@@ -97,14 +97,14 @@ def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
 def loaded(content: bytes, root: str) -> Any:
     """Unpickle data with its absolute paths moved below `root`."""
 
-    class Loader(pickle.Unpickler):
+    class PathLoader(pickle.Unpickler):
         def find_class(self, module: str, name: str) -> Any:
             found = super().find_class(module, name)
             if isinstance(found, type) and issubclass(found, Path):
                 return lambda *parts: rooted(Path(*parts), root)
             return found
 
-    return Loader(BytesIO(content)).load()
+    return PathLoader(BytesIO(content)).load()
 
 
 def rooted(path: Path, root: str) -> Path:
@@ -165,7 +165,7 @@ class Freight(Struct):
     """The files of all cells that are known beforehand, and the packages that these cells depend on."""
 
     files: tuple[FileState, ...]
-    layout: Layout
+    layout: MirrorContents
     packages: tuple[Package, ...]
 
 
@@ -177,7 +177,7 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
     packages: dict[Package, None] = {}
     context = replace(maker.context, sink=Sink())
     for cell in _typical(cells):
-        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
+        request = stages.ModelRequest(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
         plan = stages.planned(request, context)
         if plan is not None:
             paths.update(dict.fromkeys(inputs.planned(plan, context)))
@@ -188,7 +188,7 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
         for origin in fetching.origins.values():
             if store is not None and origin.root.parent.parent.name in KINDS:
                 paths[os.fspath(origin.root.parent / ENTRY)] = None
-    files = Files()
+    files = FileStates()
     return Freight(tuple(files.look(path) for path in paths), layout_of(paths), tuple(packages))
 
 

@@ -36,12 +36,12 @@ from mjcompose.bundle.remote import check_writable
 from mjcompose.bundle.staging import staged_file
 from mjcompose.language.expand import Cell
 from mjcompose.pipeline.cache.cache import Record, from_json, to_json
-from mjcompose.pipeline.cache.cache_key import Files, FileState, file_state
+from mjcompose.pipeline.cache.cache_key import FileState, FileStates, file_state
 from mjcompose.pipeline.cache.cell_run import CellMaker, CellResult
 from mjcompose.sources import blobs
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.store import Store
-from mjcompose.tools.cluster.uploads import Layout, lay_out, loaded, rooted, without_root
+from mjcompose.tools.cluster.uploads import MirrorContents, lay_out, loaded, rooted, without_root
 
 _FOLDER = ".mjcompose-cluster"
 _LARGEST = 64 << 20
@@ -118,7 +118,7 @@ class Canary(Struct):
     sha256: str
 
 
-class Order(Struct):
+class WorkOrder(Struct):
     """The data that a worker needs before it makes cells of a run.
 
     `job` is a pickled `Job`, `folder` is its working folder, and `files` are the input files with their state. `store`
@@ -135,7 +135,7 @@ class Order(Struct):
     folder: str
     memory: int
     files: tuple[FileState, ...]
-    layout: Layout
+    layout: MirrorContents
     store: str | None = None
     out: str | None = None
     address: str | None = None
@@ -144,7 +144,7 @@ class Order(Struct):
     journal: Journal | None = None
 
 
-class Part(Struct):
+class CellBatch(Struct):
     """Some cells that one worker makes, one after another; `numbers` are their numbers, and `tries` counts attempts."""
 
     numbers: tuple[int, ...]
@@ -160,7 +160,7 @@ class Away(Struct):
     inputs: tuple[FileState, ...]
 
 
-class NotOpen(Struct):
+class UnknownRun(Struct):
     """The answer of a worker that does not know the run yet."""
 
     worker: str
@@ -172,7 +172,7 @@ class Lacks(Struct):
     contents: tuple[str, ...]
 
 
-class Refused(Struct):
+class RunRefusal(Struct):
     """The reason that a worker cannot make the models."""
 
     message: str
@@ -291,7 +291,7 @@ class Station:
                 _close(run)
 
 
-async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
+async def begin(order: WorkOrder, dask_worker: Any) -> RunRefusal | Lacks | None:
     """Get ready for a run, or return the obstacle. Dask passes the worker to a parameter of that name."""
     return await asyncio.to_thread(_begin, order, Path(dask_worker.local_directory) / _CONTENTS)
 
@@ -300,33 +300,33 @@ async def receive(contents: Mapping[str, bytes], dask_worker: Any) -> None:
     await asyncio.to_thread(_keep, contents, Path(dask_worker.local_directory) / _CONTENTS)
 
 
-def make(run: str, cells: Sequence[Any]) -> list[Any] | NotOpen:
+def make(run: str, cells: Sequence[Any]) -> list[Any] | UnknownRun:
     from distributed import get_worker
 
     with _lock:
         station = _stations.get(run)
-    return NotOpen(get_worker().address) if station is None else station.made(cells)
+    return UnknownRun(get_worker().address) if station is None else station.made(cells)
 
 
 async def close(run: str) -> None:
     await asyncio.to_thread(_close, run)
 
 
-def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
+def _begin(order: WorkOrder, contents: Path) -> RunRefusal | Lacks | None:
     with _lock:
         if order.run in _stations:
             return None
     if order.out is not None and not os.path.exists(order.out):
         folder = os.path.dirname(os.path.dirname(order.out))
         help = "write to a folder that all machines share, or to an address such as `-o 's3://bucket/{name}.zip'`"
-        return Refused(f"does not see the folder `{folder}` for the models", help)
+        return RunRefusal(f"does not see the folder `{folder}` for the models", help)
     if order.address is not None:
         try:
             check_writable(order.address)
         except OutputError as error:
-            return Refused(error.message, error.help)
+            return RunRefusal(error.message, error.help)
     has_store = order.store is None or os.path.exists(order.store)
-    look = Files().look
+    look = FileStates().look
     if not os.environ.get(_SHIPPED) and has_store and all(look(each.path).state == each.state for each in order.files):
         station = Station(order.run, partial(opened, order.memory, order.job), order.folder, held=ExitStack())
     else:
@@ -334,7 +334,7 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
         if lacking or not order.is_tried:
             return Lacks(tuple(dict.fromkeys(lacking)))
         away = _away(order, contents)
-        if isinstance(away, Refused):
+        if isinstance(away, RunRefusal):
             return away
         station = away
     with _lock:
@@ -342,10 +342,10 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
     return None
 
 
-def _away(order: Order, contents: Path) -> Station | Refused:
+def _away(order: WorkOrder, contents: Path) -> Station | RunRefusal:
     if order.away is None:
         message = "does not have the files of the models, which MJCF alone only names"
-        return Refused(message, "write bundles, such as `-o 'build/{name}.zip'`")
+        return RunRefusal(message, "write bundles, such as `-o 'build/{name}.zip'`")
     with ExitStack() as opened:
         folder = opened.enter_context(scratch("cluster"))
         root = folder / "mirror"
@@ -360,7 +360,7 @@ def _away(order: Order, contents: Path) -> Station | Refused:
         if answer != order.canary.sha256:
             station.end()
             message = f"makes another model of the same files: `{order.canary.cell.name}` has other bytes there"
-            return Refused(message, "use one image or one environment for all workers and this machine")
+            return RunRefusal(message, "use one image or one environment for all workers and this machine")
     return station
 
 

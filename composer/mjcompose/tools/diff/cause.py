@@ -9,14 +9,14 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.contrast.changes import SETTINGS, Cause, Change, Contrast
+from mjcompose.contrast.changes import SETTINGS, CauseLines, Contrast, FieldChange
 from mjcompose.link.linking import Part
 from mjcompose.mujoco.arrays import about
 from mjcompose.plan.steps import AddElement
 from mjcompose.sides.side import Side
 from mjcompose.text.node import Mapping as Located, Node as LocatedNode, Sequence, locate, to_python
-from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Elements, Pair, Pairs
-from mjcompose.tools.diff.recipe_lines import Written, is_yaml, name, real
+from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Pair, Pairs, SideElements
+from mjcompose.tools.diff.recipe_lines import FilePairs, is_yaml, name, real
 from mjcompose.trace.query import name_of, same_value
 from mjcompose.trace.trace import Life
 from mjcompose.tree.select import kind_of
@@ -40,7 +40,7 @@ _PLACING = (
 _DEEP = 8
 
 
-class Causes:
+class CauseFinder:
     """Looks up causes in both trees; `found` is the contrast of the two models.
 
     Each method searches for places that may be the cause, the likeliest first. The first place whose lines differ
@@ -52,24 +52,24 @@ class Causes:
         bodies = (each for each in found.changes if each.kind == "body" and each.what in sides)
         self.alone: set[tuple[int, str | None]] = {(sides[each.what], each.name) for each in bodies}
         self.a, self.b = (
-            Elements(side, {kind: n[at] for kind, n in found.elements.items()}) for at, side in enumerate((a, b))
+            SideElements(side, {kind: n[at] for kind, n in found.elements.items()}) for at, side in enumerate((a, b))
         )
         self.both = self.a, self.b
-        self.written = Written(self.a.recipes, self.b.recipes)
+        self.written = FilePairs(self.a.recipes, self.b.recipes)
         self.pairs = Pairs(self.a, self.b)
 
-    def of(self, change: Change) -> Cause | None:
+    def of(self, change: FieldChange) -> CauseLines | None:
         """Return the cause of a change, or None if no line is known."""
         before, after = self._nodes(change)
         others = chain(self._around(before, after), self._naming(before, 0), self._naming(after, 1))
         found = self._first(self._candidates(change, before, after)) or self._content(change, before, after)
         return found or self._first(others) or self.written.only()
 
-    def _first(self, causes: Iterable[Cause]) -> Cause | None:
+    def _first(self, causes: Iterable[CauseLines]) -> CauseLines | None:
         settled = (self._settled(cause) for cause in causes)
         return next((cause for cause in settled if cause is not None), None)
 
-    def _candidates(self, change: Change, before: Node | None, after: Node | None) -> Iterator[Cause]:
+    def _candidates(self, change: FieldChange, before: Node | None, after: Node | None) -> Iterator[CauseLines]:
         if change.kind.partition("/")[0] in SETTINGS:
             yield from self._setting(change)
         elif change.what == "changed" and change.kind == "key" and change.entry:
@@ -85,11 +85,11 @@ class Causes:
             else:
                 yield from self._changed(change, before, after)
 
-    def _nodes(self, change: Change) -> tuple[Node | None, Node | None]:
+    def _nodes(self, change: FieldChange) -> tuple[Node | None, Node | None]:
         first, second = change.index
         return self.a.node(change.kind, change.name_before, first), self.b.node(change.kind, change.name, second)
 
-    def _settled(self, cause: Cause, depth: int = 0) -> Cause | None:
+    def _settled(self, cause: CauseLines, depth: int = 0) -> CauseLines | None:
         """Return the cause with the lines that differ between A and B, or None if all its lines are the same.
 
         If a line is the same but contains an expression, the cause is where the names in it get other values.
@@ -98,19 +98,19 @@ class Causes:
         before, after = (self.written.changed(side, span) for side, span in enumerate(spans))
         if before is not None or after is not None:
             before = before or self._opposite(1, after, cause.before)
-            return Cause(cause.words, before, after or self._opposite(0, before, cause.after))
+            return CauseLines(cause.words, before, after or self._opposite(0, before, cause.after))
         if depth > _DEEP:
             return None
         before, after = (None if span is None else span.source for span in spans)
         if before is not None or after is not None:
-            row = self._settled(Cause(cause.words, before, after), depth + 1)
+            row = self._settled(CauseLines(cause.words, before, after), depth + 1)
             if row is not None:
                 return row
         names = [each for side, span in zip(self.both, spans, strict=True) for each in side.recipes.names_at(span)]
         for each in dict.fromkeys(names):
             places = [list(side.recipes.parameter(each)) for side in self.both]
             for before, after in zip_longest(*places):
-                if (found := self._settled(Cause(f"`{each}`", before, after), depth + 1)) is not None:
+                if (found := self._settled(CauseLines(f"`{each}`", before, after), depth + 1)) is not None:
                     return found
         return None
 
@@ -124,20 +124,20 @@ class Causes:
             return known
         return self.written.twin(side, changed)
 
-    def _changed(self, change: Change, before: Node, after: Node) -> Iterator[Cause]:
+    def _changed(self, change: FieldChange, before: Node, after: Node) -> Iterator[CauseLines]:
         wanted = about(change.field).attributes
         for mine, theirs, attributes in self.pairs.candidates(change, before, after, wanted=wanted):
             yield from self._attribute(mine, theirs, attributes)
 
-    def _swapped(self, after: Node) -> Iterator[Cause]:
+    def _swapped(self, after: Node) -> Iterator[CauseLines]:
         """Yield the part that names another model, if both sides have a part of that name."""
         part = self._part(1, after)
         there = None if part is None else self.a.parts.get(part.called)
         if part is not None and there is not None:
             yield from _said(self.a.recipes.attachment(there), self.b.recipes.attachment(part), ("model",))
-            yield Cause(f"part `{part.called}`", there.span, part.span)
+            yield CauseLines(f"part `{part.called}`", there.span, part.span)
 
-    def _content(self, change: Change, before: Node | None, after: Node | None) -> Cause | None:
+    def _content(self, change: FieldChange, before: Node | None, after: Node | None) -> CauseLines | None:
         """Return a file with the same name but other bytes, of the element or of an asset that it refers to."""
         if before is None or after is None:
             return None
@@ -149,26 +149,30 @@ class Causes:
             files = [None if node is None else node.get("file") for node in (mine, theirs)]
             digests = [each.side.digests.get(str(file)) for each, file in zip(self.both, files, strict=True)]
             if None not in digests and digests[0] != digests[1]:
-                return Cause(f"`{files[1]}` has other bytes", self.a.span(mine, "file"), self.b.span(theirs, "file"))
+                return CauseLines(
+                    f"`{files[1]}` has other bytes", self.a.span(mine, "file"), self.b.span(theirs, "file")
+                )
         return None
 
-    def _attribute(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
+    def _attribute(
+        self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None
+    ) -> Iterator[CauseLines]:
         """Yield the places where either side writes the differing attributes, and the causes of their values."""
         if before is None and after is None:
             return
         yield from self._carried(before, after, wanted)
         if before is None or after is None:
-            yield Cause("element", self.a.span(before), self.b.span(after))
+            yield CauseLines("element", self.a.span(before), self.b.span(after))
             return
         if before.tag != after.tag:
-            yield Cause(f"`<{after.tag}>`", self.a.span(before), self.b.span(after))
+            yield CauseLines(f"`<{after.tag}>`", self.a.span(before), self.b.span(after))
             return
         if wanted is None:
             wanted = tuple(attribute for attribute in kind_of(after).attributes if attribute not in _NO_REASON)
         for attribute in wanted:
             yield from self._written_differently(attribute, before, after)
 
-    def _carried(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[Cause]:
+    def _carried(self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None) -> Iterator[CauseLines]:
         """Yield the lines that place the parts for which the linker created two frames or bodies."""
         first = None if before is None else self.a.carried(before)
         second = None if after is None else self.b.carried(after)
@@ -176,7 +180,7 @@ class Causes:
             keys = tuple(dict.fromkeys([*(key for key in wanted or () if key in _PLACING), *_PLACING]))
             yield from _said(self.a.recipes.attachment(first), self.b.recipes.attachment(second), keys)
 
-    def _written_differently(self, attribute: str, before: Node, after: Node) -> Iterator[Cause]:
+    def _written_differently(self, attribute: str, before: Node, after: Node) -> Iterator[CauseLines]:
         """Yield the lines that write an attribute, and the classes in force, if the values differ."""
         text, writer = self.a.value(before, attribute)
         other, theirs = self.b.value(after, attribute)
@@ -185,18 +189,18 @@ class Causes:
         ours = self.a.written(writer, attribute) or self.a.written(before, None)
         others = self.b.written(theirs, attribute) or self.b.written(after, None)
         for mine, yours in _latest_first(ours, others):
-            yield Cause(f"`{attribute}`", mine or ours[-1], yours or others[-1])
-        yield Cause("class", self.a.class_in_force(before), self.b.class_in_force(after))
+            yield CauseLines(f"`{attribute}`", mine or ours[-1], yours or others[-1])
+        yield CauseLines("class", self.a.class_in_force(before), self.b.class_in_force(after))
 
-    def _renamed(self, before: Node, after: Node) -> Iterator[Cause]:
+    def _renamed(self, before: Node, after: Node) -> Iterator[CauseLines]:
         mine = self._part(0, before)
         theirs = self._part(1, after)
         if mine is not None and theirs is not None and mine.prefix != theirs.prefix:
-            yield Cause(f"part `{theirs.called}`", mine.span, theirs.span)
+            yield CauseLines(f"part `{theirs.called}`", mine.span, theirs.span)
         for first, second in _latest_first(self.a.written(before, "name"), self.b.written(after, "name")):
-            yield Cause("`name`", first, second)
+            yield CauseLines("`name`", first, second)
 
-    def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
+    def _one_sided(self, node: Node, side: int) -> Iterator[CauseLines]:
         """Yield the part or base that was added or removed with the element, or the element's line or removal."""
         part = self._part(side, node)
         here = self.both[side]
@@ -215,13 +219,13 @@ class Causes:
         traced = other.side.traced
         is_other = traced is not None and not self._same_file(side, file, traced.model.file)
         if is_other and all(bases) and here.traced.watch.life(node).owner == file:
-            yield Cause("base", bases[0], bases[1])
+            yield CauseLines("base", bases[0], bases[1])
         span = here.span(node)
         yield _cause("element", span, None, side=side)
         yield from self._removed(node, 1 - side)
         yield from self._conditions(span)
 
-    def _naming(self, node: Node | None, side: int) -> Iterator[Cause]:
+    def _naming(self, node: Node | None, side: int) -> Iterator[CauseLines]:
         """Yield the lines that name the element on either side: a renamed element counts as another element."""
         if node is None:
             return
@@ -230,7 +234,7 @@ class Causes:
             for place in reversed(self.both[at].written(each, "name")):
                 yield _cause("`name`", place, None, side=at)
 
-    def _removed(self, node: Node, side: int) -> Iterator[Cause]:
+    def _removed(self, node: Node, side: int) -> Iterator[CauseLines]:
         """Yield the cause that removed the element on the side that also read it."""
         life = self.both[1 - side].traced.watch.life(node)
         traced = self.both[side].side.traced
@@ -240,7 +244,7 @@ class Causes:
                 if is_same and isinstance(gone.owner, str) is isinstance(life.owner, str):
                     yield _cause("removed", None, self.both[side].traced.causes.gone(gone).span, side=1 - side)
 
-    def _conditions(self, span: Span | None) -> Iterator[Cause]:
+    def _conditions(self, span: Span | None) -> Iterator[CauseLines]:
         """Yield the `when` of the item around a place."""
         for side in (0, 1):
             for item, when in self.both[side].recipes.conditions():
@@ -269,7 +273,7 @@ class Causes:
         other = self.both[1 - side].side
         return real(here, file) == real(other, there) or name(here, file) == name(other, there)
 
-    def _around(self, before: Node | None, after: Node | None) -> Iterator[Cause]:
+    def _around(self, before: Node | None, after: Node | None) -> Iterator[CauseLines]:
         """Yield the cause for the part, the file or the recipe that an element comes from."""
         ours = self.a.recipes
         yours = self.b.recipes
@@ -279,12 +283,12 @@ class Causes:
             yield from _said(mine, theirs, None)
         yield from _said(ours.base(), yours.base(), None)
         lives = self.a.life(before), self.b.life(after)
-        yield Cause("`to`", _added_to(lives[0]), _added_to(lives[1]))
+        yield CauseLines("`to`", _added_to(lives[0]), _added_to(lives[1]))
         compilers = [side.compiler_settings(life) for side, life in zip(self.both, lives, strict=True)]
         for each in dict.fromkeys([*compilers[0], *compilers[1]]):
-            yield Cause(f"`{each.split()[0]}`", compilers[0].get(each), compilers[1].get(each))
+            yield CauseLines(f"`{each.split()[0]}`", compilers[0].get(each), compilers[1].get(each))
 
-    def _setting(self, change: Change) -> Iterator[Cause]:
+    def _setting(self, change: FieldChange) -> Iterator[CauseLines]:
         path = change.kind.split("/")
         attribute = change.field
         if attribute.startswith("flag "):
@@ -294,15 +298,15 @@ class Causes:
         places = (
             [] if node is None or node.get(attribute) is None else side.written(node, attribute) for side, node in nodes
         )
-        yield from (Cause(f"`{attribute}`", before, after) for before, after in _latest_first(*places))
+        yield from (CauseLines(f"`{attribute}`", before, after) for before, after in _latest_first(*places))
 
-    def _entry(self, change: Change) -> Iterator[Cause]:
+    def _entry(self, change: FieldChange) -> Iterator[CauseLines]:
         """Yield the key's numbers for a joint, actuator or body, or else the cause that moves the body with its key."""
         vector = change.field.removeprefix("key_")
         before, after = self._nodes(change)
         mine, ours = self.a.key_lines(before, vector, change.entry)
         yours, theirs = self.b.key_lines(after, vector, change.entry)
-        yield from (Cause("key", first, second) for first, second in zip_longest(ours, theirs))
+        yield from (CauseLines("key", first, second) for first, second in zip_longest(ours, theirs))
         for pair in self.pairs.holding(mine, yours):
             yield from self._attribute(*pair)
 
@@ -321,12 +325,12 @@ def _latest_first(mine: list[Span], theirs: list[Span]) -> Iterator[_Spans]:
     return reversed(list(zip_longest(mine, theirs)))
 
 
-def _said(mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[Cause]:
+def _said(mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[CauseLines]:
     """Yield the lines about a part that differ between two recipes; `keys` limits the comparison."""
     ours, others = ({} if each is None else each.entries for each in (mine, theirs))
     for key in keys if keys is not None else {**ours, **others}:
         first, second = (each[key][1] if key in each else None for each in (ours, others))
-        yield from (Cause(f"`{key}`", before, after) for before, after in _unlike(first, second))
+        yield from (CauseLines(f"`{key}`", before, after) for before, after in _unlike(first, second))
 
 
 def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_Spans]:
@@ -347,5 +351,5 @@ def _added_to(life: Life | None) -> Span | None:
     return done.to_span if isinstance(done, AddElement) else None
 
 
-def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause:
-    return Cause(words, here, there) if side == 0 else Cause(words, there, here)
+def _cause(words: str, here: Span | None, there: Span | None, side: int) -> CauseLines:
+    return CauseLines(words, here, there) if side == 0 else CauseLines(words, there, here)

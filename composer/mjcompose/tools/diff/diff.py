@@ -17,20 +17,30 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
 from mjcompose.base.scratch import scratch
 from mjcompose.bundle.staging import staged_file
-from mjcompose.contrast.changes import LEVELS, Breaking, Cause, Change, Contrast, Diff, Group, Level, View
+from mjcompose.contrast.changes import (
+    LEVELS,
+    Breaking,
+    CausedChanges,
+    CauseLines,
+    Contrast,
+    Diff,
+    FieldChange,
+    LevelChanges,
+    View,
+)
 from mjcompose.contrast.models import contrast, contrast_of, looks
 from mjcompose.language.recipe import KINDS, Order
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.index import Index
+from mjcompose.mujoco.index import CompiledIndex
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, pictures
 from mjcompose.plan.read import Given
 from mjcompose.sides.names import names_of
-from mjcompose.sides.operand import Kind, read_operand
+from mjcompose.sides.operand import OperandKind, read_operand
 from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.text.node import find, locate
-from mjcompose.tools.diff.cause import Causes
+from mjcompose.tools.diff.cause import CauseFinder
 from mjcompose.tools.diff.recipe_lines import block, different, excerpt, is_yaml
 
 
@@ -62,25 +72,25 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
         return ()
 
 
-def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list[Group]:
+def grouped(changes: Iterable[FieldChange], causes: CauseFinder, a: Side, b: Side) -> list[CausedChanges]:
     """Return one group for each line, ordered by file and line; changes without a known line come last."""
-    found: dict[tuple[object, ...], tuple[Cause | None, list[Change]]] = {}
+    found: dict[tuple[object, ...], tuple[CauseLines | None, list[FieldChange]]] = {}
     for change in changes:
         cause = causes.of(change)
         known, several = found.setdefault(_key(cause), (cause, []))
         several.append(change)
         if known is not None and known.before is None and cause is not None and cause.before is not None:
             found[_key(cause)] = cause, several
-    return sorted([Group(worded(cause, a, b), tuple(each)) for cause, each in found.values()], key=_place)
+    return sorted([CausedChanges(worded(cause, a, b), tuple(each)) for cause, each in found.values()], key=_place)
 
 
-def _key(cause: Cause | None) -> tuple[object, ...]:
+def _key(cause: CauseLines | None) -> tuple[object, ...]:
     """Return the key of a group. It is B's line if there is one, even if A also has a line."""
     span = None if cause is None else cause.after or cause.before
     return (None,) if span is None else (cause is not None and cause.after is not None, span.file, span.line)
 
 
-def _place(group: Group) -> tuple[bool, bool, str, int]:
+def _place(group: CausedChanges) -> tuple[bool, bool, str, int]:
     """Return the sort key of a group: recipes before sources, because they are nearest to the user."""
     span = None if group.cause is None else group.cause.after or group.cause.before
     if span is None:
@@ -88,7 +98,7 @@ def _place(group: Group) -> tuple[bool, bool, str, int]:
     return False, not span.file.endswith(RECIPES), span.file, span.line
 
 
-def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
+def worded(cause: CauseLines | None, a: Side, b: Side) -> CauseLines | None:
     """Return the cause with its lines; if both sides have lines, return only the differing lines."""
     if cause is None:
         return None
@@ -101,7 +111,7 @@ def worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
         before, after = (lines if is_yaml(span) else lines[:1] for lines, span in pairs)
     ends = ((cause.before, a), (cause.after, b))
     here, there = (None if span is None else side.operand.located(span) for span, side in ends)
-    return Cause(cause.words, here, there, lines_before=excerpt(before), lines_after=excerpt(after))
+    return CauseLines(cause.words, here, there, lines_before=excerpt(before), lines_after=excerpt(after))
 
 
 ADDRESSES = "address"
@@ -135,7 +145,7 @@ def diff(
         operands = [read_operand(text, context, opened) for text in (a, b)]
         known = [operand.kind for operand in operands if operand is not None]
         asked = given or pick is not None or sample is not None
-        if asked and len(known) == 2 and Kind.RECIPE not in known:
+        if asked and len(known) == 2 and OperandKind.RECIPE not in known:
             option = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
             option = f"a value for `{next(iter(given))}`" if given else option
             message = f"you choose {option}, but neither `{a}` nor `{b}` is a recipe"
@@ -182,7 +192,7 @@ def between(
         context.sink.error("mujoco-crash", message)
         return None
     found = contrast_of(answer.value)
-    causes = Causes(a, b, found)
+    causes = CauseFinder(a, b, found)
     found = _narrowed(found, tolerance, only)
     follows = [each for each in found.changes if each.follows]
     wanted = [each for each in found.changes if not each.follows]
@@ -235,15 +245,15 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
     renamed = {(each.kind, str(each.before)): each.name for each in contrast.changes if each.what == "renamed"}
     own = [*_units_and_places(read[0].index, read[1].index, renamed)]
     direct = [change for change in contrast.changes if not change.follows] or [*contrast.changes]
-    causes = Causes(a, b, contrast)
-    levels: list[Level] = []
+    causes = CauseFinder(a, b, contrast)
+    levels: list[LevelChanges] = []
     for name in LEVELS:
         changes = [change for change in (*direct, *own) if sorting.level(change) == name]
         groups = _groups(changes, causes, a, b)
         moves = tuple(move for move in contrast.moves if sorting.of_name(move.kind, move.name) == name)
         arrays = contrast.arrays if name == "minor" and not own else ()
         if groups or moves or arrays:
-            levels.append(Level(name, groups, moves, arrays=arrays))
+            levels.append(LevelChanges(name, groups, moves, arrays=arrays))
     return Breaking(found, tuple(levels))
 
 
@@ -251,7 +261,7 @@ def _interface_of(side: Side) -> Sequence[Order]:
     return side.plan.interface if side.plan is not None else ()
 
 
-def _groups(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> tuple[Group, ...]:
+def _groups(changes: Sequence[FieldChange], causes: CauseFinder, a: Side, b: Side) -> tuple[CausedChanges, ...]:
     """Return the changes by cause; changes of a place in an order come first."""
     of_places = [change for change in changes if change.field == "place"]
     others = [change for change in changes if change.field != "place"]
@@ -273,7 +283,7 @@ class _Sorting:
         listed = not self.orders or (order is not None and (not order.more or not {*names}.isdisjoint(order.names)))
         return "major" if listed else "minor"
 
-    def level(self, change: Change) -> str:
+    def level(self, change: FieldChange) -> str:
         kind = change.kind.partition("/")[0]
         field = change.field.partition("[")[0]
         if kind in KINDS and (change.what != "changed" or field in _INTERFACE):
@@ -285,7 +295,9 @@ class _Sorting:
         return "patch" if only_seen else "minor"
 
 
-def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]) -> Iterator[Change]:
+def _units_and_places(
+    a: CompiledIndex, b: CompiledIndex, renamed: Mapping[tuple[str, str], str]
+) -> Iterator[FieldChange]:
     """Yield changes that no array of `mjModel` has: units of controls and sensors, and the order of elements."""
     for kind in KINDS:
         before, after = (getattr(each, _ROWS.get(kind, f"{kind}s")) for each in (a, b))
@@ -301,7 +313,7 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
         for at, place in pairs:
             one = before[at]
             other = after[place]
-            change = Change("changed", kind, other.name, index=(at, place), name_before=one.name)
+            change = FieldChange("changed", kind, other.name, index=(at, place), name_before=one.name)
             units = [getattr(each, "unit", None) for each in (one, other)]
             if units[0] != units[1]:
                 yield replace(change, field="unit", before=units[0], after=units[1])
@@ -309,7 +321,7 @@ def _units_and_places(a: Index, b: Index, renamed: Mapping[tuple[str, str], str]
                 yield replace(change, field="place", before=at, after=place)
 
 
-def _reordered(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> Iterator[Group]:
+def _reordered(changes: Sequence[FieldChange], causes: CauseFinder, a: Side, b: Side) -> Iterator[CausedChanges]:
     """Yield elements whose order changed, by kind, with the list in `interface` or the first of their lines."""
     for kind in dict.fromkeys(each.kind for each in changes):
         alike = tuple(each for each in changes if each.kind == kind)
@@ -317,7 +329,9 @@ def _reordered(changes: Sequence[Change], causes: Causes, a: Side, b: Side) -> I
         if not any(spans):
             ends = (causes.a, alike[0].name_before), (causes.b, alike[0].name)
             spans = [side.span(side.node(kind, name, -1)) for side, name in ends]
-        yield Group(worded(Cause(f"the order of {kind}s", spans[0], spans[1]) if any(spans) else None, a, b), alike)
+        yield CausedChanges(
+            worded(CauseLines(f"the order of {kind}s", spans[0], spans[1]) if any(spans) else None, a, b), alike
+        )
 
 
 def _listed(side: Side, kind: str) -> Span | None:

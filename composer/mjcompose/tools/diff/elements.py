@@ -10,7 +10,7 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.contrast.changes import Change
+from mjcompose.contrast.changes import FieldChange
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import Part
 from mjcompose.link.unit_keys import VECTORS
@@ -26,7 +26,7 @@ from mjcompose.tree.select import kind_of
 _HOLDERS = ("body", "worldbody")
 
 
-class Elements:
+class SideElements:
     """The elements of one side and the places where they are written; there are none if their origin is unknown.
 
     `counts` has MuJoCo's number of elements of each kind; if the tree has the same number, order identifies unnamed
@@ -192,11 +192,11 @@ Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
 
 
 class Pairs:
-    def __init__(self, a: Elements, b: Elements) -> None:
+    def __init__(self, a: SideElements, b: SideElements) -> None:
         self.a = a
         self.b = b
 
-    def candidates(self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
+    def candidates(self, change: FieldChange, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
         """Yield possible causes, the likeliest first."""
         if change.field in INERTIAL:
             for tag in ("inertial", "geom"):

@@ -14,7 +14,7 @@ from textwrap import dedent
 from mjcompose.base.alignment import Alignment, common_ends
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import RECIPES
-from mjcompose.contrast.changes import Cause
+from mjcompose.contrast.changes import CauseLines
 from mjcompose.language.repeat import FOR
 from mjcompose.link.linking import Part
 from mjcompose.plan.plan import AttachPart, Plan
@@ -208,7 +208,7 @@ def _pieces(document: Node) -> Iterator[Node]:
                     yield piece
 
 
-class Written:
+class FilePairs:
     """The files of both sides, each with its counterpart on the other side."""
 
     def __init__(self, a: Recipes, b: Recipes) -> None:
@@ -246,9 +246,9 @@ class Written:
         """Return whether a place lies in an item of a recipe."""
         return item.file == span.file and span.line in extent(item, self.sides[side])
 
-    def only(self) -> Cause | None:
+    def only(self) -> CauseLines | None:
         """Return the differing stretch of lines if it is the only one in all files, and so the only possible cause."""
-        found: list[Cause] = []
+        found: list[CauseLines] = []
         pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()}
         for a, b in pairs | {(self._counterpart(1, file), file) for file in self._named[1].values()}:
             if a is None or b is None:
@@ -256,7 +256,7 @@ class Written:
             for first, last, start, end in self._stretches(a, b):
                 before = _line(self.sides[0], a, first + 1) if last > first else None
                 after = _line(self.sides[1], b, start + 1) if end > start else None
-                found.append(Cause("line", before, after))
+                found.append(CauseLines("line", before, after))
         return found[0] if len(found) == 1 else None
 
     def _counterpart(self, side: int, file: str) -> str | None:

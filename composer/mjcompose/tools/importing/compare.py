@@ -13,7 +13,7 @@ from mjcompose.base.rotation import Pose
 from mjcompose.mujoco.arrays import ANGULAR, unit
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
-from mjcompose.tools.importing.elements import Changed, Entry, Item, Names, Pair
+from mjcompose.tools.importing.elements import ChangedAttribute, ModelElement, Names, Pair, SectionEntry
 from mjcompose.tools.importing.search import Instance, find, name_in_recipe, paired, parent_body, separator_of
 from mjcompose.tree.classes import MAIN, childclass_of, default_tag
 from mjcompose.tree.files import NAMED_AFTER_FILE
@@ -28,7 +28,7 @@ _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera
 _SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
 
 
-class Comparison:
+class ChangeFinder:
     """Compares the parts with their state in the merged model, and writes the edits for the differences."""
 
     def __init__(
@@ -53,10 +53,10 @@ class Comparison:
         self.names: dict[tuple[str, str], str] = {}
         """Names of the merged model to names in the recipe, before it renames anything."""
         self.covered: set[Node] = {each.body for each in self.found}
-        self.entries: list[Entry] = []
+        self.entries: list[SectionEntry] = []
         self.pairs: list[Pair] = []
         self.labels: set[str] = set()
-        self.found_changes: list[Changed] = []
+        self.found_changes: list[ChangedAttribute] = []
         self.places = {unit: elements.places(unit) for unit in (merged, *parts)}
         self.counts = {unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()}
         self.likeness: dict[int, elements.Likeness] = {}
@@ -66,7 +66,7 @@ class Comparison:
             self.find_renamed(each)
         self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in self.found}
 
-    def pair(self, select: str, item: Item, there: Item, each: Instance) -> None:
+    def pair(self, select: str, item: ModelElement, there: ModelElement, each: Instance) -> None:
         """Note an element of a part with its counterpart in the merged model."""
         self.covered.add(there.node)
         self.pairs.append(Pair(select, item, each, changes=self.changes(item, there, each), moved={}))
@@ -92,7 +92,7 @@ class Comparison:
                 self.new_names[id(each), namespace, name] = alike[0].name
                 new.remove(alike[0])
 
-    def renamed(self, item: Item, other: Item, each: Instance) -> bool:
+    def renamed(self, item: ModelElement, other: ModelElement, each: Instance) -> bool:
         if item.section != "worldbody" or other.section != "worldbody":
             return item.section == other.section and self.meant(item, each) == self.meant(other, None)
         if item.kind.tag != other.kind.tag or self.changes(item, other, each):
@@ -129,7 +129,7 @@ class Comparison:
         return found
 
     def edit(self, verbs: dict[str, str], rank: int = 0) -> None:
-        self.entries.append(Entry("edit", elements.flow(verbs), rank=rank))
+        self.entries.append(SectionEntry("edit", elements.flow(verbs), rank=rank))
 
     def pose(self, body: Node, unit: Unit) -> Pose:
         """Return the pose of a body in the body around it, including its frames."""
@@ -159,7 +159,7 @@ class Comparison:
             if item.kind.tag == "body":
                 self.unnamed(item.node, there.node, elements.selector_of("body", "body", each.out + name), each=each)
 
-    def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
+    def changes(self, before: ModelElement, after: ModelElement, each: Instance) -> dict[str, str | None]:
         """Return the values that differ between an element of the part and the merged model.
 
         The result is empty if both mean the same.
@@ -221,7 +221,9 @@ class Comparison:
             called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
             text = "null" if value is None else elements.written_value(attribute, self.name(attribute, value))
             settled.setdefault(called, {}).setdefault(tag, {})[name] = text
-            change = Changed("default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs))
+            change = ChangedAttribute(
+                "default class", called, f"{tag} {name}", *self.ends(pair, name, value), count=len(pairs)
+            )
             self.found_changes.append(change)
             for changed in pairs:
                 del changed.changes[name]
@@ -265,7 +267,7 @@ class Comparison:
         for name, value in pair.changes.items():
             ends = self.ends(pair, name, value)
             if ends[:2] != (None, None):
-                self.found_changes.append(Changed(pair.item.kind.tag, self.called(pair), name, *ends))
+                self.found_changes.append(ChangedAttribute(pair.item.kind.tag, self.called(pair), name, *ends))
         if pair.changes or pair.moved:
             verbs = {"select": pair.select} | ({"set": elements.flow(written)} if written else {})
             self.edit(verbs | ({"move": elements.flow(pair.moved)} if pair.moved else {}))
@@ -305,12 +307,12 @@ class Comparison:
             if there is not None:
                 kind = GRAMMAR.element(tag)
                 select = elements.selector_of(tag, tag, each.out + name)
-                item, other = (Item(one, kind, "asset", namespace=tag) for one in (node, there))
+                item, other = (ModelElement(one, kind, "asset", namespace=tag) for one in (node, there))
                 self.pair(select, item, other, each=each)
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by their references."""
-        there: dict[tuple[object, ...], Item] = {}
+        there: dict[tuple[object, ...], ModelElement] = {}
         for item in elements.items(self.merged):
             if not item.name and item.section != "worldbody":
                 there.setdefault(self.meant(item, None), item)
@@ -353,13 +355,13 @@ class Comparison:
                 self.unnamed(a.node, b.node, select, each=each)
         return dropped[::-1]  # a removal must not renumber the following ones
 
-    def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
+    def meant(self, item: ModelElement, each: Instance | None) -> tuple[object, ...]:
         """Return the identity of an unnamed element: its tag, and its references by their names in the merged model."""
         kind = item.section if item.section == "actuator" else item.kind.path  # MuJoCo writes all of them as `general`
         found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
         return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
 
-    def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
+    def moved(self, item: ModelElement, there: ModelElement, each: Instance) -> dict[str, str]:
         """Return the new parent of a body of a part, if it changed."""
         if item.kind.tag != "body" or item.node is each.root:
             return {}
@@ -389,7 +391,7 @@ class Comparison:
                     if tag == "body":
                         self.unnamed(a.node, b.node, select, each=each)
 
-    def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
+    def written(self, item: ModelElement) -> Iterator[tuple[str, Attribute, str]]:
         for name, attribute in item.kind.attributes.items():
             if item.node.get(name) is not None and name != "class":
                 yield name, attribute, str(item.node.get(name))
@@ -425,6 +427,6 @@ def _without_name(body: Node, tag: str) -> list[Node]:
     return [node for node in body.iterchildren(tag) if not node.get("name")]
 
 
-def _unnamed(body: Node, tag: str) -> list[Item]:
+def _unnamed(body: Node, tag: str) -> list[ModelElement]:
     kind = GRAMMAR.within("worldbody")[tag]
-    return [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]
+    return [ModelElement(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]

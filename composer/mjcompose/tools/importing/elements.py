@@ -19,8 +19,8 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.rotation import Pose, quat_from_zaxis
-from mjcompose.contrast.changes import Change, Value
-from mjcompose.contrast.models import Values, references
+from mjcompose.contrast.changes import FieldChange, Value
+from mjcompose.contrast.models import DifferingValues, references
 from mjcompose.link.numbers import read, read_pose
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS, NameTable
@@ -29,7 +29,7 @@ from mjcompose.text.faults import word
 from mjcompose.tools.importing.search import Instance
 from mjcompose.trace.query import kinds_in_order
 from mjcompose.tree.classes import childclass_of
-from mjcompose.tree.files import Settings
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 from mjcompose.tree.unit import Unit
 
@@ -59,7 +59,7 @@ def numbers(values: tuple[float, ...]) -> str:
 SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
 
 
-class Item(Struct):
+class ModelElement(Struct):
     """An element with or without a name; `namespace` is where its name must be unique."""
 
     node: Node
@@ -72,7 +72,7 @@ class Item(Struct):
         return str(self.node.get("name") or "")
 
 
-def items(unit: Unit) -> Iterator[Item]:
+def items(unit: Unit) -> Iterator[ModelElement]:
     """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
     for section in unit.root.iterchildren(*SECTIONS):
         kinds = GRAMMAR.within(str(section.tag))
@@ -80,14 +80,14 @@ def items(unit: Unit) -> Iterator[Item]:
             kind = kinds.get(str(node.tag))
             name = None if kind is None else kind.attributes.get("name")
             if node is not section and kind is not None and name is not None and name.declares is not None:
-                yield Item(node, kind, str(section.tag), namespace=name.declares)
+                yield ModelElement(node, kind, str(section.tag), namespace=name.declares)
 
 
-def named(unit: Unit) -> dict[tuple[str, str], Item]:
+def named(unit: Unit) -> dict[tuple[str, str], ModelElement]:
     return {(each.namespace, each.name): each for each in items(unit) if each.name}
 
 
-def effective(item: Item, unit: Unit) -> dict[str, str]:
+def effective(item: ModelElement, unit: Unit) -> dict[str, str]:
     """Return the values that an element writes or gets from its class, without names and classes."""
     around = childclass_of(item.node)
     names = (name for name in item.kind.attributes if name not in ("name", "class", "childclass"))
@@ -156,7 +156,7 @@ REMOVED = 10_000
 RENAMED = 20_000
 
 
-class Entry(Struct, frozen=False):
+class SectionEntry(Struct, frozen=False):
     """One entry of a section of the recipe; `note` is the reason if it is only a comment.
 
     Entries are in groups within a section, ordered by `rank`: removals by number come last.
@@ -173,13 +173,13 @@ class Pair(Struct):
     """An element of a part and its differences in the merged model; `select` is its selector in the recipe."""
 
     select: str
-    item: Item
+    item: ModelElement
     each: Instance
     changes: dict[str, str | None]
     moved: dict[str, str]
 
 
-class Changed(Struct):
+class ChangedAttribute(Struct):
     """An attribute whose value differs between the merged model and the parts.
 
     `kind` and `name` describe the element, or the class if `count` elements get the value from it. `before`
@@ -213,7 +213,7 @@ def written_value(attribute: Attribute, text: str) -> str:
 POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"})
 
 
-def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool) -> dict[str, str]:
+def plain(values: Mapping[str, str], tag: str, settings: SourceSettings, degrees: bool) -> dict[str, str]:
     """Return the values with joint angles in the given unit."""
     found = dict(values)
     if tag != "joint" or found.get("type") == "slide" or (settings.angle == "degree") == degrees:
@@ -225,7 +225,7 @@ def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool
     return found
 
 
-def pose_in(values: Mapping[str, str] | Node, settings: Settings) -> Pose:
+def pose_in(values: Mapping[str, str] | Node, settings: SourceSettings) -> Pose:
     """Return the pose that attributes describe under the compiler settings of their model."""
     return read_pose(values, settings.angle == "degree", settings.eulerseq)
 
@@ -233,7 +233,7 @@ def pose_in(values: Mapping[str, str] | Node, settings: Settings) -> Pose:
 Placed = tuple[Pose, list[float]]
 
 
-def placed(values: Mapping[str, str], settings: Settings) -> Placed | None:
+def placed(values: Mapping[str, str], settings: SourceSettings) -> Placed | None:
     """Return the pose and size that the values describe, or None if they are not numbers."""
     try:
         pose, size = pose_in(values, settings), read(values.get("size", ""))
@@ -294,7 +294,7 @@ def unchanged(mujoco: Any, alone: MjModel, merged: MjModel, given: Mapping[str, 
     mount = Mount(given["body"], None)
     matching = Correspondence(*tables, prefix=given["prefix"], mount=mount, renamed=given["names"], by_order=False)
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
-    for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
+    for each in (*references(matching), *DifferingValues(mujoco, matching, 0.0).changes()):
         if not about(each.field).is_computed and not is_rounding(each):
             changed[each.kind].add(each.index)
             if each.field in _MASSES:
@@ -312,7 +312,7 @@ def likeness_of(data: Mapping[str, Any]) -> Likeness:
     return Likeness(same, {kind: (a, b) for kind, (a, b) in data["counts"].items()})
 
 
-def is_rounding(change: Change) -> bool:
+def is_rounding(change: FieldChange) -> bool:
     """Return whether the numbers are the same to six digits; quaternions may have the opposite sign."""
     ours = numbers_likeness(change.before)
     theirs = numbers_likeness(change.after)

@@ -15,7 +15,7 @@ from mjcompose.language.repeat import FOR
 from mjcompose.text.dump import in_brackets
 from mjcompose.text.load import load
 from mjcompose.text.node import OPENING, to_python
-from mjcompose.tools.importing.elements import Entry
+from mjcompose.tools.importing.elements import SectionEntry
 
 FEWEST = 5
 """The smallest number of entries that become one."""
@@ -28,7 +28,7 @@ Values = tuple[Any, ...]
 class _Written(NamedTuple):
     """An entry and its data: the key, or None in a list, and the value."""
 
-    entry: Entry
+    entry: SectionEntry
     key: str | None
     value: Any
 
@@ -38,14 +38,14 @@ class _Written(NamedTuple):
         return self.entry.section, self.entry.group, self.entry.rank, _shape(self.key), _shape(self.value)
 
 
-def folded(entries: Sequence[Entry]) -> list[Entry]:
+def folded(entries: Sequence[SectionEntry]) -> list[SectionEntry]:
     """Return the entries with each run of at least `FEWEST` that differ in a pattern as one.
 
     >>> entries = [Entry("sensor", f"s{i}: {{type: force, site: arm{i + 1}/tip}}") for i in range(5)]
     >>> print(folded(entries)[0].text)
     "s${i}": {for: {i: 5}, type: force, site: "arm${i + 1}/tip"}
     """
-    result: list[Entry] = []
+    result: list[SectionEntry] = []
     for _, run in groupby(map(_read, entries), key=_shape_of):
         written = list(run)
         one = _one([each for each in written if isinstance(each, _Written)]) if len(written) >= FEWEST else None
@@ -53,7 +53,7 @@ def folded(entries: Sequence[Entry]) -> list[Entry]:
     return result
 
 
-def _read(entry: Entry) -> _Written | Entry:
+def _read(entry: SectionEntry) -> _Written | SectionEntry:
     if entry.note is not None or OPENING in entry.text:
         return entry
     tree = load(entry.text, "", sink := Sink())
@@ -65,7 +65,7 @@ def _read(entry: Entry) -> _Written | Entry:
     return _Written(entry, None, data)
 
 
-def _shape_of(each: _Written | Entry) -> object:
+def _shape_of(each: _Written | SectionEntry) -> object:
     return each.shape if isinstance(each, _Written) else id(each)
 
 
@@ -83,7 +83,7 @@ def _tokens(text: str) -> list[str]:
     return _TOKEN.findall(text)
 
 
-def _one(written: Sequence[_Written]) -> Entry | None:
+def _one(written: Sequence[_Written]) -> SectionEntry | None:
     """Return the entry that repeats for all these entries, or None if they differ in no pattern."""
     keys = [each.key for each in written]
     whole = [each.value if each.key is None else [each.key, each.value] for each in written]

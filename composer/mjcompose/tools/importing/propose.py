@@ -24,8 +24,8 @@ from mjcompose.sources.reference import SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
-from mjcompose.tools.importing.compare import Comparison
-from mjcompose.tools.importing.elements import Changed, Entry, Likeness, Names
+from mjcompose.tools.importing.compare import ChangeFinder
+from mjcompose.tools.importing.elements import ChangedAttribute, Likeness, Names, SectionEntry
 from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.grammar import GRAMMAR
@@ -42,7 +42,7 @@ class Proposal(Struct, frozen=False):
     """The recipe; `renamed` maps names of the merged model, by kind, to names in the recipe."""
 
     head: list[str]
-    entries: list[Entry]
+    entries: list[SectionEntry]
     found: list[Instance]
     renamed: dict[str, dict[str, str]] = field(default_factory=dict)
     alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
@@ -51,7 +51,7 @@ class Proposal(Struct, frozen=False):
     """The numbers of the merged model's keys without a name."""
     keys: dict[str, list[str]] = field(default_factory=dict)
     """By name of a key: the parts in the recipe that have one."""
-    changed: tuple[Changed, ...] = ()
+    changed: tuple[ChangedAttribute, ...] = ()
     """The values that the merged model and the recipe set differently from the parts."""
 
 
@@ -70,7 +70,7 @@ def propose(
     return _Proposer(merged, parts, references, relative=relative, likeness=likeness).proposal()
 
 
-class _Proposer(Comparison):
+class _Proposer(ChangeFinder):
     def proposal(self) -> Proposal:
         self.match_names()
         self.match_assets()
@@ -128,7 +128,7 @@ class _Proposer(Comparison):
                 if not name:
                     shown = {"name": quoted(""), **shown}
                     name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
-                self.entries.append(Entry("asset", f"{word(name)}: {elements.flow(shown)}", note, group=tag))
+                self.entries.append(SectionEntry("asset", f"{word(name)}: {elements.flow(shown)}", note, group=tag))
 
     def remove_keys(self) -> None:
         keys = [{str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)]
@@ -178,7 +178,7 @@ class _Proposer(Comparison):
             name = self.names.get(("body", str(parent.get("name"))))
             if name is None:
                 note = f"no part has the body `{parent.get('name')}` that it is attached to"
-                self.entries.append(Entry("attach", f"{each.key}: {elements.flow(values)}", note))
+                self.entries.append(SectionEntry("attach", f"{each.key}: {elements.flow(values)}", note))
                 return
             site = self.site(parent, pose)
             values |= {"site": word(site)} if site is not None else {"body": word(name)}
@@ -192,7 +192,7 @@ class _Proposer(Comparison):
             values["quat"] = elements.numbers(pose.quat)
         if dropped:
             values["drop"] = f"[{', '.join(dropped)}]"
-        self.entries.append(Entry("attach", f"{word(each.key)}: {elements.flow(values)}"))
+        self.entries.append(SectionEntry("attach", f"{word(each.key)}: {elements.flow(values)}"))
 
     def site(self, parent: Node, pose: Pose) -> str | None:
         """Return a part's site in this body with that pose."""
@@ -225,7 +225,7 @@ class _Proposer(Comparison):
             if ours[name] != theirs.get(name, elements.default_text(attributes[name]))
         }
         if values:
-            self.entries.append(Entry("compiler", elements.flow(values)))
+            self.entries.append(SectionEntry("compiler", elements.flow(values)))
 
     def settings(self) -> None:
         """Write settings of the whole model that differ from the base or from another part."""
@@ -245,7 +245,7 @@ class _Proposer(Comparison):
                 for tag in inner:
                     into = into.setdefault(tag, {})  # type: ignore[assignment]
                 into[name] = elements.written_value(attribute, value)
-        self.entries += [Entry(section, elements.nested(values)) for section, values in settled.items()]
+        self.entries += [SectionEntry(section, elements.nested(values)) for section, values in settled.items()]
 
     def left_over(self) -> None:
         """Write the elements of the merged model that no part has."""
@@ -262,21 +262,23 @@ class _Proposer(Comparison):
                 name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
                 note = None if name else "it is in a body without a name"
                 text = f"{{to: {word(name or '?')}, xml: {quoted(self.fragment(node))}}}"
-                self.entries.append(Entry("add", text, note))
+                self.entries.append(SectionEntry("add", text, note))
             elif item.section == "contact":
                 values = elements.flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
-                self.entries.append(Entry("contact", values, group=item.kind.tag))
+                self.entries.append(SectionEntry("contact", values, group=item.kind.tag))
             elif item.name:
                 key = item.name
                 if (item.namespace, key) in brought:  # the name is taken until the part's element is removed
                     key = self.label(item.section, f"{key}_new")
                     select = elements.selector_of(item.namespace, item.kind.tag, key)
                     self.edit({"select": select, "rename": word(item.name)}, elements.RENAMED)
-                self.entries.append(Entry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"))
+                self.entries.append(
+                    SectionEntry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}")
+                )
             else:
                 key = self.label(item.section, item.kind.tag)
                 text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(node))}}}"
-                self.entries.append(Entry(item.section, text))
+                self.entries.append(SectionEntry(item.section, text))
 
     def is_empty(self, frame: Node) -> bool:
         """Return whether an unnamed frame holds only elements of the parts."""
@@ -302,14 +304,14 @@ class _Proposer(Comparison):
         return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
 
 
-class OfUrdf(Struct):
+class UrdfProposal(Struct):
     """The text of the recipe, and a row for each kind of element with its place."""
 
     text: str
     rows: tuple[ReadRow, ...]
 
 
-def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
+def of_urdf(path: Path, target: Path, context: Context) -> UrdfProposal | None:
     """Return a recipe for a URDF that builds, or None if the URDF has faults, which are reported."""
     try:
         source = resolve(str(path.absolute()), relative_to=target.parent, environment=context.environment)
@@ -342,7 +344,7 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
         lines.append(f"  allow: [{UNREAD}]")
     if unit.root.find("actuator") is None and any(each.get("name") for each in unit.root.iter("joint")):
         lines += ["", "# The file commands no joint: `actuators: all` in `urdf` gives each of them a motor."]
-    return OfUrdf("\n".join(lines) + "\n", unit.table)
+    return UrdfProposal("\n".join(lines) + "\n", unit.table)
 
 
 def table(rows: tuple[ReadRow, ...]) -> list[str]:
@@ -363,15 +365,15 @@ _ORDER = (
 ).split()
 
 
-def in_order(entries: Iterable[Entry]) -> list[Entry]:
+def in_order(entries: Iterable[SectionEntry]) -> list[SectionEntry]:
     """Return entries in the order in which the recipe has them."""
     return sorted(entries, key=lambda entry: (_ORDER.index(entry.section), entry.group, entry.rank))
 
 
-def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
+def recipe_text(proposal: Proposal) -> tuple[str, dict[int, SectionEntry]]:
     """Return the text, and the entry on each line (from 1). Entries with a note are comments."""
     lines = list(proposal.head)
-    places: dict[int, Entry] = {}
+    places: dict[int, SectionEntry] = {}
     for section in _ORDER:
         entries = [entry for entry in proposal.entries if entry.section == section]
         if not entries:

@@ -16,12 +16,12 @@ from mjcompose.base.files import unsaved
 from mjcompose.base.report import counted
 from mjcompose.bundle.bundle import MODEL, Bundle
 from mjcompose.bundle.staging import sibling
-from mjcompose.contrast.changes import Change, Contrast, Value
+from mjcompose.contrast.changes import Contrast, FieldChange, Value
 from mjcompose.contrast.models import contrast, contrast_of
 from mjcompose.contrast.text import sentences, shown, subject
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco.engine import Session, call, compile
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.faults import word
 from mjcompose.tools.importing import elements
@@ -36,30 +36,30 @@ _TOLERANCE = 1e-7
 _MERGED = "merged"
 
 
-class Outcome(Struct):
+class RecoveryDifferences(Struct):
     """The differences of the recipe's model, B, from the merged model, A, with the recipe's names.
 
     `rounded` are numbers that are equal to six digits only: MuJoCo writes six when it saves a model.
     """
 
-    changes: tuple[Change, ...] = ()
-    rounded: tuple[Change, ...] = ()
+    changes: tuple[FieldChange, ...] = ()
+    rounded: tuple[FieldChange, ...] = ()
 
     @property
     def same(self) -> bool:
         return not self.changes
 
 
-def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
+def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[FieldChange]:
     """Return the removals of unnamed keys, which `contrast` cannot match."""
     keys = [each.what for each in seen.changes if each.kind == "key"]
     before, after = seen.elements["key"]
     lost = (before - keys.count("removed")) - (after - keys.count("added"))
     numbers = proposal.nameless_keys[: max(lost, 0)]
-    return [Change("removed", "key", f"#{number}", index=(number, -1)) for number in numbers]
+    return [FieldChange("removed", "key", f"#{number}", index=(number, -1)) for number in numbers]
 
 
-def _only_name(change: Change, proposal: Proposal) -> bool:
+def _only_name(change: FieldChange, proposal: Proposal) -> bool:
     """Return whether only names or signs differ.
 
     That is an equal asset under another name, or an additional one, or a negated quaternion.
@@ -79,9 +79,9 @@ def _only_name(change: Change, proposal: Proposal) -> bool:
     return there in names or (own is not None and any(proposal.alike.get(name) == own for name in names))
 
 
-def changed(facts: tuple[elements.Changed, ...]) -> Iterator[str]:
+def changed(facts: tuple[elements.ChangedAttribute, ...]) -> Iterator[str]:
     """Yield one line for each changed attribute: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
-    alike: dict[elements.Changed, list[elements.Changed]] = defaultdict(list)
+    alike: dict[elements.ChangedAttribute, list[elements.ChangedAttribute]] = defaultdict(list)
     for each in facts:
         alike[replace(each, name="")].append(each)
     for each, several in alike.items():
@@ -92,7 +92,7 @@ def changed(facts: tuple[elements.Changed, ...]) -> Iterator[str]:
         yield f"{of}: {each.attribute} {before} → {after}{alone}"
 
 
-def left(outcome: Outcome, merged: str) -> Iterator[str]:
+def left(outcome: RecoveryDifferences, merged: str) -> Iterator[str]:
     """Yield one line for each remaining difference between the recipe's model and the merged one.
 
     Differences that follow from others are only counted.
@@ -135,7 +135,7 @@ class Recovered(Struct):
     proposal: Proposal
     bundle: Bundle | None
     faults: tuple[Diagnostic, ...]
-    outcome: Outcome | None
+    outcome: RecoveryDifferences | None
     refused: str | None = None
 
 
@@ -237,7 +237,7 @@ class _Recovery:
         self.compared = self.compared or answer.ok
         return elements.likeness_of(answer.value) if answer.ok else elements.Likeness()
 
-    def outcome(self, proposal: Proposal, bundle: Bundle | None) -> Outcome | None:
+    def outcome(self, proposal: Proposal, bundle: Bundle | None) -> RecoveryDifferences | None:
         """Return the differences of the last built model from the merged model, or None if they cannot be compared."""
         if bundle is None or self.refused is not None:
             return None
@@ -249,7 +249,7 @@ class _Recovery:
         found = [each for each in seen.changes if not _only_name(each, proposal)]
         found += _lost_without_name(seen, proposal)
         rounded = [each for each in found if each.what == "changed" and elements.is_rounding(each)]
-        return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
+        return RecoveryDifferences(tuple(each for each in found if each not in rounded), tuple(rounded))
 
     def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
         relative = partial(_reference, folder=self.out.parent)
@@ -272,13 +272,15 @@ class _Recovery:
         outcome = self.outcome(proposal, bundle)
         missing = [key.name for key in _lost_keys(outcome) if _has_name(key)]
         if missing:  # with a key of that name, its values can be compared
-            blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
+            blank = [elements.SectionEntry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
             outcome = self.outcome(proposal, bundle)
         keys = keyframes(outcome.changes if outcome is not None else (), proposal, missing)
         note = "a key without a name, which a recipe cannot write"
         numbers = [key.index[0] for key in _lost_keys(outcome) if not _has_name(key)]
-        proposal.entries += [elements.Entry("keyframe", f"key_{number}: {{}}", note) for number in numbers] + keys
+        proposal.entries += [
+            elements.SectionEntry("keyframe", f"key_{number}: {{}}", note) for number in numbers
+        ] + keys
         text, _ = recipe_text(proposal)
         if keys:
             progress("trying the recipe with its keyframes")
@@ -293,7 +295,7 @@ class _Recovery:
         trial = sibling(out, "trial")  # which is never written
         own = Context(environment=context.environment, folder=context.folder)
         with unsaved({os.path.realpath(trial): text.encode()}):
-            result = build(Request(trial), own, session=self.session)
+            result = build(ModelRequest(trial), own, session=self.session)
         faults = []
         for each in own.sink.errors:
             is_here = each.span is not None and each.span.file == own.shown(trial)
@@ -307,16 +309,18 @@ def _reference(path: Path, folder: Path) -> str:
     return relative if relative.startswith(".") else f"./{relative}"
 
 
-def _lost_keys(outcome: Outcome | None) -> list[Change]:
+def _lost_keys(outcome: RecoveryDifferences | None) -> list[FieldChange]:
     changes = outcome.changes if outcome is not None else ()
     return [change for change in changes if change.kind == "key" and change.what == "removed"]
 
 
-def _has_name(key: Change) -> bool:
+def _has_name(key: FieldChange) -> bool:
     return not key.name.startswith("#")
 
 
-def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[elements.Entry]:
+def keyframes(
+    changes: Collection[FieldChange], proposal: Proposal, missing: Collection[str] = ()
+) -> list[elements.SectionEntry]:
     """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
 
     No part has numbers for the keys in `missing`.
@@ -334,5 +338,5 @@ def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collecti
         sources = [] if name in missing else proposal.keys.get(name, [])
         parts = {"from": elements.flow(dict.fromkeys(sources, word(name)))} if sources else {}
         fields = {field: elements.flow(values) for field, values in row.items()}
-        entries.append(elements.Entry("keyframe", f"{word(name)}: {elements.flow(parts | fields)}"))
+        entries.append(elements.SectionEntry("keyframe", f"{word(name)}: {elements.flow(parts | fields)}"))
     return entries

@@ -12,18 +12,18 @@ from typing import TypeAlias
 from lxml.etree import _Element as Node
 
 from mjcompose.tools.migrate import rules
-from mjcompose.tools.migrate.editing import Act, Change, Editing, called, later
+from mjcompose.tools.migrate.editing import Act, Change, Migration, called, later
 from mjcompose.tree.grammar import version_key
 from mjcompose.tree.values import parse_real
 
 Acts: TypeAlias = tuple[Act, Act]
-Matches: TypeAlias = "Callable[[Editing, Node], bool]"
+Matches: TypeAlias = "Callable[[Migration, Node], bool]"
 
 
 def rename(places: str, names: dict[str, str], words: dict[str, str] | None = None) -> Acts:
     """Rename attributes, and translate their values by `words`."""
 
-    def act(editing: Editing, names: dict[str, str], words: dict[str, str] | None) -> None:
+    def act(editing: Migration, names: dict[str, str], words: dict[str, str] | None) -> None:
         pairs = ((*pair, node) for pair in names.items() for node in editing.at(*places.split()))
         for old, new, node in pairs:
             value = node.get(old)
@@ -46,7 +46,7 @@ def keep_default(setting: str, was: str, now: str) -> Acts:
     """Write the old default of a setting of the whole model, if the model does not write the setting."""
     path, _, attribute = setting.rpartition("/")
 
-    def act(editing: Editing, value: str) -> None:
+    def act(editing: Migration, value: str) -> None:
         if any(node.get(attribute) is not None for node in editing.at(path)):
             return
         if editing.stage_reads(path, attribute):
@@ -60,7 +60,7 @@ def keep_default(setting: str, was: str, now: str) -> Acts:
 def drop(places: str, attribute: str, harmless: str | None = None, lost: str = "") -> tuple[Act, None]:
     """Remove an attribute that MuJoCo no longer reads; warn with `lost` if its value is not `harmless`."""
 
-    def carry_out(editing: Editing) -> None:
+    def carry_out(editing: Migration) -> None:
         for node in editing.at(*places.split()):
             value = node.get(attribute)
             if value is not None and lost and value != harmless:
@@ -77,7 +77,7 @@ def _report(
     help: str | None,
     matches: Matches = lambda editing, node: True,
 ) -> Acts:
-    def carry_out(editing: Editing) -> None:
+    def carry_out(editing: Migration) -> None:
         for node in editing.at(*places.split()):
             if matches(editing, node):
                 report(editing, node, message.format(called=called(node)), help=help)
@@ -85,8 +85,8 @@ def _report(
     return carry_out, carry_out
 
 
-advise = partial(_report, Editing.warn)
-refuse = partial(_report, Editing.refuse)
+advise = partial(_report, Migration.warn)
+refuse = partial(_report, Migration.refuse)
 """Report each matching element, which no rule can migrate: as a warning, or as an error."""
 
 
@@ -95,7 +95,7 @@ def _plugin(name: str, version: str, plugins: tuple[str, ...], places: str, help
     return Change(name, version, (refuse("extension/plugin " + places, message, help, matches=matches)[0], None))
 
 
-def _keep_colors(editing: Editing, value: str) -> None:
+def _keep_colors(editing: Migration, value: str) -> None:
     for node in editing.at("asset/texture"):
         has_file = any(str(name).startswith("file") for name in node.attrib)
         is_default = has_file and editing.value(node, "colorspace") is None
@@ -103,7 +103,7 @@ def _keep_colors(editing: Editing, value: str) -> None:
             editing.set(node, "colorspace", value)
 
 
-def _internal(editing: Editing, word: str) -> None:
+def _internal(editing: Migration, word: str) -> None:
     for flex in editing.at("body/flexcomp", "deformable/flex"):
         contacts = list(flex.iterchildren("contact"))
         if any(each.get("internal") is not None for each in contacts):
@@ -117,7 +117,7 @@ def _internal(editing: Editing, word: str) -> None:
             editing.insert(flex, "contact", {"internal": word})
 
 
-def _headlight_back(editing: Editing) -> None:
+def _headlight_back(editing: Migration) -> None:
     """Write `1` for `auto`, a word that only 4.0 has."""
     words = {"true": "1", "false": "0", "auto": "1", "2": "1"}
     for node in editing.at("visual/headlight"):
@@ -126,7 +126,7 @@ def _headlight_back(editing: Editing) -> None:
             editing.set(node, "active", words[value])
 
 
-def _dampratio(editing: Editing) -> None:
+def _dampratio(editing: Migration) -> None:
     """Write the damping that the earlier version computed; only that version of MuJoCo can compute it."""
     measured = editing.values.get("kv")
     for node in editing.root.iterfind("actuator/*"):
@@ -144,28 +144,28 @@ def _dampratio(editing: Editing) -> None:
             editing.set(node, "kv", known)
 
 
-def _is_weighed_mesh(editing: Editing, node: Node) -> bool:
+def _is_weighed_mesh(editing: Migration, node: Node) -> bool:
     if editing.value(node, "type") != "mesh" or editing.value(node, "mass") is not None:
         return False
     body = next(each for each in node.iterancestors() if each.tag not in ("frame", "replicate"))
     return body.tag == "body" and body.find("inertial") is None
 
 
-def _is_fitted_to_box(editing: Editing, node: Node) -> bool:
+def _is_fitted_to_box(editing: Migration, node: Node) -> bool:
     fits_boxes = any(each.get("fitaabb") == "true" for each in editing.at("compiler"))
     is_mesh = (editing.value(node, "type") or "sphere") in ("mesh", "sdf")
     return fits_boxes and not is_mesh and editing.value(node, "mesh") is not None
 
 
-def _has_motor_inputs(editing: Editing, node: Node) -> bool:
+def _has_motor_inputs(editing: Migration, node: Node) -> bool:
     return node.get("controller") is not None or not set((node.get("input") or "voltage").split()) <= {"voltage"}
 
 
-def _is_mocap_with_geoms(editing: Editing, node: Node) -> bool:
+def _is_mocap_with_geoms(editing: Migration, node: Node) -> bool:
     return node.get("mocap") == "true" and next(node.iter("geom"), None) is not None
 
 
-def _turns_by_rk4(editing: Editing, node: Node) -> bool:
+def _turns_by_rk4(editing: Migration, node: Node) -> bool:
     return node.get("integrator") == "RK4" and any(
         next(each.root.iter("freejoint"), None) is not None
         or any(each.value(joint, "type") in ("ball", "free") for joint in each.at("body/joint"))

@@ -12,7 +12,7 @@ import numpy as np
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.arrays import UNSAID, about
 from mjcompose.mujoco.attributes import KINDS
-from mjcompose.mujoco.environments import Compiled
+from mjcompose.mujoco.environments import CompiledByVersion
 from mjcompose.tools.migrate.editing import later
 
 FLAGS = {
@@ -55,7 +55,7 @@ _ALIASES = {
 }
 
 
-class Difference(Struct):
+class ArrayDifference(Struct):
     """A difference in one array; `element` is the first one that differs, and `count` is their number."""
 
     array: str
@@ -69,10 +69,10 @@ class Difference(Struct):
         return f"`{self.array}` of {self.element}{more}: {self.before} before, {self.after} now"
 
 
-class Outcome(Struct, frozen=False):
+class ArrayComparison(Struct, frozen=False):
     """`equal` arrays agree bit for bit, `rounded` arrays up to rounding; `apart` cannot be compared."""
 
-    differences: list[Difference] = field(default_factory=list)
+    differences: list[ArrayDifference] = field(default_factory=list)
     equal: list[str] = field(default_factory=list)
     rounded: list[str] = field(default_factory=list)
     apart: list[str] = field(default_factory=list)
@@ -88,9 +88,9 @@ class Outcome(Struct, frozen=False):
         return frozenset((*self.equal, *self.rounded))
 
 
-def compare(before: Compiled, after: Compiled) -> Outcome:
+def compare(before: CompiledByVersion, after: CompiledByVersion) -> ArrayComparison:
     """Compare two models, both compiled without error."""
-    outcome = Outcome()
+    outcome = ArrayComparison()
     one = _Side.of(before)
     two = _Side.of(after)
     _combine_margins(one, two, outcome)
@@ -106,7 +106,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
         if words[0] == words[1]:
             outcome.equal.append(f"flags.{flag}")
         else:
-            outcome.differences.append(Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1))
+            outcome.differences.append(ArrayDifference(f"flags.{flag}", "the model", words[0], after=words[1], count=1))
     return outcome
 
 
@@ -119,7 +119,7 @@ class _Side(Struct, frozen=False):
     """The size of the mesh of each triangle."""
 
     @classmethod
-    def of(cls, compiled: Compiled) -> _Side:
+    def of(cls, compiled: CompiledByVersion) -> _Side:
         assert compiled.arrays is not None
         with np.load(compiled.arrays, allow_pickle=False) as stored:
             arrays = {_ALIASES.get(name, name): stored[name] for name in stored.files}
@@ -205,7 +205,7 @@ def _matrices(quats: Array) -> Array:
     return np.stack(rows, axis=-1).reshape(-1, 3, 3)
 
 
-def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
+def _combine_margins(one: _Side, two: _Side, outcome: ArrayComparison) -> None:
     """Compare margins of contacts if one version uses the sum of both geoms' margins and the other the larger one."""
     is_same_rule = later(_SUMS, one.version) == later(_SUMS, two.version)
     if is_same_rule or len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
@@ -221,7 +221,7 @@ def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
             side.arrays[f"contact_{name}"] = each(values, values)
 
 
-def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
+def _settle_surfaces(one: _Side, two: _Side, outcome: ArrayComparison) -> None:
     """Treat meshes with different triangles as equal if their surface is equal."""
     x = one.arrays["mesh_face"]
     y = two.arrays["mesh_face"]
@@ -308,7 +308,7 @@ def _measures(triangles: Array) -> Array:
     return np.concatenate([corners.min(axis=0), corners.max(axis=0), center, sizes])
 
 
-def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
+def _pairs(one: _Side, two: _Side, outcome: ArrayComparison) -> dict[str, Array]:
     """Return the places in the second model of the elements of the first, for kinds whose order differs."""
     found: dict[str, Array] = {}
     for kind, names in one.names.items():
@@ -321,7 +321,7 @@ def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
             if several := [key for key in here if key not in there]:
                 name = several[0][0]
                 element = f"a {kind} without a name" if name is None else f"{kind} `{name}`"
-                outcome.differences.append(Difference(f"{kind} names", element, *words, len(several)))
+                outcome.differences.append(ArrayDifference(f"{kind} names", element, *words, len(several)))
         if sorted(keys, key=str) == sorted(others, key=str):
             found[kind] = np.array([others.index(each) for each in keys])
     return found
@@ -332,7 +332,7 @@ def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
     return [(name, names[:at].count(name)) for at, name in enumerate(names)]
 
 
-def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:
+def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: ArrayComparison) -> None:
     x = one.arrays.get(array)
     y = two.arrays.get(array)
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
@@ -360,10 +360,10 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
         return
     row, element, count = _first(array, wrong, one)
     before, after = (_shown_at(row, values) for values in (x, y))
-    outcome.differences.append(Difference(array, element, before, after=after, count=count))
+    outcome.differences.append(ArrayDifference(array, element, before, after=after, count=count))
 
 
-def _compare_one_sided(array: str, one: _Side, two: _Side, outcome: Outcome) -> None:
+def _compare_one_sided(array: str, one: _Side, two: _Side, outcome: ArrayComparison) -> None:
     """Compare an array of which at most one version has values."""
     before = one.arrays.get(array)
     is_new = before is None or not before.size
@@ -418,7 +418,7 @@ def _close(x: Array, y: Array, scale: Array | None = None) -> Array:
     return same | near
 
 
-def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcome) -> None:
+def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, outcome: ArrayComparison) -> None:
     """Compare an array that only one version has with the values that it has if nobody writes it."""
     if array in ("light_type", "light_directional"):
         return
@@ -433,7 +433,7 @@ def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, 
     row, element, count = _first(array, wrong, side)
     words = ["absent", _shown_at(row, values)]
     before, after = words if is_new else reversed(words)
-    outcome.differences.append(Difference(array, element, before, after=after, count=count))
+    outcome.differences.append(ArrayDifference(array, element, before, after=after, count=count))
 
 
 def _flags(side: _Side) -> dict[str, bool]:

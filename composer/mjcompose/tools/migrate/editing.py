@@ -71,7 +71,7 @@ class Markup(Struct, frozen=False):
         return found
 
 
-class Source(Struct, frozen=False):
+class MigratedFile(Struct, frozen=False):
     """A file of a model: its markup, and the nodes of its elements (None: an `<include>` or a root)."""
 
     markup: Markup
@@ -202,7 +202,7 @@ def is_made(node: Node) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class MigrationStep:
     """One edit: its change, its place, and its words."""
 
     change: str
@@ -220,7 +220,7 @@ class Meaning(Struct):
     arrays: tuple[str, ...] = ()
 
 
-Act: TypeAlias = "Callable[[Editing], None]"
+Act: TypeAlias = "Callable[[Migration], None]"
 
 
 class Change(Struct):
@@ -237,7 +237,7 @@ class Change(Struct):
     since: str = "3.0.0"
 
 
-class Editing(Struct, frozen=False):
+class Migration(Struct, frozen=False):
     """`before` and `after` are the versions of the model before and after the migration.
 
     `whole` has the model and the models that it attaches, each with its own tree; it may be only the model itself.
@@ -248,12 +248,12 @@ class Editing(Struct, frozen=False):
     before: str
     after: str
     change: Change | None = None
-    steps: list[Step] = field(default_factory=list)
+    steps: list[MigrationStep] = field(default_factory=list)
     meanings: list[Meaning] = field(default_factory=list)
     renamed: dict[Node, dict[str, str]] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
     refused: set[Node] = field(default_factory=set)
-    whole: list[Editing] = field(default_factory=list)
+    whole: list[Migration] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.whole = self.whole or [self]
@@ -307,7 +307,7 @@ class Editing(Struct, frozen=False):
         return self.unit.origins.span(node, self.unit.file, attribute, key=key)
 
     def note(self, node: Node, words: str, attribute: str | None = None) -> None:
-        self.steps.append(Step(self.name, self.span(node, attribute), words))
+        self.steps.append(MigrationStep(self.name, self.span(node, attribute), words))
 
     def set(self, node: Node, attribute: str, value: str) -> None:
         had = node.get(attribute)
@@ -382,20 +382,20 @@ def called(node: Node) -> str:
     return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
 
 
-class Piece(Struct, frozen=False, eq=False):
+class NestedModel(Struct, frozen=False, eq=False):
     """A model with its attached models, by the names in its `<attach>` elements."""
 
     unit: Unit
-    attached: dict[str, Piece] = field(default_factory=dict)
+    attached: dict[str, NestedModel] = field(default_factory=dict)
 
 
 class Pieces(Struct, frozen=False):
     """A model and all attached models, each once, the model itself first; `left` reports files that stay unchanged."""
 
     context: Context
-    every: list[Piece] = field(default_factory=list)
+    every: list[NestedModel] = field(default_factory=list)
     left: list[Meaning] = field(default_factory=list)
-    _known: dict[str, Piece] = field(default_factory=dict)
+    _known: dict[str, NestedModel] = field(default_factory=dict)
 
     @classmethod
     def of(cls, unit: Unit, context: Context) -> Pieces:
@@ -404,9 +404,9 @@ class Pieces(Struct, frozen=False):
         found._read(unit, (os.path.realpath(unit.directory / os.path.basename(unit.file)),))
         return found
 
-    def _read(self, unit: Unit, above: tuple[str, ...]) -> Piece:
+    def _read(self, unit: Unit, above: tuple[str, ...]) -> NestedModel:
         """`above` are the files that lead to it, and its own, because MuJoCo 4.0 crashes if a model attaches itself."""
-        piece = Piece(unit)
+        piece = NestedModel(unit)
         self.every.append(piece)
         for element in unit.root.iterfind("asset/model"):
             file = str(element.get("file") or "")
@@ -432,7 +432,7 @@ class Pieces(Struct, frozen=False):
             piece.attached[str(element.get("name") or inner.unit.model)] = inner
         return piece
 
-    def measured(self, piece: Piece, values: Mapping[str, object]) -> dict[str, object]:
+    def measured(self, piece: NestedModel, values: Mapping[str, object]) -> dict[str, object]:
         """Return the measured values by the names that a piece has for its own actuators.
 
         An actuator that is attached several times has a value if all copies have the same value.
@@ -446,7 +446,7 @@ class Pieces(Struct, frozen=False):
         return {"kv": {name: each.pop() for name, each in several.items() if len(each) == 1 and None not in each}}
 
 
-def _placed(piece: Piece, prefix: str) -> Iterator[tuple[Piece, str]]:
+def _placed(piece: NestedModel, prefix: str) -> Iterator[tuple[NestedModel, str]]:
     """Yield the pieces as MuJoCo attaches them, with the prefix of their names."""
     yield piece, prefix
     for attach in piece.unit.root.iter("attach"):

@@ -20,14 +20,23 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.arrays import with_trait
-from mjcompose.mujoco.environments import Compiled, Other, kept, open_python, this_python
+from mjcompose.mujoco.environments import CompiledByVersion, Other, kept, open_python, this_python
 from mjcompose.mujoco.messages import parse
 from mjcompose.mujoco.programs import MissingError, ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.tools.migrate.changes import ORDERED, between
-from mjcompose.tools.migrate.compare import Outcome, compare
-from mjcompose.tools.migrate.editing import Editing, Markup, MarkupError, Meaning, Pieces, Source, Step, later
+from mjcompose.tools.migrate.compare import ArrayComparison, compare
+from mjcompose.tools.migrate.editing import (
+    Markup,
+    MarkupError,
+    Meaning,
+    MigratedFile,
+    Migration,
+    MigrationStep,
+    Pieces,
+    later,
+)
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.grammar import number_text, version_key
 from mjcompose.tree.history import RELEASED, default_of, place, release, unread
@@ -106,7 +115,7 @@ class Migrated(Struct, frozen=False):
     after: str
     files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
     assets: tuple[Path, ...] = ()
-    steps: tuple[Step, ...] = ()
+    steps: tuple[MigrationStep, ...] = ()
     meanings: tuple[Meaning, ...] = ()
     adopted: tuple[str, ...] = ()
 
@@ -134,7 +143,7 @@ def migrate(
     """
     pieces = Pieces.of(unit, context)
     found = [(each.unit, pieces.measured(each, values or {})) for each in pieces.every]
-    whole = [Editing(unit, context.sink, before, after=after, values=own) for unit, own in found]
+    whole = [Migration(unit, context.sink, before, after=after, values=own) for unit, own in found]
     sources = [_sources(editing.unit, context) for editing in whole]
     if context.sink.errors:
         return None
@@ -161,7 +170,7 @@ def migrate(
     return result
 
 
-def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
+def _carried_out(whole: list[Migration], adopt: Collection[str]) -> list[str]:
     """Change all models, one change after the other; return the changes that the user adopts."""
     acts = [(change, act) for change, act in between(whole[0].before, whole[0].after) if act is not None]
     for change, act in acts:
@@ -179,7 +188,7 @@ def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str]:
     return [change.name for change, _ in acts if change.name in adopt]
 
 
-def _leave_out(editing: Editing) -> None:
+def _leave_out(editing: Migration) -> None:
     """Remove attributes that the other version lacks if they change nothing there; report the others as errors."""
     for found in list(unread(editing.root, editing.after)):
         node = found.node
@@ -230,19 +239,19 @@ _OF_THE_ENGINE = frozenset(
 """Ways to simulate that earlier versions lack; the model is the same without them."""
 
 
-def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]]:
+def _sources(unit: Unit, context: Context) -> dict[Path, tuple[MigratedFile, bytes]]:
     """Return the files of a unit with their nodes; report a text whose form differs from the tree."""
     nodes: dict[str, list[Node]] = defaultdict(list)
     for node in unit.root.iter("*"):
         nodes[str(unit.origins.owner(node, unit.file))].append(node)
-    result: dict[Path, tuple[Source, bytes]] = {}
+    result: dict[Path, tuple[MigratedFile, bytes]] = {}
     for file in dict.fromkeys((unit.file, *unit.origins.texts)):
         inside = os.path.relpath(file, os.path.dirname(unit.file) or ".")
         path = Path(os.path.normpath(unit.directory / inside))
         data = unit.door.read(path)
         try:
             markup = Markup.read(data.removeprefix(_MARK).decode("utf-8", "surrogateescape"))
-            result[path] = Source(markup, _matched(markup, nodes[file], file != unit.file)), data
+            result[path] = MigratedFile(markup, _matched(markup, nodes[file], file != unit.file)), data
         except MarkupError:
             _cannot_edit(path, context)
     return result
@@ -273,9 +282,9 @@ def _assets(unit: Unit) -> Iterator[Path]:
 class Proof(Struct, frozen=False):
     """`before` and `after` are the compiled models, or None without that version of MuJoCo."""
 
-    before: Compiled | None = None
-    after: Compiled | None = None
-    outcome: Outcome | None = None
+    before: CompiledByVersion | None = None
+    after: CompiledByVersion | None = None
+    outcome: ArrayComparison | None = None
 
 
 class Prover(Struct, frozen=False):
@@ -284,9 +293,9 @@ class Prover(Struct, frozen=False):
     folder: Path
     others: Mapping[str, Other]
     progress: Callable[[str], None]
-    known: dict[str, Compiled] = field(default_factory=dict)
+    known: dict[str, CompiledByVersion] = field(default_factory=dict)
 
-    def original(self, migrated_from: str, model: Path) -> Compiled | None:
+    def original(self, migrated_from: str, model: Path) -> CompiledByVersion | None:
         """Compile the model in its place with the MuJoCo of its own version. Raises ProgramError."""
         if migrated_from in self.others and migrated_from not in self.known:
             self.progress(f"compiling {model.name} with MuJoCo {migrated_from}")
@@ -305,7 +314,7 @@ class Prover(Struct, frozen=False):
         return proof
 
 
-def measured(compiled: Compiled | None) -> dict[str, object]:
+def measured(compiled: CompiledByVersion | None) -> dict[str, object]:
     """Return the damping of each actuator of the original model, which a change needs."""
     if compiled is None or compiled.arrays is None:
         return {}
@@ -348,7 +357,7 @@ _FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
 """Values that MuJoCo computes from masses and places."""
 
 
-class Wish(Struct):
+class MigrateRequest(Struct):
     """The request. `pythons` have other versions of MuJoCo; with `proves`, both versions must be there."""
 
     model: str
@@ -370,7 +379,7 @@ class Result(Struct, frozen=False):
     unexplained: list[str] = field(default_factory=list)
 
 
-def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result | None:
+def run(wish: MigrateRequest, context: Context, progress: Callable[[str], None]) -> Result | None:
     """Migrate without writing; return None if it fails, which is reported."""
     path = found_model(wish.model, context)
     unit = None if path is None else read(path, context)
@@ -467,7 +476,7 @@ def _report_meanings(result: Result, context: Context) -> None:
             context.sink.warning("migrate-changed", meaning.message, meaning.span, help=meaning.help, cause=cause)
 
 
-def _sort_differences(result: Result, outcome: Outcome) -> None:
+def _sort_differences(result: Result, outcome: ArrayComparison) -> None:
     """Sort the differences into those that an adopted change or a changed meaning explains, and the others."""
     migrated = result.migrated
     adopted = [change.arrays for change in ORDERED if change.name in migrated.adopted]

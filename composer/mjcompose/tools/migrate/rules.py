@@ -8,7 +8,7 @@ from itertools import takewhile
 
 from lxml.etree import _Element as Node
 
-from mjcompose.tools.migrate.editing import Editing, called, later
+from mjcompose.tools.migrate.editing import Migration, called, later
 from mjcompose.tree.classes import DefaultClass, childclass_of, default_tag
 from mjcompose.tree.files import stem
 from mjcompose.tree.grammar import number_text
@@ -19,12 +19,12 @@ _GEOMS = ("body/geom", "default/geom")
 _HAVE_BOTH = (*_GEOMS, "contact/pair", "default/pair", "body/flexcomp/contact", "deformable/flex/contact")
 
 
-def _number(editing: Editing, node: Node, name: str) -> float:
+def _number(editing: Migration, node: Node, name: str) -> float:
     words = (editing.value(node, name) or "").split()
     return (parse_real(words[0]) if words else None) or 0.0
 
 
-def _shift(editing: Editing, sign: float) -> None:
+def _shift(editing: Migration, sign: float) -> None:
     had = {node: (_number(editing, node, "margin"), _number(editing, node, "gap")) for node in editing.at(*_HAVE_BOTH)}
     of_classes = {default_tag(node) for node, (_, gap) in had.items() if gap and place(node).startswith("default/")}
     for node, (margin, gap) in had.items():
@@ -43,7 +43,7 @@ gap_outside = partial(_shift, sign=1.0)
 """Since 3.9 the force begins at the margin; before, at the margin less the gap."""
 
 
-def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
+def _combine(editing: Migration, factor: float, was: str, now: str) -> None:
     if editing is not editing.whole[0]:
         return  # a geom touches the geoms of all attached models
     for name in ("margin", "gap"):
@@ -70,11 +70,11 @@ sum_of_two = partial(_combine, factor=2.0, was="the sum", now="the larger")
 """Since 3.5 a contact has the sum of the margins of its two geoms; before, the larger margin."""
 
 
-def _collides(editing: Editing, node: Node) -> bool:
+def _collides(editing: Migration, node: Node) -> bool:
     return any(editing.value(node, name) != "0" for name in ("contype", "conaffinity"))
 
 
-def _is_copied(editing: Editing, node: Node) -> bool:
+def _is_copied(editing: Migration, node: Node) -> bool:
     """Return whether the model may have several copies of a geom: by `<replicate>`, or by attaching its model twice."""
     return editing is not editing.whole[0] or next(node.iterancestors("replicate"), None) is not None
 
@@ -83,7 +83,7 @@ ROLES = ("rgb", "occlusion", "roughness", "metallic", "normal", "opacity", "emis
 _TURNED = ("euler", "axisangle", "xyaxes", "zaxis")
 
 
-def split_passive(editing: Editing) -> None:
+def split_passive(editing: Migration) -> None:
     """Write the two flags that `passive` became in 3.3.6."""
     for node in editing.at("option/flag"):
         if (value := node.get("passive")) is not None:
@@ -92,7 +92,7 @@ def split_passive(editing: Editing) -> None:
                 editing.set(node, "damper", value)
 
 
-def join_passive(editing: Editing) -> None:
+def join_passive(editing: Migration) -> None:
     for node in editing.at("option/flag"):
         spring = node.get("spring")
         damper = node.get("damper")
@@ -104,7 +104,7 @@ def join_passive(editing: Editing) -> None:
             editing.unset(node, "damper")
 
 
-def layers_by_role(editing: Editing) -> None:
+def layers_by_role(editing: Migration) -> None:
     """Before 3.2.5 the element of a texture in a material was named after its role."""
     for role in ROLES:
         for node in editing.at(f"asset/material/{role}"):
@@ -112,7 +112,7 @@ def layers_by_role(editing: Editing) -> None:
             editing.set(node, "role", role)
 
 
-def roles_by_layer(editing: Editing) -> None:
+def roles_by_layer(editing: Migration) -> None:
     for node in editing.at("asset/material/layer"):
         role = node.get("role")
         if role in ROLES:
@@ -122,7 +122,7 @@ def roles_by_layer(editing: Editing) -> None:
             editing.refuse(node, f"MuJoCo {editing.after} has no layer of the role `{role}`", attribute="role")
 
 
-def inertia_of_meshes(editing: Editing) -> None:
+def inertia_of_meshes(editing: Migration) -> None:
     """`exactmeshinertia` became an attribute of meshes in 3.2.5."""
     exact = any(node.get("exactmeshinertia") == "true" for node in editing.at("compiler"))
     for node in editing.at("compiler"):
@@ -133,7 +133,7 @@ def inertia_of_meshes(editing: Editing) -> None:
                 editing.set(node, "inertia", "exact")
 
 
-def inertia_of_all(editing: Editing) -> None:
+def inertia_of_all(editing: Migration) -> None:
     inertias = {node: editing.value(node, "inertia") or "legacy" for node in editing.at("asset/mesh")}
     kinds = set(inertias.values())
     if kinds - {"legacy", "exact"} or len(kinds) > 1:
@@ -149,7 +149,7 @@ def inertia_of_all(editing: Editing) -> None:
         editing.unset(node, "inertia")
 
 
-def shells_of_meshes(editing: Editing) -> None:
+def shells_of_meshes(editing: Migration) -> None:
     """Since 3.3, a mesh specifies whether its mass is on its surface; before, each geom specified it."""
     wanted: dict[str, list[tuple[Node, bool]]] = {}
     for node in editing.at("body/geom"):
@@ -172,7 +172,7 @@ def shells_of_meshes(editing: Editing) -> None:
         editing.warn(meshes[name], *_surface(name))
 
 
-def shells_of_geoms(editing: Editing) -> None:
+def shells_of_geoms(editing: Migration) -> None:
     for mesh in editing.at("asset/mesh"):
         if editing.value(mesh, "inertia") == "shell":
             for node in editing.at("body/geom"):
@@ -182,7 +182,7 @@ def shells_of_geoms(editing: Editing) -> None:
             editing.warn(mesh, *_surface(_name(mesh)))
 
 
-def _mesh_of(editing: Editing, geom: Node) -> str | None:
+def _mesh_of(editing: Migration, geom: Node) -> str | None:
     return editing.value(geom, "mesh") if editing.value(geom, "type") == "mesh" else None
 
 
@@ -195,7 +195,7 @@ def _surface(name: str) -> tuple[str, str]:
     return message, "write the inertia of its body as `<inertial>`"
 
 
-def _quats_beside(editing: Editing) -> Iterator[tuple[Node, str]]:
+def _quats_beside(editing: Migration) -> Iterator[tuple[Node, str]]:
     """Yield the elements with a `quat` whose class gives an orientation in another form, and that form."""
     for node in editing.at("body/geom", "body/site", "body/camera"):
         if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
@@ -206,19 +206,19 @@ def _quats_beside(editing: Editing) -> Iterator[tuple[Node, str]]:
             yield node, given[0]
 
 
-def quats_that_were_ignored(editing: Editing) -> None:
+def quats_that_were_ignored(editing: Migration) -> None:
     """Before 3.16, an orientation of a class in another form had priority over the `quat` of an element."""
     for node, _ in _quats_beside(editing):
         editing.unset(node, "quat")
 
 
-def quats_that_are_read(editing: Editing) -> None:
+def quats_that_are_read(editing: Migration) -> None:
     for node, form in _quats_beside(editing):
         message = f"MuJoCo {editing.after} does not read the `quat` of {called(node)}, whose class gives `{form}`"
         editing.refuse(node, message, f"write it as `{form}`, or remove `{form}` from the class", attribute="quat")
 
 
-def _limit_tendons(editing: Editing, value: str) -> None:
+def _limit_tendons(editing: Migration, value: str) -> None:
     """Before 3.14, a tendon's `actuatorfrcrange` had no effect without `actuatorfrclimited`."""
     for node in editing.at("tendon/spatial", "tendon/fixed"):
         has_range = editing.value(node, "actuatorfrcrange") if value == "true" else node.get("actuatorfrcrange")
@@ -230,7 +230,7 @@ limits_that_were_ignored = partial(_limit_tendons, value="false")
 limits_in_effect = partial(_limit_tendons, value="true")
 
 
-def limited_by_hand(editing: Editing) -> None:
+def limited_by_hand(editing: Migration) -> None:
     """Before 3.11, an `<intvelocity>` was always limited, even with `autolimits` off."""
     if all(node.get("autolimits") != "false" for node in editing.at("compiler")):
         return
@@ -249,7 +249,7 @@ def dimension(flex: Node) -> int:
     return parse_int(str(flex.get("dim") or "2").strip()) or 2
 
 
-def _elastic(editing: Editing) -> Iterator[tuple[Node, Node, float]]:
+def _elastic(editing: Migration) -> Iterator[tuple[Node, Node, float]]:
     """Yield the flexes with a `young`, their `<elasticity>`, and that number."""
     for node in editing.at("body/flexcomp/elasticity", "deformable/flex/elasticity"):
         flex = node.getparent()
@@ -262,20 +262,20 @@ def _constant(node: Node, name: str, default: float = 0.0) -> float:
     return default if number is None else number
 
 
-def lines_did_not_bend(editing: Editing) -> None:
+def lines_did_not_bend(editing: Migration) -> None:
     """Before 3.17 MuJoCo did not read `young` of a flex of dimension 1."""
     for flex, node, _ in _elastic(editing):
         if dimension(flex) == 1:
             editing.set(node, "young", "0")
 
 
-def lines_that_bend(editing: Editing) -> None:
+def lines_that_bend(editing: Migration) -> None:
     for flex, node, _ in _elastic(editing):
         if dimension(flex) == 1:
             editing.warn(node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, attribute="young")
 
 
-def _materials(editing: Editing) -> Iterator[tuple[Node, str, float, float, float]]:
+def _materials(editing: Migration) -> Iterator[tuple[Node, str, float, float, float]]:
     """Yield `<elasticity>`, form, `young`, `poisson` and `thickness` of each flex without interpolation."""
     for flex, node, young in _elastic(editing):
         if flex.get("dof") in ("trilinear", "quadratic") or flex.get("node") is not None:
@@ -284,7 +284,7 @@ def _materials(editing: Editing) -> Iterator[tuple[Node, str, float, float, floa
         yield node, form, young, _constant(node, "poisson"), _constant(node, "thickness", -1.0)
 
 
-def elastic_constants(editing: Editing) -> None:
+def elastic_constants(editing: Migration) -> None:
     """Before 4.0, flexes were softer than `young` and `poisson` specify: write numbers that give the same stiffness."""
     for node, form, young, nu, thickness in _materials(editing):
         if form == "solid":
@@ -303,7 +303,7 @@ def elastic_constants(editing: Editing) -> None:
             _write(editing, node, young=young, poisson=2 * nu, thickness=new)
 
 
-def constants_as_they_were(editing: Editing) -> None:
+def constants_as_they_were(editing: Migration) -> None:
     for node, form, young, nu, thickness in _materials(editing):
         old = nu / 2
         if form == "solid":
@@ -319,13 +319,13 @@ def constants_as_they_were(editing: Editing) -> None:
             _write(editing, node, young=young, poisson=old, thickness=thin)
 
 
-def _write(editing: Editing, node: Node, **numbers: float) -> None:
+def _write(editing: Migration, node: Node, **numbers: float) -> None:
     for name, value in numbers.items():
         if value or node.get(name) is not None:
             editing.set(node, name, number_text(float(f"{value:.12g}")))
 
 
-def implicit_flexes(editing: Editing) -> None:
+def implicit_flexes(editing: Migration) -> None:
     """3.11 and 3.12 integrated flexes implicitly with the solver CG; since 3.13, the integrator `discrete` does."""
     options = {name: node for name in ("integrator", "solver") for node in editing.at("option") if node.get(name)}
     holder = options.get("integrator")
@@ -340,7 +340,7 @@ def implicit_flexes(editing: Editing) -> None:
     editing.refuse(holder, message, help, attribute="integrator")
 
 
-def shortcut_of_another(editing: Editing) -> None:
+def shortcut_of_another(editing: Migration) -> None:
     """Before 3.16, the gains that a class gives to one kind of actuator also applied to other kinds."""
     for node in editing.root.iterfind("actuator/*"):
         force: DefaultClass | None = editing.unit.classes.get(str(node.get("class") or "main"))
@@ -359,7 +359,7 @@ _SHORTCUTS = ("position", "velocity", "intvelocity", "damper", "cylinder", "musc
 _GAINS = ("kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias", "force", "scale", "gain")
 
 
-def keys_of_replicates(editing: Editing) -> None:
+def keys_of_replicates(editing: Migration) -> None:
     """Before 3.16 each copy of a replicate had a copy of every key."""
     if any(next(node.iter("joint", "freejoint", "attach"), None) is not None for node in editing.at("replicate")):
         for node in editing.at("keyframe/key"):
@@ -367,7 +367,7 @@ def keys_of_replicates(editing: Editing) -> None:
             editing.warn(node, message, "write its values for the whole model")
 
 
-def is_in_a_moving_frame(editing: Editing, node: Node) -> bool:
+def is_in_a_moving_frame(editing: Migration, node: Node) -> bool:
     around = takewhile(lambda above: above.tag in ("frame", "replicate"), node.iterancestors())
     frames = (above for above in around if above.tag == "frame")
     return any(above.get(name) is not None for above in frames for name in ("pos", "quat", *_TURNED))

@@ -12,10 +12,10 @@ from mjcompose.mujoco.environments import TRIALS, Motion, Moved, Other, Rejected
 from mjcompose.mujoco.programs import ProgramError
 from mjcompose.sources.context import Context
 from mjcompose.tools.migrate import migrate
-from mjcompose.tools.migrate.editing import Meaning, Step
+from mjcompose.tools.migrate.editing import Meaning, MigrationStep
 
 
-class Request(Struct):
+class UpgradeRequest(Struct):
     """A model and two versions of MuJoCo; `pythons` have some of these versions."""
 
     model: str
@@ -35,7 +35,7 @@ class Caused(Struct):
     """
 
     moved: Moved
-    steps: tuple[Step, ...] = ()
+    steps: tuple[MigrationStep, ...] = ()
     suspects: tuple[Meaning, ...] = ()
 
     def data(self) -> dict[str, Any]:
@@ -47,7 +47,7 @@ class Caused(Struct):
         return {**facts, "causes": causes, "suspects": suspects}
 
 
-def _row(each: Step | Meaning) -> dict[str, str | None]:
+def _row(each: MigrationStep | Meaning) -> dict[str, str | None]:
     return {"change": each.change, "at": None if each.span is None else str(each.span)}
 
 
@@ -62,7 +62,7 @@ class Upgrade(Struct):
     inertias: tuple[str, ...] = ()
 
 
-def upgrade(request: Request, context: Context, progress: Callable[[str], None]) -> Upgrade | None:
+def upgrade(request: UpgradeRequest, context: Context, progress: Callable[[str], None]) -> Upgrade | None:
     """Compare the motion of a model in two versions; return None if that fails, which is reported."""
     model = migrate.found_model(request.model, context)
     before = migrate.known(request.before, "--from", context)
@@ -94,7 +94,7 @@ class _Trials:
 
     def __init__(
         self,
-        request: Request,
+        request: UpgradeRequest,
         model: Path,
         folder: Path,
         context: Context,

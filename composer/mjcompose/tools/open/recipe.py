@@ -31,7 +31,7 @@ from mjcompose.base.suggest import exists_note
 from mjcompose.link.linking import FileUse
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.cache.inputs import Inputs
-from mjcompose.pipeline.stages import Built, Request, build
+from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.plan.read import Given
 from mjcompose.sources import blobs
 from mjcompose.sources.context import Context
@@ -284,11 +284,11 @@ def _forget_changed(marks: Mapping[str, Mark]) -> None:
 
 def request_for(
     recipe: Path, given: Given, cell: str | None, *, sample: int, verified: bool, context: Context
-) -> Request | None:
+) -> ModelRequest | None:
     """Return the request for a model, a cell or a sample of a recipe, or None if there is none, which is reported."""
     sink = context.sink
     if cell is None and sample == 0:
-        return None if sink.errors else Request(recipe, given, verified=verified)
+        return None if sink.errors else ModelRequest(recipe, given, verified=verified)
     from mjcompose.pipeline.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
     shown = context.shown(recipe)
@@ -307,7 +307,7 @@ def request_for(
     if sink.errors or not chosen:
         return None
     one = chosen[0]
-    return Request(recipe, {**given, **one.given}, name=one.name, sample=one.sample, verified=verified)
+    return ModelRequest(recipe, {**given, **one.given}, name=one.name, sample=one.sample, verified=verified)
 
 
 def _text(built: Built, context: Context) -> tuple[str, list[str]]:

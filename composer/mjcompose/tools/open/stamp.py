@@ -23,7 +23,7 @@ from mjcompose.base.suggest import exists_note
 from mjcompose.bundle.bundle import MANIFEST, WORLDS, Bundle, path_of_bundle
 from mjcompose.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
 from mjcompose.bundle.read import ReadError, read
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets.names import NAMES
 from mjcompose.text.load import load
@@ -152,7 +152,7 @@ def rebuild(record: Stamp, recipe: Path, context: Context) -> Bundle | None:
     """Build the model of a stamp again. None after an error, even if only its bytes would differ."""
     sink = context.sink
     given = nodes_of(as_yaml({**record.params, **record.variants}), context)
-    request = Request(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
+    request = ModelRequest(recipe, given, name=record.cell, sample=record.sample, verified=record.mujoco is not None)
     options = {name: getattr(record, name) for name in ("target", "deduplicated", "pictured", "worlds")}
     built = None if sink.has_errors else build(replace(request, **options), context)
     if built is None:

@@ -24,9 +24,9 @@ from mjcompose.sides.operand import Operand, read_operand
 from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.text.node import texts
-from mjcompose.tools.view.page import Asked, choices, described
+from mjcompose.tools.view.page import ViewChoice, choices, described
 from mjcompose.tools.view.render import check_given
-from mjcompose.tools.view.targets import Targets, movable
+from mjcompose.tools.view.targets import MovableItems, movable
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -49,7 +49,7 @@ def hopes(context: Context) -> Iterator[Path]:
     yield from (context.folder / each.span.file for each in context.sink.diagnostics if each.span is not None)
 
 
-class Watch:
+class FileWatch:
     """Waits for changes, with `watchfiles` if it is installed, and otherwise by polling.
 
     It watches folders instead of files, because many editors replace a file by renaming.
@@ -106,7 +106,7 @@ class Shown(Struct, frozen=False):
     title: str = ""
     fault: str | None = None
     seconds: float = 0.0
-    targets: Targets = Targets()
+    targets: MovableItems = MovableItems()
 
 
 class Workshop:
@@ -120,7 +120,7 @@ class Workshop:
     def __init__(
         self,
         target: str,
-        asked: Asked,
+        asked: ViewChoice,
         session: Session,
         open: Callable[[], Context],
         words: Callable[[Context], str],
@@ -169,7 +169,7 @@ class Workshop:
 
     def _describe(self, side: Side, operand: Operand, old: Shown, before: tuple[int, dict[Path, Mark]]) -> bool:
         menus = choices(operand, self.asked)
-        targets = Targets()
+        targets = MovableItems()
 
         def extend(scene: dict[str, Any]) -> None:
             nonlocal targets
@@ -243,7 +243,7 @@ def advance(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> State:
     return state | {"seen": seen(mujoco, model, data)}
 
 
-class Physics:
+class Simulation:
     """Simulates on request; `send` is called with each configuration."""
 
     def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:

@@ -21,14 +21,14 @@ from mjcompose.text import node as yaml_tree
 from mjcompose.text.expression import UNITS, Angle
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Node, Scalar, Sequence, find, is_template, lines_of, to_python
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, TextChange, find, is_template, lines_of, to_python
 
 Written: TypeAlias = "str | dict[str, Written]"
 """The text of a value in YAML, or a mapping of them by the plain text of their keys."""
 _MARK = b"\xef\xbb\xbf"
 
 
-class Refused(Exception):
+class DraftRefused(Exception):
     """The reason that nothing is written; `more` is for the page."""
 
     def __init__(self, message: str, **more: Any) -> None:
@@ -40,7 +40,7 @@ def value_of(text: str) -> Any:
     """Return the value of a text in YAML."""
     tree = load(f"value: {text}", "", sink := Sink())
     if sink.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
-        raise Refused("this cannot be written as YAML")
+        raise DraftRefused("this cannot be written as YAML")
     return to_python(tree.entries["value"][1])
 
 
@@ -49,7 +49,7 @@ def name_text(name: str) -> str:
     text = word(name)
     text = text if isinstance(yaml_tree.resolve(text), str) else quoted(name)
     if not name.isprintable() or not name or is_template(name) or value_of(text) != name:
-        raise Refused("this name has characters that a recipe cannot have")
+        raise DraftRefused("this name has characters that a recipe cannot have")
     return text
 
 
@@ -63,7 +63,7 @@ def short(value: float, digits: int) -> str:
     return "0" if text == "-0" else text
 
 
-class Draft(Struct, frozen=False):
+class RecipeDraft(Struct, frozen=False):
     """A recipe, its tree, and the changes to be made. `wanted` is the intended meaning of its new text."""
 
     file: str
@@ -72,17 +72,17 @@ class Draft(Struct, frozen=False):
     text: str
     tree: Mapping
     wanted: Any
-    changes: list[Change] = field(default_factory=list)
+    changes: list[TextChange] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, file: str, path: Path, raw: bytes) -> Draft:
+    def of(cls, file: str, path: Path, raw: bytes) -> RecipeDraft:
         tree = load(raw, file, sink := Sink())
         if sink.has_errors or not isinstance(tree, Mapping):
-            raise Refused(f"`{file}` is not a valid recipe now")
+            raise DraftRefused(f"`{file}` is not a valid recipe now")
         return cls(file, path, raw, text=raw.decode("utf-8-sig"), tree=tree, wanted=to_python(tree))
 
-    def set(self, path: Steps, value: Any, *changes: Change) -> None:
+    def set(self, path: Steps, value: Any, *changes: TextChange) -> None:
         """Note the changes that replace the value at a path."""
         self.changes += changes
         self._holder(path)[path[-1]] = value
@@ -93,7 +93,7 @@ class Draft(Struct, frozen=False):
         node = find(self.tree, path[:-1])
         assert isinstance(node, Mapping)
         holder[name] = holder.pop(path[-1])
-        self.changes.append(Change(node.entries[str(path[-1])][0].span, name))
+        self.changes.append(TextChange(node.entries[str(path[-1])][0].span, name))
 
     def _holder(self, path: Steps) -> Any:
         holder = self.wanted
@@ -106,10 +106,10 @@ class Draft(Struct, frozen=False):
         found = next(depth for depth in range(len(path), -1, -1) if find(self.tree, path[:depth]) is not None)
         holder = find(self.tree, path[:found])
         if found == len(path) and isinstance(holder, Scalar) and isinstance(value, str):
-            self.set(path, value_of(value), Change(holder.span, value))
+            self.set(path, value_of(value), TextChange(holder.span, value))
             return
         if not isinstance(holder, Mapping) or found == len(path):
-            raise Refused(f"there is no place for `{path[-1]}` in `{self.file}`: write it yourself")
+            raise DraftRefused(f"there is no place for `{path[-1]}` in `{self.file}`: write it yourself")
         self.set(path, _meaning(value))
         lines = lines_of(self.text)
         row = holder.span
@@ -124,7 +124,7 @@ class Draft(Struct, frozen=False):
         """Append an item to a list at the top of the recipe."""
         change = yaml_tree.with_item(self.tree, lines_of(self.text), self.file, key=key, value=value)
         if change is None:
-            raise Refused(f"`{key}` of `{self.file}` is not a list")
+            raise DraftRefused(f"`{key}` of `{self.file}` is not a list")
         self.wanted.setdefault(key, []).append(value_of(value))
         self.changes.append(change)
 
@@ -137,26 +137,30 @@ class Draft(Struct, frozen=False):
             return
         items = [each for each in node.items if isinstance(each, Scalar)] if isinstance(node, Sequence) else []
         if not isinstance(node, Sequence) or len(items) < len(node.items):
-            raise Refused(f"`{path[-1]}` is not a list of numbers")
+            raise DraftRefused(f"`{path[-1]}` is not a list of numbers")
         values = list(map(value_of, texts))
-        changes = [Change(node.span, whole)]
+        changes = [TextChange(node.span, whole)]
         if len(items) == len(texts):
             kept = {at for at, item in enumerate(items) if _is_same(item.value, values[at])}
             values = [item.value if at in kept else values[at] for at, item in enumerate(items)]
-            changes = [Change(item.span, texts[at]) for at, item in enumerate(items) if at not in kept]
+            changes = [TextChange(item.span, texts[at]) for at, item in enumerate(items) if at not in kept]
         else:
             start = lines_of(self.text)[node.span.line - 1][node.span.column - 1]
             if start != "[" or items[-1].span.end_line != node.span.line:
-                raise Refused(f"`{path[-1]}` is written over several lines: write `{whole}` yourself")
+                raise DraftRefused(f"`{path[-1]}` is written over several lines: write `{whole}` yourself")
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
         """Return the new text. It refuses a text with a different meaning."""
         end = "\r\n" if "\r\n" in self.text else "\n"
-        text = yaml_tree.changed(self.text, [Change(each.span, each.text.replace("\n", end)) for each in self.changes])
+        text = yaml_tree.changed(
+            self.text, [TextChange(each.span, each.text.replace("\n", end)) for each in self.changes]
+        )
         tree: Node | None = load(text, self.file, sink := Sink())
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:
-            raise Refused(f"`{self.file}` cannot be changed here without changing something else: write it yourself")
+            raise DraftRefused(
+                f"`{self.file}` cannot be changed here without changing something else: write it yourself"
+            )
         return (_MARK if self.raw.startswith(_MARK) else b"") + text.encode()
 
 
@@ -191,10 +195,10 @@ _TURN = 2e-4
 """Rotations that differ by fewer radians count as equal."""
 
 
-class Offset:
+class PoseDraft:
     """`pos` and an orientation in the mapping at a path of a recipe."""
 
-    def __init__(self, draft: Draft, holder: Steps, settings: AngleSettings) -> None:
+    def __init__(self, draft: RecipeDraft, holder: Steps, settings: AngleSettings) -> None:
         self.draft = draft
         self.holder = holder
         self.settings = settings
@@ -243,9 +247,9 @@ class Offset:
             return []
         values = [each.value for each in node.items if isinstance(each, Scalar)] if isinstance(node, Sequence) else []
         if not isinstance(node, Sequence) or len(values) < len(node.items):
-            raise Refused(f"`{key}` is not a list of numbers")
+            raise DraftRefused(f"`{key}` is not a list of numbers")
         if len(values) != {"quat": 4, "axisangle": 4, "xyaxes": 6}.get(key, 3):
-            raise Refused(f"`{key}` has the wrong length")
+            raise DraftRefused(f"`{key}` has the wrong length")
         return self._radians(key, values)
 
     def _radians(self, key: str, values: list[Any]) -> list[float]:
@@ -253,7 +257,7 @@ class Offset:
         for at, value in enumerate(values):
             angle = Angle.read(value) if isinstance(value, str) else None
             if angle is None and (isinstance(value, bool) or not isinstance(value, int | float)):
-                raise Refused(f"`{key}` has `{value}`, which is not a number")
+                raise DraftRefused(f"`{key}` has `{value}`, which is not a number")
             number = float(value) if angle is None else angle.radians
             bare = angle is None and self.settings.angle == "degree" and _is_angle(key, at)
             found.append(math.radians(number) if bare else number)

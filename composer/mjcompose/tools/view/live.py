@@ -15,8 +15,8 @@ from mjcompose.base.files import Mark
 from mjcompose.base.processes import open_in_browser
 from mjcompose.base.scratch import scratch
 from mjcompose.sources.context import Context
-from mjcompose.tools.view.builder import Shown, Watch, Workshop, marks
-from mjcompose.tools.view.server import Server
+from mjcompose.tools.view.builder import FileWatch, Shown, Workshop, marks
+from mjcompose.tools.view.server import PageServer
 
 _PATIENCE = 0.5
 
@@ -30,10 +30,10 @@ class Service(Struct):
     writes: bool = True
 
 
-def started(workshop: Workshop, service: Service, context: Context) -> Server | None:
+def started(workshop: Workshop, service: Service, context: Context) -> PageServer | None:
     """Return a listening server, or None if it cannot listen, which is reported."""
     try:
-        return Server(workshop, service.host, service.port, writes=service.writes)
+        return PageServer(workshop, service.host, service.port, writes=service.writes)
     except (OSError, OverflowError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         help = "omit `--port` for a free one" if service.port else "omit `--host`"
@@ -42,7 +42,9 @@ def started(workshop: Workshop, service: Service, context: Context) -> Server | 
         return None
 
 
-def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]) -> None:
+def serve(
+    server: PageServer, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]
+) -> None:
     """Build, serve, watch and build again until `stop` is set; `said` is called with the result of each build."""
     Thread(target=server.run, daemon=True).start()
     try:
@@ -69,10 +71,12 @@ def serve(server: Server, opens: bool, say: Callable[[str], None], stop: Event, 
         server.close()
 
 
-def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None]) -> Iterator[Exception]:
+def _watch(
+    server: PageServer, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None]
+) -> Iterator[Exception]:
     """Build again whenever a file changes, until `stop` is set; yield the exception that ends it sooner."""
     try:
-        watch = Watch(stop)
+        watch = FileWatch(stop)
         while watch.wait(before):
             before = _build(server, lambda shown: None if stop.is_set() else said(shown))
     except Exception as error:
@@ -95,7 +99,7 @@ def _opened(address: str) -> Iterator[None]:
         yield
 
 
-def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
+def _build(server: PageServer, said: Callable[[Shown], None]) -> dict[Path, Mark]:
     """Build and show the model; return the files that were read, with their marks from before the build."""
     workshop = server.workshop
     before = marks(workshop.inputs)

@@ -23,7 +23,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.staging import staged_file, write_files
-from mjcompose.contrast.changes import Cause, Change, Diff
+from mjcompose.contrast.changes import CauseLines, Diff, FieldChange
 from mjcompose.contrast.text import render
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
@@ -31,7 +31,7 @@ from mjcompose.mujoco.playable import strip
 from mjcompose.mujoco.scene import FILE, describe
 from mjcompose.pipeline.cache.cells import cells_of
 from mjcompose.plan.read import read_recipe
-from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sides.revision import split
 from mjcompose.sides.side import End, Side
 from mjcompose.sources.context import Context, as_text
@@ -44,23 +44,23 @@ _MOST_CELLS = 200
 _NONE = "(no cell)"
 
 
-class Asked(Struct):
+class ViewChoice(Struct):
     """Values of parameters and variants, a cell of the matrix, a sample of the drawn values."""
 
     given: dict[str, Node] = field(default_factory=dict)
     pick: str | None = None
     sample: int | None = None
 
-    def choosing(self, name: str, value: str) -> Asked:
+    def choosing(self, name: str, value: str) -> ViewChoice:
         if name == CELL:
             return replace(self, pick=None if value == _NONE else value, sample=None)
         given = {**self.given, name: Scalar(value, Span(f"--set {name}", 1, 1), value, plain=False)}
         return replace(self, given=given)
 
 
-def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
+def choices(operand: Operand, asked: ViewChoice) -> list[dict[str, Any]]:
     """Return the menus of a recipe: its variants, unless a cell sets them, and its cells and samples."""
-    if operand.kind is not Kind.RECIPE:
+    if operand.kind is not OperandKind.RECIPE:
         return []
     context = replace(operand.context, sink=Sink())
     document = read_recipe(context.folder / operand.path, context)
@@ -79,7 +79,7 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
     return menus
 
 
-class Names(Struct, frozen=False):
+class ShortNames(Struct, frozen=False):
     """Short unique names for files: the relative path below `folder`, or else the shortest unique end of the path."""
 
     folder: Path
@@ -102,7 +102,7 @@ class Names(Struct, frozen=False):
     def diff(self, found: Diff) -> Diff:
         """Return a comparison whose text has short names."""
 
-        def short(cause: Cause | None) -> Cause | None:
+        def short(cause: CauseLines | None) -> CauseLines | None:
             return cause and replace(cause, before=self.span(cause.before), after=self.span(cause.after))
 
         groups = [replace(each, cause=short(each.cause)) for each in found.groups]
@@ -133,10 +133,10 @@ def nodes_of(kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
 Place = list[int] | None  # the number of a file, a line and a column
 
 
-class Origins:
+class PageOrigins:
     """The origins of elements for the page; `absolute` has files of this machine by their `names`, for editors."""
 
-    def __init__(self, side: Side, names: Names) -> None:
+    def __init__(self, side: Side, names: ShortNames) -> None:
         self.side = side
         self.names = names
         self.absolute: dict[str, str] = {}
@@ -219,7 +219,7 @@ def described(
     session: Session,
     known: Collection[str] = (),
     editor: str | None = None,
-    names: Names | None = None,
+    names: ShortNames | None = None,
     extend: Callable[[dict[str, Any]], object] | None = None,
     **more: Any,
 ) -> Description | None:
@@ -239,7 +239,7 @@ def described(
         scene = json.loads(Path(folder, FILE).read_text(encoding="utf-8"))
         used = tuple(answer.value["blobs"])
         blobs = {name: path.read_bytes() for name in used if os.path.exists(path := Path(folder, name))}
-    origins = Origins(side, names or Names(side.operand.context.folder))
+    origins = PageOrigins(side, names or ShortNames(side.operand.context.folder))
     tables = ((kind, columns) for kind, columns in scene.items() if isinstance(columns, dict))
     elements = {kind: columns["name"] for kind, columns in tables if "name" in columns}
     elements |= {kind: [each["name"] for each in scene[kind]] for kind in ("skin", "flex")}
@@ -265,7 +265,7 @@ _PLACES = ("body_pos", "body_quat")
 
 def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context, session: Session) -> bool:
     """Write the page of two models that `session` keeps; return False after an error, which is reported."""
-    names = Names(context.folder)
+    names = ShortNames(context.folder)
     changes = difference(names.diff(found))
     before = described(a, session, names=names, difference=changes)
     after = None if before is None else described(b, session, before.used, names=names, difference=changes)
@@ -295,7 +295,7 @@ def difference(found: Diff) -> dict[str, Any]:
     }
 
 
-def _elements(changes: list[Change], what: str, side: int) -> list[str]:
+def _elements(changes: list[FieldChange], what: str, side: int) -> list[str]:
     found = (
         f"{each.kind} {each.index[side]}"
         for each in changes

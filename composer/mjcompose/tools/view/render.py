@@ -28,14 +28,14 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.pictures import NEEDS_OPENGL, draw, sheet
 from mjcompose.pipeline.cache.cell_run import context_for_worker
 from mjcompose.plan.read import Given
-from mjcompose.sides.operand import Kind, Operand
+from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sides.side import load_cell
 from mjcompose.sources.context import Context
 
 
 def check_given(operand: Operand, given: Given) -> bool:
     """Return whether the target accepts values; report that a model has no parameters."""
-    if operand.kind is Kind.RECIPE:
+    if operand.kind is OperandKind.RECIPE:
         return True
     for name, node in given.items():
         message = f"`{operand.label}` is not a recipe and has no parameter `{name}`"
@@ -62,7 +62,7 @@ class Format(StrEnum):
     MP4 = ".mp4"
 
 
-class Wish(Struct):
+class RenderRequest(Struct):
     """The settings of a picture or film.
 
     `size` is the width and height in pixels, and `background` is RGB of 255 and an opacity of 0 or 1. None keeps the
@@ -97,7 +97,7 @@ def look_of(text: str) -> tuple[str, str] | None:
     return (kind, name) if kind in LOOKS and name else None
 
 
-def format_of(out: Path, wish: Wish) -> Format:
+def format_of(out: Path, wish: RenderRequest) -> Format:
     """Return the format for a file's name. Raises `OutputError` if it is unknown or does not fit the wish."""
     suffix = out.suffix.lower()
     known = [each.value for each in Format]
@@ -162,7 +162,7 @@ _FAULTS = {
 def render(
     kept: str,
     out: Path,
-    wish: Wish,
+    wish: RenderRequest,
     context: Context,
     session: Session,
     read: Iterable[Path] = (),
@@ -220,7 +220,7 @@ class _Job(Struct):
     """Everything that a process needs to draw cells into a folder. Can be pickled."""
 
     operand: Operand
-    wish: Wish
+    wish: RenderRequest
     given: Given
     folder: Path
     limits: Limits
@@ -247,7 +247,7 @@ def render_sheet(
     operand: Operand,
     cells: Sequence[Cell],
     out: Path,
-    wish: Wish,
+    wish: RenderRequest,
     session: engine.Session,
     given: Given,
     tell: Callable[[str], None],

@@ -22,7 +22,7 @@ from threading import BoundedSemaphore, Lock
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.tools.view.builder import Physics, Shown, Workshop
+from mjcompose.tools.view.builder import Shown, Simulation, Workshop
 from mjcompose.tools.view.page import BUILT, live
 from mjcompose.tools.view.writing import Writer
 
@@ -177,7 +177,7 @@ _MODEL = re.compile("model/(0|[1-9][0-9]{0,8})")
 _FILES = {"page.js": "text/javascript; charset=utf-8", "page.css": "text/css; charset=utf-8"}
 
 
-class Server:
+class PageServer:
     """Serves one workshop. `address` contains the token; requests without it get no answer."""
 
     def __init__(self, workshop: Workshop, host: str, port: int, writes: bool = False) -> None:
@@ -189,7 +189,7 @@ class Server:
         self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16), writes=writes)
         workshop.writes = writes and self.guard.is_private
         self.address = self.guard.address
-        self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
+        self.physics = Simulation(workshop, lambda state: self.hub.send("state", state))
 
     def show(self, shown: Shown) -> None:
         self.writer.know(shown)
@@ -230,7 +230,7 @@ class _Http(ThreadingHTTPServer):
     # A port that another process listens on counts as taken, on every system.
     allow_reuse_port = False
 
-    def __init__(self, address: tuple[str, int], owner: Server) -> None:
+    def __init__(self, address: tuple[str, int], owner: PageServer) -> None:
         self.owner = owner
         self._free = BoundedSemaphore(_MOST_CONNECTIONS)
         self._waiting: dict[socket.socket, None] = {}

@@ -29,7 +29,7 @@ from mjcompose.tree.files import read_settings
 KINDS = ("body", "geom", "site", "camera")
 
 
-class Target(Struct):
+class MovableItem(Struct):
     """A part or an added element: the recipe that sets its place, and the path of its mapping there.
 
     `outer` are the prefixes that the names of its recipe have in the model, one for each use of the recipe. With
@@ -61,27 +61,29 @@ class Target(Struct):
         return found if isinstance(found, Located) else Located({}, self.span)
 
 
-class Targets(Struct):
+class MovableItems(Struct):
     """All targets of a model by the place of their key, and the text of each recipe by its name in messages.
 
     `texts` has None for a recipe that changed during the build, and `paths` only the recipes of the user's own.
     """
 
     recipe: str = ""
-    by_place: Mapping[tuple[str, int, int], Target] = field(default_factory=dict)
+    by_place: Mapping[tuple[str, int, int], MovableItem] = field(default_factory=dict)
     texts: Mapping[str, bytes | None] = field(default_factory=dict)
     paths: Mapping[str, Path] = field(default_factory=dict)
     plan: Plan | None = None
 
 
-def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]) -> tuple[dict[str, Any], Targets]:
+def movable(
+    side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | None]
+) -> tuple[dict[str, Any], MovableItems]:
     """Return the table of movable elements for the page and for the server."""
     operand = side.operand
     folder = operand.context.folder
     is_recipe = not operand.revision and operand.path.suffix.lower() in RECIPES
     is_known = side.plan is not None and side.traced is not None and is_recipe
     if side.plan is None or not is_known or not (folder / side.plan.file).samefile(folder / operand.label):
-        return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, Targets()
+        return {"why": "only a recipe can be changed here: write one with `base: ./MODEL.xml`"}, MovableItems()
     found = _Movable(side, scene, texts)
     rows = [*found.parts(), *found.additions()]
     paths = {name: path for name in texts if operand.fetched(path := folder / name) is None}
@@ -89,7 +91,7 @@ def movable(side: Side, scene: Mapping[str, Any], texts: Mapping[str, bytes | No
     for row in rows:
         row["at"][0] = names.index(row["at"][0])
     page = {"files": names, "targets": rows, "framed": found.framed()}
-    return page, Targets(side.plan.file, found.targets, texts, paths=paths, plan=side.plan)
+    return page, MovableItems(side.plan.file, found.targets, texts, paths=paths, plan=side.plan)
 
 
 class _Movable:
@@ -103,7 +105,7 @@ class _Movable:
         self.numbers = {node: (kind, number) for kind, (number, node) in pairs if node is not None}
         settings = read_settings(side.traced.model.root)
         self.units = settings.angle == "degree", settings.eulerseq
-        self.targets: dict[tuple[str, int, int], Target] = {}
+        self.targets: dict[tuple[str, int, int], MovableItem] = {}
 
     def parts(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each part and each of its copies."""
@@ -120,7 +122,7 @@ class _Movable:
             final = content.get("childclass") or part.prefix
             is_outer = plan is self.plans[0] or not str(final).endswith(part.prefix)
             outer = "" if is_outer else str(final).removesuffix(part.prefix)
-            target = Target(part.key, plan, at, span=part.span, outer=(outer,))
+            target = MovableItem(part.key, plan, at, span=part.span, outer=(outer,))
             nodes = [top] if moves else list(through_frames(top))
             yield self._row(target, "part", nodes, place=self._place(part, top))
 
@@ -138,7 +140,7 @@ class _Movable:
                 continue
             written = next((each.span for each in self.traced.written(life) if each.span is not None), None)
             if written is not None and (found := known.get((written.file, written.line, written.column))) is not None:
-                target = Target(str(node.get("name") or kind), *found, span=written)
+                target = MovableItem(str(node.get("name") or kind), *found, span=written)
                 yield self._row(target, kind, [node], place=(node.getparent(), Pose()))
 
     def framed(self) -> dict[str, list[int]]:
@@ -168,7 +170,9 @@ class _Movable:
             return top.getparent(), pose_in_world(start, *self.units) @ pose
         return start, pose
 
-    def _row(self, target: Target, kind: str, nodes: list[Node], place: tuple[Node | None, Pose]) -> dict[str, Any]:
+    def _row(
+        self, target: MovableItem, kind: str, nodes: list[Node], place: tuple[Node | None, Pose]
+    ) -> dict[str, Any]:
         span = next(iter(target.columns.values()), target.span) if target.is_repeated else target.span
         span = span if span.file in self.files else target.span
         at = (span.file, span.line, span.column)

@@ -29,10 +29,10 @@ from mjcompose.text import node as yaml_tree
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.load import load
-from mjcompose.text.node import Change, Mapping, Scalar, Sequence, find, is_template, to_python
+from mjcompose.text.node import Mapping, Scalar, Sequence, TextChange, find, is_template, to_python
 from mjcompose.tools.view.builder import Shown, Workshop
-from mjcompose.tools.view.draft import Draft, Offset, Refused, Written, name_text, short
-from mjcompose.tools.view.targets import Target
+from mjcompose.tools.view.draft import DraftRefused, PoseDraft, RecipeDraft, Written, name_text, short
+from mjcompose.tools.view.targets import MovableItem
 from mjcompose.tree.pattern import is_pattern
 
 _MOST = 1e4
@@ -93,7 +93,7 @@ class Writer:
             try:
                 self._now = now if act == self._back else self._version(said)
                 found = act(said)
-            except Refused as refused:
+            except DraftRefused as refused:
                 return {"refused": str(refused), **refused.more}
             except OutputError as error:
                 return {"refused": error.diagnostic.message}
@@ -112,7 +112,7 @@ class Writer:
         version = said["version"]
         found = self._known.get(version) if type(version) is int else None
         if found is None:
-            raise Refused(_CHANGED, stale=True)
+            raise DraftRefused(_CHANGED, stale=True)
         return found
 
     @property
@@ -124,7 +124,7 @@ class Writer:
     def _name(self, kind: str, number: Any) -> str:
         names = self.scene[kind]["name"]
         if type(number) is not int or not 0 <= number < len(names) or not names[number]:
-            raise Refused(f"this {kind} has no name by which a recipe could mean it")
+            raise DraftRefused(f"this {kind} has no name by which a recipe could mean it")
         return str(names[number])
 
     def _own(self, file: str) -> Path:
@@ -135,11 +135,11 @@ class Writer:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
             if all(door.sees(path) for door in doors):
                 if not os.access(path, os.W_OK):
-                    raise Refused(f"`{file}` may not be written")
+                    raise DraftRefused(f"`{file}` may not be written")
                 return path
-        raise Refused(f"it is written in `{file}`, which is not a recipe of your project")
+        raise DraftRefused(f"it is written in `{file}`, which is not a recipe of your project")
 
-    def _draft(self, file: str, said: Any, any: bool = False) -> Draft:
+    def _draft(self, file: str, said: Any, any: bool = False) -> RecipeDraft:
         """Return the draft of a recipe whose text the page shows, with the text that an editor has of it.
 
         Since the page's model was built, only the page may have changed the file, unless `any` text will do.
@@ -149,51 +149,53 @@ class Writer:
         raw = read_regular(path, in_force().recipe_size)
         history = self._history.get(file, [])
         if not any and (built is None or (raw != built and not (raw in history[-1:] and built in history))):
-            raise Refused(_STALE.format(file), stale=True)
+            raise DraftRefused(_STALE.format(file), stale=True)
         for name, text in (said.get("texts") or {}).items():
             if os.path.realpath(name) == os.path.realpath(path) and text != raw.decode("utf-8-sig"):
                 raw = text.encode()
-        return Draft.of(file, path, raw)
+        return RecipeDraft.of(file, path, raw)
 
-    def _recipe(self, said: Any) -> Draft:
+    def _recipe(self, said: Any) -> RecipeDraft:
         return self._draft(self._now.targets.recipe, said)
 
-    def _offset(self, target: Target, said: Any) -> Offset:
+    def _offset(self, target: MovableItem, said: Any) -> PoseDraft:
         mapping = target.mapping
         for key, path in _ELSEWHERE.items():
             if find(mapping, path) is not None:
-                raise Refused(f"`{key}` sets this place: change it there")
+                raise DraftRefused(f"`{key}` sets this place: change it there")
         if target.is_repeated:
             return self._row_offset(target, said)
         spans = [mapping.entries[key][1].span for key in ("pos", *ORIENTATIONS) if key in mapping.entries]
         files = list(dict.fromkeys(span.file for span in spans)) or [target.span.file]
         if len(files) > 1:
-            raise Refused(f"{' and '.join(f'`{each}`' for each in files)} set this place together: change it there")
+            raise DraftRefused(
+                f"{' and '.join(f'`{each}`' for each in files)} set this place together: change it there"
+            )
         draft = self._draft(files[0], said)
         holder = self._raw_path(spans[0], key=False)[:-1] if spans else self._raw_path(target.span, key=True)
         return self._offset_in(draft, holder, target, said)
 
-    def _row_offset(self, target: Target, said: Any) -> Offset:
+    def _row_offset(self, target: MovableItem, said: Any) -> PoseDraft:
         """Return the offset of one turn of a `for`, which is in a row of a table."""
         columns = target.columns
         maker = f"the `for` at {target.span.file}:{target.span.line}"
         if not columns:
             message = f"{maker} makes this, and no table has its place: change the entry"
             used = self._parameters_of(target, said)
-            raise Refused(message, **({"parameters": used} if used else {}))
+            raise DraftRefused(message, **({"parameters": used} if used else {}))
         if any(place.file not in self._now.targets.texts for place in columns.values()):
-            raise Refused(f"{maker} makes this from a table that is not in a recipe: change the table")
+            raise DraftRefused(f"{maker} makes this from a table that is not in a recipe: change the table")
         rows = {(place.file, self._raw_path(place, key=False)) for place in columns.values()}
         holders = {(file, path[:-1]) for file, path in rows}
         if len(holders) > 1 or {path[-1] for _, path in rows} != set(columns):
             names = " and ".join(f"`{name}`" for name in columns)
-            raise Refused(f"{maker} reads {names} from columns with other names: change the table")
+            raise DraftRefused(f"{maker} reads {names} from columns with other names: change the table")
         if target.is_shared:
-            raise Refused(f"{maker} makes several from this row of its table: change the row")
+            raise DraftRefused(f"{maker} makes several from this row of its table: change the row")
         ((file, holder),) = holders
         return self._offset_in(self._draft(file, said), holder, target, said)
 
-    def _parameters_of(self, target: Target, said: Any) -> list[list[str]]:
+    def _parameters_of(self, target: MovableItem, said: Any) -> list[list[str]]:
         """Return the parameters in the expressions that give a target its place."""
         entries = (target.mapping.entries.get(key) for key in ("pos", *ORIENTATIONS))
         nodes = (each.node for entry in entries if entry is not None for each in yaml_tree.walk(entry[1]))
@@ -201,18 +203,18 @@ class Writer:
         found = {name: number for text in templates for name, number in self._parameters_in(text, said)}
         return [[name, number] for name, number in found.items()]
 
-    def _offset_in(self, draft: Draft, holder: Steps, target: Target, said: Any) -> Offset:
+    def _offset_in(self, draft: RecipeDraft, holder: Steps, target: MovableItem, said: Any) -> PoseDraft:
         known = self._in_editor.get(draft.file) == draft.raw or said.get("texts") is None
         saved = draft.tree if known else load(read_regular(draft.path), draft.file, Sink()) or draft.tree
         before = find(saved, holder)
         now = find(draft.tree, holder)
         if before is None or not isinstance(now, Mapping) or to_python(now) != to_python(before):
-            raise Refused("your unsaved text sets another place: save it first", stale=True)
+            raise DraftRefused("your unsaved text sets another place: save it first", stale=True)
         context = target.plan.angle_context
-        found = Offset(draft, holder, context.others.get(draft.file, context.whole))
+        found = PoseDraft(draft, holder, context.others.get(draft.file, context.whole))
         if computed := found.computed:
             key, text = computed[0]
-            raise Refused(f"`{key}` is computed: `{text}`", parameters=self._parameters_in(text, said))
+            raise DraftRefused(f"`{key}` is computed: `{text}`", parameters=self._parameters_in(text, said))
         return found
 
     def _raw_path(self, span: Span, key: bool) -> Steps:
@@ -224,14 +226,14 @@ class Writer:
         values = [each.path for each in visits if (each.node.span.line, each.node.span.column) == at]
         found = keys if key and keys else [each for each in values if len(each) == min(map(len, values))]
         if not found:
-            raise Refused(_STALE.format(span.file), stale=True)
+            raise DraftRefused(_STALE.format(span.file), stale=True)
         if len(found) > 1:
-            raise Refused("an alias repeats this entry: write it out first")
+            raise DraftRefused("an alias repeats this entry: write it out first")
         return found[0]
 
     def _parameters_in(self, text: str, said: Any) -> list[list[str]]:
         """Return the parameters in an expression that the recipe sets as a number, each with its number."""
-        with contextlib.suppress(ExpressionError, Refused, OSError):
+        with contextlib.suppress(ExpressionError, DraftRefused, OSError):
             tree = self._recipe(said).tree
             names = dict.fromkeys(each.name for each in Template.parse(text).parameters())
             return [[name, str(to_python(node))] for name in names if (node := _parameter(tree, name)[1]) is not None]
@@ -278,41 +280,41 @@ class Writer:
         offset.draft.notes += [also] if (also := self._also(offset.draft.file)) else []
         return self._finish(offset.draft, f"{target.label}: {', '.join(written)}", said)
 
-    def _move_row(self, offset: Offset, target: Target, said: Any) -> list[str]:
+    def _move_row(self, offset: PoseDraft, target: MovableItem, said: Any) -> list[str]:
         """Write a pose into the columns of a row. Columns that the entry does not read stay as they are."""
         if said.get("site") is not None:
-            raise Refused("a `for` makes this part, and the others would move, too: change the entry")
+            raise DraftRefused("a `for` makes this part, and the others would move, too: change the entry")
         before = to_python(offset.mapping)
         written = offset.move(_pose(said))
         after = offset.draft.wanted
         for step in offset.holder:
             after = after[step]
         if added := [key for key in after if key not in before]:
-            raise Refused(f"the table has no column `{added[0]}`: add it to the table and to the entry")
+            raise DraftRefused(f"the table has no column `{added[0]}`: add it to the table and to the entry")
         if unread := [key for key in after if after[key] != before[key] and key not in target.columns]:
-            raise Refused(f"the entry does not read the column `{unread[0]}` of the table")
+            raise DraftRefused(f"the entry does not read the column `{unread[0]}` of the table")
         return written
 
-    def _target(self, said: Any) -> Target:
+    def _target(self, said: Any) -> MovableItem:
         name, line, column = said["at"]
         target = self._now.targets.by_place.get((str(name), int(line), int(column)))
         if target is None:
-            raise Refused(_CHANGED, stale=True)
+            raise DraftRefused(_CHANGED, stale=True)
         return target
 
-    def _to_site(self, offset: Offset, target: Target, name: str) -> str:
+    def _to_site(self, offset: PoseDraft, target: MovableItem, name: str) -> str:
         draft = offset.draft
         holder = offset.holder
         if "attach" not in target.at[-2:-1]:
-            raise Refused("only a part can be attached to a site")
+            raise DraftRefused("only a part can be attached to a site")
         outer = next((each for each in target.outer if name.startswith(each)), None)
         if outer is None:
-            raise Refused(f"`{name}` is outside the recipe that places this part")
+            raise DraftRefused(f"`{name}` is outside the recipe that places this part")
         text = name_text(name.removeprefix(outer))
         said = next((each for each in PLACES if each in target.mapping.entries), None)
         node = None if said is None else find(offset.mapping, (said,))
         if said is not None and (not isinstance(node, Scalar) or is_template(node.text)):
-            raise Refused(f"`{said}` is computed, or another file sets it: change it there")
+            raise DraftRefused(f"`{said}` is computed, or another file sets it: change it there")
         draft.write((*holder, said or "site"), text)
         if said not in (None, "site"):
             draft.rename((*holder, str(said)), "site")
@@ -327,12 +329,12 @@ class Writer:
         pose = _pose(said)
         draft = self._recipe(said)
         if is_pattern(name):
-            raise Refused(f"`{name}` would be a pattern in `select`")
+            raise DraftRefused(f"`{name}` would be a pattern in `select`")
         items = find(draft.tree, ("edit",))
         for at, item in enumerate(items.items if isinstance(items, Sequence) else ()):
             entry = find(item, ("set",))
             if isinstance(entry, Mapping) and to_python(find(item, ("select",)) or item) == {kind: name}:
-                offset = Offset(draft, ("edit", at, "set"), AngleSettings("radian"))
+                offset = PoseDraft(draft, ("edit", at, "set"), AngleSettings("radian"))
                 if offset.form in (None, "quat") and "pos" in entry.entries and not offset.computed:
                     return self._finish(draft, f"{name}: {', '.join(offset.move(pose))}", said)
         numbers = {"pos": [short(each, 5) for each in pose.pos], "quat": [short(each, 6) for each in pose.quat]}
@@ -348,7 +350,7 @@ class Writer:
         draft = self._recipe(said)
         name = str(said["name"])
         if find(draft.tree, ("keyframe", name)) is not None:
-            raise Refused(f"there is a keyframe `{name}`: choose another name")
+            raise DraftRefused(f"there is a keyframe `{name}`: choose another name")
         entry: dict[str, Written] = {}
         for key, kind in (("qpos", "joint"), ("mpos", "body"), ("mquat", "body")):
             if moved := {self._name(kind, at): self._values(key, at, _numbers(values)) for at, values in said[key]}:
@@ -369,7 +371,7 @@ class Writer:
         draft = self._recipe(said)
         key = str(said["key"])
         if not isinstance(find(draft.tree, ("keyframe", key)), Mapping):
-            raise Refused(f"`{draft.file}` does not write the keyframe `{key}`: save the pose under another name")
+            raise DraftRefused(f"`{draft.file}` does not write the keyframe `{key}`: save the pose under another name")
         name = self._name("joint", said["joint"])
         values = _numbers(said["qpos"], 7)
         draft.numbers(("keyframe", key, "qpos", name), [short(each, 6) for each in values])
@@ -382,11 +384,11 @@ class Writer:
         plan = self._now.targets.plan
         fault = prefix_fault(prefix, Settings(separator=plan.separator if plan else "/"))
         if fault is not None:
-            raise Refused(fault.message)
+            raise DraftRefused(fault.message)
         if find(draft.tree, ("attach", prefix)) is not None:
-            raise Refused(f"there is a part `{prefix}`: choose another name")
+            raise DraftRefused(f"there is a part `{prefix}`: choose another name")
         if model not in self._models(said)["models"]:
-            raise Refused(f"`{model}` is not a model of this folder, and no part of the recipe has it")
+            raise DraftRefused(f"`{model}` is not a model of this folder, and no part of the recipe has it")
         site = name_text(self._name("site", said["site"]))
         draft.write(("attach", prefix), f"{{model: {name_text(model)}, site: {site}}}")
         return self._finish(draft, f"attach {prefix}", said)
@@ -395,7 +397,7 @@ class Writer:
         """Sequence the models that can be attached: all models of the folder, and all models that the recipe uses."""
         targets = self._now.targets
         if targets.plan is None:
-            raise Refused("only a recipe can be changed here")
+            raise DraftRefused("only a recipe can be changed here")
         used = (find(targets.plan.document, (*step.at, "model")) for step in targets.plan.parts)
         texts = [each.text for each in used if isinstance(each, Scalar)]
         recipe = targets.paths[targets.recipe]
@@ -408,8 +410,8 @@ class Writer:
         path, node = _parameter(draft.tree, name)
         (value,) = _numbers([said["value"]], 1)
         if node is None:
-            raise Refused(f"`{draft.file}` does not give `{name}` as a number")
-        draft.set(path, float(short(value, 6)), Change(node.span, short(value, 6)))
+            raise DraftRefused(f"`{draft.file}` does not give `{name}` as a number")
+        draft.set(path, float(short(value, 6)), TextChange(node.span, short(value, 6)))
         return self._finish(draft, f"params: {name}: {short(value, 6)}", said)
 
     def _back(self, said: Any) -> Answer:
@@ -417,17 +419,17 @@ class Writer:
         both = self._done, self._undone
         stack, other = both if said["kind"] == "undo" else both[::-1]
         if not stack:
-            raise Refused("there is nothing to undo or redo")
+            raise DraftRefused("there is nothing to undo or redo")
         file, before, after, words = stack[-1]
         draft = self._draft(file, said, any=True)
         if draft.raw != after and draft.raw != after.removeprefix(b"\xef\xbb\xbf"):
-            raise Refused(f"`{file}` has changed since: undo it in your editor", stale=True)
+            raise DraftRefused(f"`{file}` has changed since: undo it in your editor", stale=True)
         found = self._put(draft, before, said)
         stack.pop()
         other.append((file, after, before, words))
         return {**found, "said": f"{'undone' if stack is self._done else 'done again'}: {words}"}
 
-    def _finish(self, draft: Draft, words: str, said: Any) -> Answer:
+    def _finish(self, draft: RecipeDraft, words: str, said: Any) -> Answer:
         after = draft.result()
         if after == draft.raw:
             return {"said": "it is written like this already"}
@@ -436,7 +438,7 @@ class Writer:
         self._undone.clear()
         return {**found, "said": "; ".join([words, *draft.notes]), "file": draft.file}
 
-    def _put(self, draft: Draft, after: bytes, said: Any) -> Answer:
+    def _put(self, draft: RecipeDraft, after: bytes, said: Any) -> Answer:
         """Write a text, or send the replacement to the editor, which may have unsaved text."""
         if said.get("texts") is not None:
             if draft.raw == read_regular(draft.path):
@@ -448,11 +450,11 @@ class Writer:
         try:
             replace_text(draft.path, after, before=draft.raw, allowed=lambda: self._own(draft.file))
         except ChangedError:
-            raise Refused(_STALE.format(draft.file), stale=True) from None
+            raise DraftRefused(_STALE.format(draft.file), stale=True) from None
         self._note(draft, after)
         return {}
 
-    def _note(self, draft: Draft, after: bytes) -> None:
+    def _note(self, draft: RecipeDraft, after: bytes) -> None:
         history = self._history.get(draft.file, [])
         earlier = history if draft.raw in history[-1:] else [draft.raw]
         self._history[draft.file] = [*earlier[1 - _MOST_DONE :], after]

@@ -41,7 +41,7 @@ _MESH = 7
 _NOT_UNITED = ("flex", "skin", "plugin")
 
 
-class Part(Struct):
+class UnsharedBody(Struct):
     """A body with everything on it that not all models have: its parent, and its contents."""
 
     parent: str
@@ -137,9 +137,9 @@ def common(trees: Sequence[Tree]) -> set[str]:
     return found
 
 
-def parts(tree: Tree, shared: set[str]) -> list[Part]:
+def parts(tree: Tree, shared: set[str]) -> list[UnsharedBody]:
     pairs = ((parent, child) for parent, children in tree.children.items() if parent in shared for child in children)
-    return [Part(parent, child, tree.shape(child)) for parent, child in pairs if child not in shared]
+    return [UnsharedBody(parent, child, tree.shape(child)) for parent, child in pairs if child not in shared]
 
 
 def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
@@ -176,7 +176,7 @@ class Joined(NamedTuple):
     folder: Path | None = None
 
 
-class Group(Struct, frozen=False):
+class WorldGroup(Struct, frozen=False):
     """Models that differ from the `first` one only in numbers. In a union, they have its `shape`: types and meshes."""
 
     first: Joined
@@ -207,7 +207,7 @@ class Joining(Struct, frozen=False):
 
     expected: int
     unites: bool = False
-    groups: list[Group] = field(default_factory=list)
+    groups: list[WorldGroup] = field(default_factory=list)
     _cells: list[Mapping[str, Value | None]] = field(default_factory=list)
     _cell: list[int] = field(default_factory=list)
     _sample: list[int] = field(default_factory=list)
@@ -225,7 +225,7 @@ class Joining(Struct, frozen=False):
                 help = "build these cells separately with `--pick`, or add `--as union`: one model has the parts of all"
                 message = f"`{each.name}` cannot be a world of `{first.name}`: it is another model"
                 raise failure(CODE, message, help, notes=unlike(first.loaded.model, model) or ())
-            group = Group(each, Differences(model, 1 if self.unites else self.expected), shape)
+            group = WorldGroup(each, Differences(model, 1 if self.unites else self.expected), shape)
             self.groups.append(group)
         if each.cell not in self._cells:
             self._cells.append(each.cell)

@@ -22,7 +22,7 @@ from mjcompose.base.report import short_traceback
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, Location, is_address, path_of_bundle
-from mjcompose.bundle.listing import Condition, ListingError, rows
+from mjcompose.bundle.listing import ListingError, RowCondition, rows
 from mjcompose.bundle.manifest import Manifest, check_files, check_index, index_of, manifest_of
 from mjcompose.bundle.read import ReadError, files_outside, named_model, read
 from mjcompose.bundle.staging import manifest_beside, write_files
@@ -273,7 +273,7 @@ def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
         warn(each.message, BundleWarning)
 
 
-class Listed(Struct):
+class ListedModel(Struct):
     """A model of an index that is not loaded yet: its name, its place, and its values.
 
     `values` are the columns of the index: values of the matrix and of draws, sizes, the sha256.
@@ -288,7 +288,7 @@ class Listed(Struct):
         return load(self.path, allow_changes=allow_changes)
 
 
-def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[Listed]:
+def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[ListedModel]:
     """Yield the models that `mjcompose build --all` wrote to a folder, one after another, without loading them.
 
         for each in mjcompose.load_many("build/study", where="payload > 2"):
@@ -298,11 +298,11 @@ def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[L
     recipes, on the columns of the index. Raises LoadError, at the first model.
     """
     try:
-        condition = None if where is None else Condition(where)
+        condition = None if where is None else RowCondition(where)
         shown = path_of_bundle(path)
         for row in rows(shown if is_address(shown) else Path(path), shown):
             if condition is None or condition.holds(row):
-                yield Listed(str(row.values.get("model", "")), row.file, row.values)
+                yield ListedModel(str(row.values.get("model", "")), row.file, row.values)
         if condition is not None:
             condition.check()
     except ListingError as error:

@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.bundle.manifest import Index as Listed
+from mjcompose.bundle.manifest import ManifestIndex as Listed
 from mjcompose.mujoco.arrays import BY_WORD
 from mjcompose.tree.pattern import BadPattern, fitter, is_pattern
 
@@ -132,7 +132,7 @@ Range: TypeAlias = tuple[float, float]
 UNLIMITED: Range = (-np.inf, np.inf)
 
 
-class Entry(Struct):
+class VectorEntry(Struct):
     """One element of the model in a vector: `units` and `limits` have an item for each of its numbers.
 
     `body` is its body, and `origin` is the place where it is written; each is None if it does not apply or is unknown.
@@ -159,7 +159,7 @@ class Vector(_Named):
     `data.qpos[place]`, and the last axis of a batch, `qpos[..., place]`.
     """
 
-    def __init__(self, name: str, kind: str, entries: Sequence[Entry], separator: str) -> None:
+    def __init__(self, name: str, kind: str, entries: Sequence[VectorEntry], separator: str) -> None:
         self.name = name
         self.entries = tuple(entries)
         super().__init__(kind, [each.name for each in entries], separator)
@@ -204,7 +204,7 @@ class Vector(_Named):
         (entry,) = self._entries(name)[:1]
         return entry.origin
 
-    def _entries(self, names: Names) -> list[Entry]:
+    def _entries(self, names: Names) -> list[VectorEntry]:
         if names == "**":
             return list(self.entries)
         return [self.entries[row] for row in self._rows(names)]
@@ -331,7 +331,7 @@ class Index:
     ) -> Vector:
         """Return a vector of the elements, each with its first address, its units and its limits."""
         entries = [
-            Entry(each.name, start, units, limits=limits, body=getattr(each, "body", None), origin=each.origin)
+            VectorEntry(each.name, start, units, limits=limits, body=getattr(each, "body", None), origin=each.origin)
             for each, start, units, limits in found
         ]
         return Vector(name, kind, entries, separator=self._separator)

@@ -18,7 +18,7 @@ from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
 from mjcompose.targets.table import TARGETS
-from mjcompose.targets.target import OPTION, Refusal
+from mjcompose.targets.target import OPTION, UnsupportedElement
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Worlds, with_numbers
 
@@ -352,7 +352,7 @@ class Simulator(Struct):
 
     def _refused(self, worlds: Worlds, model: MjModel, note: Note) -> Iterator[Diagnostic]:
         """Yield an error for each known reason, or one error with the words of the simulator."""
-        found: dict[tuple[str, str], list[Refusal]] = {}
+        found: dict[tuple[str, str], list[UnsupportedElement]] = {}
         for limit in TARGETS[self.target].limits:
             if limit.refuses is not None:
                 for each in limit.refuses(mujoco_module, model):
@@ -369,7 +369,7 @@ class Simulator(Struct):
             yield Diagnostic(_CANNOT, f"{_shown(table, first)}: {why}", notes=notes, help=help, others=alike)
 
 
-def _shown(table: NameTable, refusal: Refusal) -> str:
+def _shown(table: NameTable, refusal: UnsupportedElement) -> str:
     if refusal.kind == OPTION:
         return OPTION
     return _called(table, refusal.kind, refusal.number)
@@ -380,7 +380,7 @@ def _called(table: NameTable, kind: str, number: int) -> str:
     return f"{kind} " + (f"`{name}`" if name else table.describe(kind, number))
 
 
-def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
+def _written(worlds: Worlds, refusal: UnsupportedElement) -> Iterator[Note]:
     """Yield the place of an element if the manifest knows it, as for joints, actuators and sensors."""
     elements = getattr(worlds.manifest.index, f"{refusal.kind}s", ())
     if refusal.number < len(elements) and elements[refusal.number].origin is not None:

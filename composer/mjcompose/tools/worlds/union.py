@@ -23,9 +23,9 @@ from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
-from mjcompose.pipeline.stages import Request, build
+from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common, parts as joined_parts
+from mjcompose.tools.worlds.join import CODE, Joining, Tree, UnsharedBody, WorldGroup, common, parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
@@ -35,40 +35,40 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
 
-class Placed(Struct):
+class UnionPart(Struct):
     """A part of a union: its prefix there, and the number of the model that it comes from."""
 
-    part: Part
+    part: UnsharedBody
     prefix: str
     source: int
 
 
-class Plan(Struct):
+class UnionPlan(Struct):
     """The contents of a union: bodies that all models share, all parts, and the parts of each model."""
 
     shared: set[str]
-    placed: list[Placed]
-    active: list[list[Placed]]
+    placed: list[UnionPart]
+    active: list[list[UnionPart]]
 
 
-def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
+def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> UnionPlan:
     """Plan a union: parts of all models except the first get prefixes from their labels. Raises LoadError."""
     shared = common(trees)
-    placed: list[Placed] = []
-    active: list[list[Placed]] = []
+    placed: list[UnionPart] = []
+    active: list[list[UnionPart]] = []
     for number, tree in enumerate(trees):
         own = []
         for each in joined_parts(tree, shared):
             known = next((other for other in placed if other.part == each), None)
             if known is None:
-                known = Placed(each, _prefix(labels[number], placed) if number else "", number)
+                known = UnionPart(each, _prefix(labels[number], placed) if number else "", number)
                 placed.append(known)
             own.append(known)
         active.append(own)
-    return Plan(shared, placed, active)
+    return UnionPlan(shared, placed, active)
 
 
-def _prefix(label: str, placed: Sequence[Placed]) -> str:
+def _prefix(label: str, placed: Sequence[UnionPart]) -> str:
     stem = "".join(each if each.isalnum() else "_" for each in Path(label).stem) or "part"
     taken = {each.prefix for each in placed}
     names = (f"{stem}{number or ''}/" for number in range(len(placed) + 1))
@@ -76,7 +76,7 @@ def _prefix(label: str, placed: Sequence[Placed]) -> str:
 
 
 def compose_union(
-    plan: Plan, name: str, folders: Sequence[Path], separator: str, context: Context, session: Session
+    plan: UnionPlan, name: str, folders: Sequence[Path], separator: str, context: Context, session: Session
 ) -> Bundle:
     """Return the bundle of a union of the bundles in folders. Raises LoadError if it cannot be composed."""
     attach = {}
@@ -97,13 +97,13 @@ def compose_union(
     path = folders[0].parent / "union.yaml"
     path.write_text(json.dumps(recipe))
     own = replace(context, sink=Sink(), timings=[], folder=path.parent)
-    made = build(Request(path), own, session=session)
+    made = build(ModelRequest(path), own, session=session)
     if made is None:
         raise LoadError(own.sink.errors)
     return of_sources(made.bundle, [read(folder) for folder in folders])
 
 
-def bodies_of(trees: Sequence[Tree], each: Placed) -> Iterator[str]:
+def bodies_of(trees: Sequence[Tree], each: UnionPart) -> Iterator[str]:
     return (each.prefix + body for body in trees[each.source].below(each.part.body))
 
 
@@ -187,14 +187,14 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
     return Worlds(union, loaded.manifest, loaded.index, table=table), bundle
 
 
-def _label(group: Group, groups: Sequence[Group]) -> str:
+def _label(group: WorldGroup, groups: Sequence[WorldGroup]) -> str:
     ours = group.first.cell
     first = groups[0].first.cell
     other = [str(value) for axis, value in ours.items() if axis != "name" and first.get(axis) != value]
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
 
 
-def _models(group: Group) -> Iterator[MjModel]:
+def _models(group: WorldGroup) -> Iterator[MjModel]:
     nominal = group.first.loaded.model
     varying = dict(group.varying())
     for place in range(len(group.worlds)):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
 from mjcompose.language.check import MODULES
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
@@ -417,7 +417,9 @@ def like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
     return [each.like(number) for each, number in zip(quantities, numbers, strict=True)]
 
 
-CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table("checks", {}, "check", modules=MODULES)
+CHECKS: ExtensionTable[Callable[[Scope, dict[str, Any]], list[Fault]]] = ExtensionTable(
+    "checks", {}, "check", modules=MODULES
+)
 
 
 def ask(mujoco: Any, model: MjModel, question: dict[str, Any]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from pydantic import Field
 from pydantic_core import PydanticKnownError
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.base.extensions import Table
+from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.report import with_rest
 from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.language.check import Check, CheckPart
@@ -106,7 +106,7 @@ OF_THE_MODEL = (MASS, *COUNTS)
 WHERE = "where"
 _INDEXED = re.compile(r"([A-Za-z]\w*)(?:\[(\d{1,3})\])?")
 _GLOBS = {tag: Annotated[str, Name(tag, glob=True), Field(description=f"a glob over names: {tag}")] for tag in TAGS}
-_BY_TAG: Table[Any] = Table("tags", _GLOBS, "")
+_BY_TAG: ExtensionTable[Any] = ExtensionTable("tags", _GLOBS, "")
 
 
 class Figure(Measure):
@@ -140,7 +140,7 @@ _CONDITIONS = Expects("a mapping from attributes to values", '{"size[0]": 0.1}')
 _BESIDE = "write `{0}` beside `select`, behind the `}}` of the selector: `{0}: …`"
 
 
-class Selector(CheckPart):
+class ElementSelector(CheckPart):
     """A tag with a name or a glob, and conditions."""
 
     rules: ClassVar = (OneOf(*TAGS, lacks="lacks a tag", advice="write for instance `site: NAME`", noun="tag"),)
@@ -209,7 +209,7 @@ class Expect(Check):
     )
     instead: ClassVar = {"value": "equals", "expect": "count"}
 
-    select: Selector | None = None
+    select: ElementSelector | None = None
     """the elements; if omitted, `attr` is a number of the whole model"""
     count: Annotated[tuple[Count, ...], Items(1, 2, single=True), Checked(in_order), _COUNT] | None = None
     """the number of elements, or `[LOW, HIGH]`; by default at least one"""

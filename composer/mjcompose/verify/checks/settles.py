@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.scalars import Name, Positive, Unit
+from mjcompose.language.forms.scalars import Name, NumberUnit, Positive
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.verify.checks.check import SOLVED, Scope, beside, failed
 
@@ -35,7 +35,7 @@ class Settles(Check):
 
     key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
     """the keyframe to start from; by default the reference configuration"""
-    seconds: Annotated[Positive, Unit("s")] = 1.0
+    seconds: Annotated[Positive, NumberUnit("s")] = 1.0
     """the length of the simulation"""
     max_speed: Positive = 0.05
     """the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"""
