@@ -4,7 +4,7 @@ import math
 
 import mujoco
 import pytest
-from mjcompose.contrast.models import close, renames
+from mjcompose.contrast.models import relative_to_value, renames
 from mjcompose.mujoco.attributes import NameTable
 
 HAND = """<mujoco><worldbody>
@@ -83,4 +83,4 @@ def test_of_two_that_look_alike_neither_is_guessed() -> None:
     ],
 )
 def test_a_tolerance_is_relative_down_to_a_millionth(a: float, b: float, are_close: bool) -> None:
-    assert close(a, b, 1e-4) == are_close
+    assert relative_to_value(1e-4).allows(a, b) == are_close

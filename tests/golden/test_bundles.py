@@ -93,7 +93,7 @@ def test_manifest() -> None:
     folder = HERE / "manifest"
     context = Context(environment={}, folder=folder)
     given = {"tool": Scalar("gripper", Span("", 1, 1), "gripper", plain=True)}
-    built = build(Request(folder / "recipe.yaml", given=given, sample=1), context)
+    built = build(ModelRequest(folder / "recipe.yaml", given=given, sample=1), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
     text = built.bundle.files[MANIFEST].decode().replace(f'"mjcompose": "{__version__}"', '"mjcompose": "VERSION"')
     file = folder / "manifest.json"

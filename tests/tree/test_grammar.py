@@ -12,16 +12,8 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from mjcompose.tree.grammar import (
-    GRAMMAR,
-    ElementType,
-    Grammar,
-    exists_in,
-    number_text,
-    read_data,
-    to_text,
-    version_key,
-)
+from mjcompose.base.words import number_text
+from mjcompose.tree.grammar import GRAMMAR, ElementType, Grammar, exists_in, read_data, to_text, version_key
 from tree.keywords import keywords_in
 
 

@@ -15,6 +15,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span, listed, masked, plain_data
 from mjcompose.base.limits import LimitAdvice
 from mjcompose.base.naming import BIDIRECTIONAL, UNSEEN
+from mjcompose.base.words import counted
 
 _COLOR = {
     "error": "\x1b[1;31m",
@@ -104,10 +105,6 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     if diagnostic.help is not None:
         lines += remark("help", diagnostic.help)
     return "\n".join(lines)
-
-
-def counted(number: int, noun: str, plural: str = "") -> str:
-    return f"{number} {noun if number == 1 else plural or f'{noun}s'}"
 
 
 def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:

@@ -10,6 +10,7 @@ from os.path import commonprefix
 from typing import NamedTuple
 
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
+from mjcompose.base.words import plural
 
 _SHOWN = 8
 _PREFIX = re.compile(r"[/:.]")
@@ -182,7 +183,7 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
     'there are no joints'
     """
     names = list(dict.fromkeys(candidates))
-    kinds = _plural(kind)
+    kinds = plural(kind)
     if not names:
         return Note(f"there are no {kinds}")
     if near is not None and len(names) > _SHOWN:
@@ -235,16 +236,6 @@ def _singular(word: str) -> str:
     return word[:-1] if len(word) > 2 and word.endswith("s") and not word.endswith("ss") else word
 
 
-def _plural(word: str) -> str:
-    if word.endswith("s") and not word.endswith(("ss", "is")):
-        return word
-    if word.endswith("y") and word[-2:-1] not in "aeiou":
-        return word[:-1] + "ies"
-    if word.endswith("is"):
-        return word[:-2] + "es"
-    return word + ("es" if word.endswith(("ss", "x", "sh", "ch")) else "s")
-
-
 def _tolerance(word: str) -> int:
     return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
 
@@ -277,15 +268,6 @@ def _distance(a: str, b: str, limit: int) -> int | None:
         if min(row) > limit and (not before or min(before) > limit):
             return None
     return row[-1] if row[-1] <= limit else None
-
-
-def with_article(noun: str) -> str:
-    """Return a noun with its indefinite article.
-
-    >>> with_article("inertial"), with_article("body")
-    ('an inertial', 'a body')
-    """
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
 _BY_NAME: dict[str, str] = {

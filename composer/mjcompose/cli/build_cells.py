@@ -20,10 +20,10 @@ import click
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span, hide
 from mjcompose.base.files import own_name
-from mjcompose.base.report import counted
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import Bundle, Location, OutputError, OutputForm, is_address, location
 from mjcompose.bundle.listing import COLUMNS, SIZES, column, write_rows
 from mjcompose.bundle.staging import check_own_place, staged_file

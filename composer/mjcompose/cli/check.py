@@ -15,8 +15,9 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, Span
 from mjcompose.base.files import STDIN
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import Case, Suite, as_lines, counted, json_text, one_line, printable
+from mjcompose.base.report import Case, Suite, as_lines, json_text, one_line, printable
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import CheckOutcome, license_rows, license_table
 from mjcompose.cli.cells import BuildingOptions, ModelOptions, Tally, check_readers, check_several, counting, stopped
 from mjcompose.cli.options import RECIPE_OR_STDIN, caching

@@ -17,7 +17,8 @@ from mjcompose.base.alignment import unified_diff
 from mjcompose.base.diagnostic import Diagnostic, Severity
 from mjcompose.base.files import CODE, MJCF_FILES, RECIPES, read_regular
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import Paint, as_lines, counted, json_text, printable
+from mjcompose.base.report import Paint, as_lines, json_text, printable
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError
 from mjcompose.bundle.staging import ChangedError, replace_text
 from mjcompose.cli.options import RECIPE, FetchOptions, RecipeOptions, ReportOptions, TimeOptions

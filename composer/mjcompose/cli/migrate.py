@@ -11,7 +11,8 @@ import click
 
 from mjcompose.base.access import door_of_named
 from mjcompose.base.files import MJCF_FILES, RECIPES
-from mjcompose.base.report import as_lines, counted, json_text
+from mjcompose.base.report import as_lines, json_text
+from mjcompose.base.words import counted
 from mjcompose.bundle.staging import staged_folder
 from mjcompose.cli import completion
 from mjcompose.cli.fmt import difference, rewrite, show_differences

@@ -13,7 +13,8 @@ import click
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import RECIPES, URDF_FILES, foreign_format, own_name, read_regular
-from mjcompose.base.report import as_lines, counted, one_line
+from mjcompose.base.report import as_lines, one_line
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError, unwritable_error
 from mjcompose.bundle.staging import staged_file
 from mjcompose.cli.fmt import rewrite

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Severity, hide
 from mjcompose.base.naming import file_name
-from mjcompose.base.report import as_lines, counted, json_text
+from mjcompose.base.report import as_lines, json_text
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import (
     WORLDS,
     Bundle,
@@ -187,7 +188,7 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
         be = "are"
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
     if sizes := result.sizes or {}:
-        bodies = counted(sizes["nbody"] - 1, "body", "bodies")
+        bodies = counted(sizes["nbody"] - 1, "body")
         sensors = counted(sizes["nsensor"], "sensor")
         numbers = f"nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {bodies}, {sensors}"
         yield f"  {result.name}: {numbers}, {counted(sizes['nkey'], 'keyframe')}"
@@ -214,8 +215,7 @@ def remarks(result: BuildResult, spec: OutputSpec) -> Iterator[str]:
         recipe = result.replaced.get("recipe")
         yield f"  replaced the model of {recipe}" if recipe else f"  replaced the model with {values}"
     if result.merged:
-        plural = {"mesh": "meshes"}
-        counts = ", ".join(counted(len(names), kind, plural.get(kind, "")) for kind, names in result.merged.items())
+        counts = ", ".join(counted(len(names), kind) for kind, names in result.merged.items())
         yield f"  merged {counts} into equal ones: the manifest and `--output-format json` list the merged names"
     if spec.why:
         if result.is_new:

@@ -10,8 +10,9 @@ import click
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.limits import parse_size
-from mjcompose.base.report import as_lines, counted, json_text
+from mjcompose.base.report import as_lines, json_text
 from mjcompose.base.scratch import sweep_temporary
+from mjcompose.base.words import counted
 from mjcompose.cli.options import RECIPE, RecipeOptions, ReportOptions, formats
 from mjcompose.cli.reporting import FINDINGS, USAGE, say
 from mjcompose.cli.run import Answer, Group, Run, Stop, command, flag, group, option
@@ -155,7 +156,7 @@ def _store(run: Run) -> Store:
 
 
 def _count(entries: Sequence[object]) -> str:
-    return counted(len(entries), "entry", "entries")
+    return counted(len(entries), "entry")
 
 
 def _bytes(size: float) -> str:

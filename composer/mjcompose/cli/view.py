@@ -12,7 +12,8 @@ import click
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.naming import file_name
-from mjcompose.base.report import counted, printable
+from mjcompose.base.report import printable
+from mjcompose.base.words import counted
 from mjcompose.bundle.staging import check_own_place
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several

@@ -8,6 +8,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import element_text
 from mjcompose.compose.elements import ElementBuilder, WrittenReference
 from mjcompose.compose.lengths import why_a_length
 from mjcompose.language.value import is_angular, no_angle
@@ -37,7 +38,7 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
             kind = joint_type(joint, linking.base.classes)
             if is_angular(attribute, kind) != angular:
                 called = name_of(joint)
-                which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
+                which = element_text(kind, called, definite=True)
                 own, other = ("an angle", "a length") if angular else ("a length", "an angle")
                 message = f"`{name}` of a class is {own}, and {which} would take it for {other}"
                 notes = (Note(f"{which} is written here", linking.span(linking.base, joint)),)

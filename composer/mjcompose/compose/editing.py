@@ -18,9 +18,9 @@ from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fix, Note, Path, Span
 from mjcompose.base.files import Refused
 from mjcompose.base.limits import advice, in_force
-from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import closest, exists_note, renaming, with_article
+from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.base.words import counted, element_text
 from mjcompose.compose.actuators import ActuatorModel
 from mjcompose.compose.effects import may_be_idle
 from mjcompose.compose.elements import ElementBuilder
@@ -227,7 +227,7 @@ class Editing:
             return f"`{WORLD}`"
         name = name_of(node)
         tag = "default class" if node.tag == "default" else str(node.tag)
-        return f"{tag} `{name}`" if name else f"{with_article(tag)} without a name"
+        return element_text(tag, name)
 
     def subjects(self, node: Node) -> tuple[str, ...]:
         name = name_of(node)

@@ -14,6 +14,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import element_text
 from mjcompose.link import numbers
 from mjcompose.link.inertia import has_mass
 from mjcompose.tree.classes import Classes, levels, own, text_in_effect
@@ -207,7 +208,7 @@ def _report(unit: Unit, sink: Sink, span: Span, attribute: str, nodes: list[Node
     elif len(nodes) > 1:
         whose = f"these {len(nodes)} elements"
     else:
-        whose = f"{node.tag} `{name}`" if name else f"a {node.tag} without a name"
+        whose = element_text(str(node.tag), name)
     message = f"`{attribute}` of {whose} has no effect: {first.why}"
     notes = []
     if first.element is not None:

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Note, Span
-from mjcompose.base.report import counted
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.base.words import counted, element_text
 from mjcompose.language.recipe import Order
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking
@@ -129,7 +129,7 @@ def _check(order: Order, found: Sequence[str], plan: Plan, sink: Sink, unit: Uni
     second = order.names[at]
     first = found[at]
     last = max(map(found.index, order.names))
-    called = f"`{first}`" if first else f"a {kind} without a name"
+    called = f"`{first}`" if first else element_text(kind, None)
     unlisted = ", which `interface` does not list" if first not in order.names else ""
     reason = f"MuJoCo puts the {kind}s of a model that it attaches after all others, and keeps its joints together"
     if unit is not None:

@@ -13,12 +13,13 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
+from mjcompose.base.words import value_text
 from mjcompose.compose.actuators import ControlUnits
 from mjcompose.compose.elements import ElementBuilder, pose_number, turned
 from mjcompose.compose.key_names import entries_by_name, is_glob_of
 from mjcompose.compose.load import FINISHED, keep_finished
 from mjcompose.language.keyframe import CTRL, FROM, JOINT, TIME, VECTORS, WAYS, Entry
-from mjcompose.language.value import Single, no_angle, shown
+from mjcompose.language.value import Single, no_angle
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, element_of
 from mjcompose.link.key_layout import BLOCK, KeyLayout, Slot
@@ -399,7 +400,7 @@ class _KeyWriter(Struct, frozen=False):
 
     def _without_angle(self, joint: str, value: Single, quantity: str, path: tuple[str, ...]) -> float:
         if isinstance(value, Angle):
-            message = f"`ctrl` of the joint `{joint}` is a {quantity}, not an angle: `{shown(value)}`"
+            message = f"`ctrl` of the joint `{joint}` is a {quantity}, not an angle: `{value_text(value)}`"
             span = self._at(CTRL, *path)
             self.making.sink.error("wrong-type", message, span, help="write the number without `deg` or `rad`")
         return pose_number(value)
@@ -452,8 +453,9 @@ class _KeyWriter(Struct, frozen=False):
     def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
         settings = self.making.angle_context.at((*self.step.key.at, vector, *path))
         if settings.angle is None and not isinstance(value, Angle) and value != 0:
-            message = f"{words} and {shown(value)} has no unit"
-            help = f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe"
+            message = f"{words} and {value_text(value)} has no unit"
+            number = value_text(value)
+            help = f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe"
             self.making.sink.error("bare-angle", message, self._at(vector, *path), help=help)
         # Keys are in radians in any model: MuJoCo 4.0 takes `<key qpos="90"/>` of a hinge as 90 even with
         # `angle="degree"`.

@@ -18,6 +18,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.suggest import unknown_name
+from mjcompose.base.words import number_text
 from mjcompose.compose.load import FINISHED, keep_finished
 from mjcompose.link.linking import Part
 from mjcompose.link.numbers import text
@@ -27,7 +28,6 @@ from mjcompose.plan.plan import AttachPart, Plan, part_name
 from mjcompose.plan.steps import DrawValues, EditElements, SetCollisions, Step, WriteKeyframe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
-from mjcompose.tree.grammar import number_text
 from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of
 
 if TYPE_CHECKING:

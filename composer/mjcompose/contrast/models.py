@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import asdict
@@ -17,6 +16,7 @@ from mjcompose.mujoco.compare import KeyMode, Roots, key_differences
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, unequal_references, values
 from mjcompose.mujoco.references import Array, links
+from mjcompose.mujoco.unequal import Bound
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -34,6 +34,11 @@ def named(roster: NameTable, kind: str, index: int) -> str:
     return f"{name} ({described})" if described else name
 
 
+def relative_to_value(tolerance: float) -> Bound:
+    """Return the bound of a tolerance that users set: relative to the larger value, at least to a millionth."""
+    return Bound(tolerance, floor=1e-6)
+
+
 def counts(a: MjModel, b: MjModel, tolerance: float) -> Iterator[SizeChange]:
     """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
     for name in ("nq", "nv", "nu", "na", "nmocap", "nsensordata"):
@@ -44,7 +49,7 @@ def counts(a: MjModel, b: MjModel, tolerance: float) -> Iterator[SizeChange]:
         if before != after:
             yield SizeChange(kind, before, after)
     mass = float(a.body_mass.sum()), float(b.body_mass.sum())
-    if not close(*mass, max(tolerance, 1e-12)):
+    if not relative_to_value(max(tolerance, 1e-12)).allows(*mass):
         yield SizeChange("total mass", *mass, "kg")
 
 
@@ -69,16 +74,17 @@ _FLAGS = {"disableflags": ("mjtDisableBit", "mjDSBL_", True), "enableflags": ("m
 
 def setting_changes(mujoco: Any, a: MjModel, b: MjModel, tolerance: float) -> Iterator[FieldChange]:
     """Yield changes of settings, flags one by one, with words instead of numbers."""
+    bound = relative_to_value(tolerance)
     for difference in compare.option_differences(a, b):
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)
-        elif not _close(difference.expected, difference.actual, tolerance):
+        elif not _is_close(difference.expected, difference.actual, bound):
             before, after = (_word(mujoco, difference.name, each) for each in (difference.expected, difference.actual))
             yield FieldChange("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in compare.statistic_differences(a, b):
         before = difference.expected
         after = difference.actual
-        if not _close(before, after, tolerance):
+        if not _is_close(before, after, bound):
             yield FieldChange(
                 "changed", "statistic", "", field=difference.name, before=before, after=after, follows=True
             )
@@ -102,16 +108,13 @@ def _word(mujoco: Any, name: str, value: Value) -> Value:
     return _SPELLED.get(str(word), word)
 
 
-def _close(a: Value, b: Value, tolerance: float) -> bool:
+def _is_close(a: Value, b: Value, bound: Bound) -> bool:
     if isinstance(a, tuple) and isinstance(b, tuple):
-        return len(a) == len(b) and all(_close(x, y, tolerance) for x, y in zip(a, b, strict=True))
+        return len(a) == len(b) and all(_is_close(x, y, bound) for x, y in zip(a, b, strict=True))
     if isinstance(a, (int, float)) and isinstance(b, (int, float)):
-        return close(a, b, tolerance)
+        return bound.allows(a, b)
     return a == b
 
-
-FLOOR = 1e-6
-"""The tolerance treats smaller values as if they were this large."""
 
 _SHOWN = 12
 _COUNTED = ("mesh_vert", "mesh_face")
@@ -121,20 +124,13 @@ _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
 """The data of these is never listed number by number."""
 
 
-def close(a: float, b: float, tolerance: float) -> bool:
-    """Return whether two numbers count as equal. NaN equals NaN, and nothing else is near an infinite number."""
-    if a == b or (a != a and b != b):
-        return True
-    return math.isfinite(a - b) and abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
-
-
 class DifferingValues:
     """The numbers that differ, in the unit and words of MuJoCo's arrays."""
 
     def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
         self.mujoco = mujoco
         self.matching = matching
-        self.tolerance = tolerance
+        self.bound = relative_to_value(tolerance)
         self.a = matching.alone.model
         self.b = matching.composed.model
 
@@ -187,7 +183,7 @@ class DifferingValues:
     def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
         ours = _flat(before)
         others = _flat(after)
-        different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)]
+        different = [at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not self.bound.allows(x, y)]
         if different and len(ours) <= _SHOWN:
             yield name, _value(before), _value(after)
         else:
@@ -212,7 +208,7 @@ class DifferingValues:
                 yield from self._numbers(name, _one(before), _one(after))
         else:
             pairs = zip(_flat(mine.tolist()), _flat(theirs.tolist()), strict=True)
-            off = [abs(x - y) for x, y in pairs if not close(x, y, self.tolerance)]
+            off = [abs(x - y) for x, y in pairs if not self.bound.allows(x, y)]
             if off:
                 yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
 
@@ -223,7 +219,7 @@ class DifferingValues:
         if before is None or after is None or before.keys() != after.keys():
             return None
         pairs = ((name, value, after[name]) for name, value in before.items())
-        return [pair for pair in pairs if not close(pair[1], pair[2], self.tolerance)]
+        return [pair for pair in pairs if not self.bound.allows(pair[1], pair[2])]
 
 
 def _servo(model: MjModel, index: int) -> dict[str, float] | None:

@@ -9,7 +9,8 @@ from itertools import groupby
 from typing import Any, TypeAlias
 
 from mjcompose.base.diagnostic import plain_data
-from mjcompose.base.report import as_lines, code_span, counted, markdown_text, printable
+from mjcompose.base.report import as_lines, code_span, markdown_text, printable
+from mjcompose.base.words import counted, plural
 from mjcompose.contrast.changes import (
     SETTINGS,
     AddressMove,
@@ -26,14 +27,6 @@ from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.sides.side import End
 
 _NAMED = 5
-_PLURALS = {
-    "body": "bodies",
-    "mesh": "meshes",
-    "equality": "equalities",
-    "flex": "flexes",
-    "key": "keyframes",
-    "default class": "default classes",
-}
 _SINGULARS = {"key": "keyframe"}
 Between: TypeAlias = Callable[[Value, Value, str], str]
 _ORDER = ("renamed", "removed", "added", "changed")
@@ -66,7 +59,7 @@ def sentences(changes: Iterable[FieldChange], between: Between | None = None) ->
 
 def count(size: SizeChange) -> str:
     """`nq 9 → 16`, `bodies 12 → 13`."""
-    word = size.name if size.name.startswith(("n", "total")) and size.name != "numeric" else plural(size.name)
+    word = size.name if size.name.startswith(("n", "total")) and size.name != "numeric" else plural_of(size.name)
     return f"{word} {arrow(size.before, size.after, size.unit, share=bool(size.unit))}"
 
 
@@ -93,7 +86,7 @@ def subject(kind: str, names: Sequence[str]) -> str:
     shown = ", ".join(_quoted(names[:_NAMED]))
     if len(names) > _NAMED:
         shown += f", … and {len(names) - _NAMED} more"
-    return f"{_SINGULARS.get(kind, kind)} {shown}" if len(names) == 1 else f"{len(names)} {plural(kind)} {shown}"
+    return f"{_SINGULARS.get(kind, kind)} {shown}" if len(names) == 1 else f"{len(names)} {plural_of(kind)} {shown}"
 
 
 def quoted(name: str) -> str:
@@ -109,8 +102,9 @@ def _quoted(names: Sequence[str]) -> Iterator[str]:
         yield f"{', '.join(several)} {place}" if place else quoted(several[0])
 
 
-def plural(kind: str) -> str:
-    return _PLURALS.get(kind, f"{kind}s")
+def plural_of(kind: str) -> str:
+    """Return the plural of a kind of element; a `key` is a keyframe."""
+    return plural(_SINGULARS.get(kind, kind))
 
 
 def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) -> str:

@@ -8,12 +8,13 @@ from typing import Any, TypeAlias
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest
+from mjcompose.base.words import value_text
 from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
 from mjcompose.language.forms.context import REFERENCE, ByGrammar, Schema, Settings, define, definition, reference
 from mjcompose.language.forms.model import IT
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.select import check_template, kinds_of, unknown_attribute
-from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle, kind_of, no_angle, read_value, shown
+from mjcompose.language.value import EXCLUSIVE, attribute_and_index, bare_angle, kind_of, no_angle, read_value
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import is_template
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType
@@ -217,7 +218,7 @@ def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str
         if isinstance(value, Mapping):
             yield from flat(value, f"{above}{name}.")
         else:
-            yield above + name, shown(value)
+            yield above + name, value_text(value)
 
 
 _CLASSES = "default"

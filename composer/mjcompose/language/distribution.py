@@ -15,10 +15,11 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE, MAKERS, Distribution, Integers, LogUniform, TruncNormal, Uniform
 from mjcompose.base.draw_stream import below, bits
 from mjcompose.base.extensions import ExtensionTable
+from mjcompose.base.words import value_text
 from mjcompose.language.forms.context import Rows
 from mjcompose.language.forms.model import IT, OWNER, WHOLE, Model, OneOf
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Measure, NotNegative, Positive, Whole
-from mjcompose.language.value import kind_of, shown
+from mjcompose.language.value import kind_of
 from mjcompose.text.expression import Angle, Unit
 
 Operation = Literal["set", "scale", "offset"]
@@ -79,11 +80,11 @@ class FieldDistribution(Struct):
         unit = self.unit or ""
 
         def written(numbers: tuple[float, ...]) -> str:
-            texts = [f"{shown(each)}{unit if each else ''}" for each in numbers]
+            texts = [f"{value_text(each)}{unit if each else ''}" for each in numbers]
             return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
 
         if self.kind == CHOICE:
-            return f"{CHOICE} of {', '.join(shown(each) for each in self.values)}"
+            return f"{CHOICE} of {', '.join(value_text(each) for each in self.values)}"
         if self.kind in _INTERVALS:
             return f"{self.kind} {' to '.join(map(written, self.parameters.values()))}"
         return f"{self.kind} {', '.join(f'{name} {written(each)}' for name, each in self.parameters.items())}"
@@ -300,8 +301,8 @@ def _fault_of_angles(
         return Fault("wrong-type", f"{called} is of factors, which have no unit")
     for number in (number for items in numbers.values() for number in items):
         if not isinstance(number, Angle) and number != 0:
-            message = f"{called} has numbers with a unit and {shown(number)} without one"
-            return Fault("bare-angle", message, help=f"write `{shown(number)}{angles[0].unit}`")
+            message = f"{called} has numbers with a unit and {value_text(number)} without one"
+            return Fault("bare-angle", message, help=f"write `{value_text(number)}{angles[0].unit}`")
     return None
 
 
@@ -321,7 +322,7 @@ def _in_unit(items: Sequence[Any], kind: str, unit: Unit | None) -> tuple[float,
 
 def _fault_of(distribution: Distribution) -> str | None:
     if isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal) and distribution.low > distribution.high:
-        return f"the first bound, {shown(distribution.low)}, is above the second, {shown(distribution.high)}"
+        return f"the first bound, {value_text(distribution.low)}, is above the second, {value_text(distribution.high)}"
     if isinstance(distribution, TruncNormal) and distribution.is_empty:
         return "between `min` and `max` it has almost no probability"
     return None

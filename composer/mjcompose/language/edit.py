@@ -10,12 +10,13 @@ from pydantic import AfterValidator, Field, PrivateAttr
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.base.suggest import advised, closest
+from mjcompose.base.words import value_text
 from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, Turns, When
 from mjcompose.language.select import GLOB, NARROWED, NARROWING, kinds_of, read_selector
-from mjcompose.language.value import exclusive, shown
+from mjcompose.language.value import exclusive
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.pattern import EVERYTHING, Selector, known_tags, paths_of
 
@@ -69,7 +70,7 @@ def listed(values: Mapping[str, Any]) -> str:
     >>> listed({"gear": [2], "group": None}), listed({})
     (' with gear = [2]', '')
     """
-    given = [f"{name} = {shown(each)}" for name, each in values.items() if each is not None]
+    given = [f"{name} = {value_text(each)}" for name, each in values.items() if each is not None]
     return f" with {', '.join(given)}" if given else ""
 
 
@@ -81,7 +82,7 @@ def with_settings(method: str, settings: Any) -> str:
     """
     if isinstance(settings, str):
         return f"{method} {settings}"
-    written = [f"{name} {shown(value)}" for name, value in settings.items() if value is not None]
+    written = [f"{name} {value_text(value)}" for name, value in settings.items() if value is not None]
     return f"{method} ({', '.join(written)})" if written else method
 
 

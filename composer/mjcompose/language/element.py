@@ -10,6 +10,7 @@ from typing import Any
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
+from mjcompose.base.words import number_text
 from mjcompose.language.condition import is_item
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
@@ -29,7 +30,7 @@ from mjcompose.language.value import (
 from mjcompose.text.expression import Angle
 from mjcompose.text.merge import is_of_elements, is_taken_out
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
-from mjcompose.tree.grammar import GRAMMAR, ElementType, number_text
+from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.values import either
 
 _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")

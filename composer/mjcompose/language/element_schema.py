@@ -12,9 +12,9 @@ from functools import partial
 from itertools import chain
 from typing import Any
 
+from mjcompose.base.words import value_text
 from mjcompose.language.element import CONFIG, FRAGMENT, NAME
 from mjcompose.language.forms.context import Schema, computable, definition, reference
-from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, Constraint, ElementType
 from mjcompose.tree.values import INT_MAX, INT_MIN, may_be_angle
@@ -78,7 +78,7 @@ def _remarks(attribute: Attribute) -> Iterator[str]:
     if attribute.type == "file":
         yield "file, relative to the recipe"
     if attribute.default is not None:
-        yield f"default: {shown(attribute.default)}"
+        yield f"default: {value_text(attribute.default)}"
     yield from attribute.versions()
 
 

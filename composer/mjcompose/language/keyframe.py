@@ -12,12 +12,13 @@ from pydantic import Field
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import closest, renaming
+from mjcompose.base.words import value_text
 from mjcompose.language.element import Reader
 from mjcompose.language.element_schema import by_name
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import OWNER, Model
 from mjcompose.language.forms.scalars import Expects, Name, NumberUnit, Turns, When
-from mjcompose.language.value import Single, kind_of, read_value, shown
+from mjcompose.language.value import Single, kind_of, read_value
 from mjcompose.tree.grammar import GRAMMAR
 
 CTRL = "ctrl"
@@ -95,7 +96,7 @@ def _way(reader: Reader, value: str | bool, at: Path, owner: str) -> Way | None:
     found = next((way for way in WAYS if way == value), None)
     if found is None:
         near = closest(value, WAYS) if isinstance(value, str) else ["positions"] * value
-        message = f"`{HOLD}` in `{CTRL}` of {owner} is `positions` or `forces`, got `{shown(value)}`"
+        message = f"`{HOLD}` in `{CTRL}` of {owner} is `positions` or `forces`, got `{value_text(value)}`"
         help = f"write `{HOLD}: {near[0]}`" if near else f"write `{CTRL}: {HOLD}` for the positions of servos"
         fix = renaming(value, WAYS) if isinstance(value, str) else None
         reader.faults.append(Fault("wrong-keyword", message, at, help=help, fix=fix))

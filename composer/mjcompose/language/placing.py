@@ -13,12 +13,13 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.rotation import cross
 from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.base.words import value_text
 from mjcompose.language.element import Reader, label
 from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, reference
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import AttributeValue, Checked, Name
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import RecipeElement, Single, is_unprintable, kind_of, shown, unprintable
+from mjcompose.language.value import RecipeElement, Single, is_unprintable, kind_of, unprintable
 from mjcompose.text.expression import Angle
 from mjcompose.text.key_order import WHOLE
 from mjcompose.text.node import Key, Mapping as Located, Scalar, Sequence as List, find
@@ -50,7 +51,7 @@ def _model_fault(value: Any) -> Fault | None:
     if isinstance(value, dict):
         return None
     if not isinstance(value, str):
-        return Fault("wrong-type", f"{IT} expects text, got {kind_of(value)}", help=f"quote it: '{shown(value)}'")
+        return Fault("wrong-type", f"{IT} expects text, got {kind_of(value)}", help=f"quote it: '{value_text(value)}'")
     if not value:
         return Fault("wrong-type", f"{IT} is empty")
     return unprintable(IT, ()) if is_unprintable(value) else None

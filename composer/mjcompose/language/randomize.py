@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.distribution import CHOICE
 from mjcompose.base.limits import advice, in_force
+from mjcompose.base.words import value_text
 from mjcompose.language.assign import MASS, Checker
 from mjcompose.language.distribution import (
     DISTRIBUTIONS,
@@ -26,7 +27,7 @@ from mjcompose.language.forms.context import Rows, Settings
 from mjcompose.language.forms.model import IT, OWNER, Bars, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Selects, Text, whole
 from mjcompose.language.select import NARROWED, kinds_of
-from mjcompose.language.value import attribute_and_index, must_not_be_negative, shown
+from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.language.variation import NO_EMIT
 from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.pattern import Selector
@@ -191,7 +192,7 @@ def _range_faults(field: DrawField, name: str, index: int | None, at: Path) -> I
         lowest = min((each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0)
         if lowest < 0 and must_not_be_negative(name, index if index is not None else component):
             what = "factors" if field.operation == "scale" else "values"
-            message = f"`{field.attr}` cannot be negative, and {OWNER} draws {what} from {shown(lowest)}"
+            message = f"`{field.attr}` cannot be negative, and {OWNER} draws {what} from {value_text(lowest)}"
             yield Fault("out-of-range", message, at, help="let it begin at 0 or above")
             return
 

@@ -6,9 +6,10 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, exists_note, unknown_attribute as no_attribute
+from mjcompose.base.words import value_text
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Schema
-from mjcompose.language.value import EXCLUSIVE, attribute_and_index, fault_at, kind_of, shown
+from mjcompose.language.value import EXCLUSIVE, attribute_and_index, fault_at, kind_of
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
 from mjcompose.text.node import is_template
@@ -150,7 +151,7 @@ def _glob(value: Any, name: str, at: Path, faults: list[Fault], help: str | None
         wrong = pattern_fault(value, f"`{name}`", at)
     else:
         if isinstance(value, int | float) and not isinstance(value, bool):
-            help = f"quote it: `{name}: '{shown(value)}'`"
+            help = f"quote it: `{name}: '{value_text(value)}'`"
         message = f"`{name}` expects a name or a glob, got {kind_of(value) if value != '' else 'empty text'}"
         wrong = Fault("wrong-type", message, at, help=help)
     faults += [wrong] if wrong is not None else []

@@ -15,6 +15,7 @@ from mjcompose.base.files import MESH_FILES, MODEL_FILES
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
+from mjcompose.base.words import value_text
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
 from mjcompose.language.forms.context import Settings
@@ -23,7 +24,7 @@ from mjcompose.language.forms.translate import misspelt, report, translated
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Typed
-from mjcompose.language.value import kind_of, shown
+from mjcompose.language.value import kind_of
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence as List, find, texts, to_python
 from mjcompose.tree.grammar import GRAMMAR
 
@@ -184,7 +185,7 @@ def _keys_at_top(parts: AbcMapping[str, Any]) -> str:
 
 def _short(value: Any) -> str:
     items = value if isinstance(value, list) else [value]
-    return shown(value) if all(isinstance(each, str | int | float) for each in items) else "{…}"
+    return value_text(value) if all(isinstance(each, str | int | float) for each in items) else "{…}"
 
 
 def _flow(value: AbcMapping[str, Any]) -> str:

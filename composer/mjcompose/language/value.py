@@ -12,8 +12,9 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Note, Path
 from mjcompose.base.naming import odd_character
 from mjcompose.base.suggest import advised, exists_note
+from mjcompose.base.words import number_text, value_text
 from mjcompose.text.expression import Angle
-from mjcompose.tree.grammar import Attribute, ElementType, number_text
+from mjcompose.tree.grammar import Attribute, ElementType
 from mjcompose.tree.values import (
     NOT_XML,
     Refusal,
@@ -49,19 +50,6 @@ def fault_at(
     )
 
 
-def shown(value: object) -> str:
-    """Return a value as YAML on one line.
-
-    >>> shown([0, "90deg", 1.5])
-    '[0, 90deg, 1.5]'
-    """
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(shown(item) for item in value)}]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return number_text(value) if isinstance(value, int | float) else str(value)
-
-
 def kind_of(value: object) -> str:
     """Return the kind of a value, with the value itself if it is short: `text `abc``, `a list`."""
     if isinstance(value, dict):
@@ -71,7 +59,7 @@ def kind_of(value: object) -> str:
     if value is None:
         return "nothing"
     kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
-    text = shown(value)
+    text = value_text(value)
     if isinstance(value, float) and text.removeprefix("-").isdigit():
         text += ".0"  # the expected value may be a whole number, which this is not
     return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind
@@ -155,8 +143,8 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     # A number with decimals that is at most a full turn in radians is most likely in radians.
     radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
     unit, name = ("rad", "radian") if radians else ("deg", "degree")
-    with_unit: list[Any] = [f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
-    instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
+    with_unit: list[Any] = [f"{value_text(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
+    instead = value_text(with_unit) if isinstance(value, tuple) else with_unit[0]
     alone = len(bare) == 1 and isinstance(value, tuple)
     clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
     message = f"`{attribute.name}` of {owner} is an angle without a unit"
@@ -238,7 +226,7 @@ def form_of(attribute: Attribute) -> str | None:
 
 def instead(attribute: Attribute, value: object, tag: str) -> Advice | None:
     """Return what to write instead of a value such as `'0.5'`, `45°`, `pi/2`, `10cm` or `yes`, or None."""
-    word = shown(value)
+    word = value_text(value)
     if attribute.type == "bool" or "true" in attribute.keywords:
         # YAML 1.1 reads `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
         return _write(_WORDS.get(word.lower()) if isinstance(value, str) else None)
@@ -347,7 +335,7 @@ def read_value(
 def no_angle(subject: str, angle: Angle, at: Path) -> Fault:
     """Return the fault of an angle in a place that takes none."""
     help = f"write a number without `{angle.unit}`"
-    return Fault("wrong-type", f"{subject} is not an angle, got `{shown(angle.value)}{angle.unit}`", at, help=help)
+    return Fault("wrong-type", f"{subject} is not an angle, got `{value_text(angle.value)}{angle.unit}`", at, help=help)
 
 
 def _read_list(
@@ -428,7 +416,7 @@ def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Pat
     fix = None if advice is None else advice.fix
     if code == "wrong-keyword":
         words = value if isinstance(value, list) else [value]
-        wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
+        wrong = next((text for text in map(value_text, words) if text not in attribute.keywords), None)
         if wrong is not None:
             near, renamed = advised(wrong, attribute.keywords)
             if near is not None:

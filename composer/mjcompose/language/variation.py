@@ -11,12 +11,12 @@ from pydantic import Discriminator, Field, Tag, ValidationError, WithJsonSchema
 from mjcompose.base.diagnostic import Diagnostic, Fault, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
+from mjcompose.base.words import value_text
 from mjcompose.language.forms.context import Schema, Settings, reference, validated
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import VALUE, AtLeastOne, Checked, Expects, Hints, Items, Measure, Text, Written
 from mjcompose.language.forms.translate import faults, report
 from mjcompose.language.parameters import Parameter, in_unit, is_usable, plain
-from mjcompose.language.value import shown
 from mjcompose.text.expression import ANGLE_PATTERN, UNITS, Angle, DataTable, Value
 from mjcompose.text.node import Mapping as Located, Node, find, is_template, locate, to_python
 
@@ -123,8 +123,8 @@ class Declaration(Model):
         parameter = self.parameter("", Span("", 1, 1))
         for at, each in (("default", self.default), *(("choices", each) for each in self.choices or ())):
             if self.unit is None and parameter.is_angle and (bare := _bare_beside_angles(_of_value(each))) is not None:
-                message = f"`{at}` of {IT} has numbers with a unit and {shown(bare)} without one"
-                yield Fault("bare-angle", message, (at,), help=f"write `{shown(bare)}{parameter.unit}`")
+                message = f"`{at}` of {IT} has numbers with a unit and {value_text(bare)} without one"
+                yield Fault("bare-angle", message, (at,), help=f"write `{value_text(bare)}{parameter.unit}`")
                 return
         for name in ("min", "max"):
             if isinstance(bound := _in_unit(getattr(self, name), parameter.unit), Angle):

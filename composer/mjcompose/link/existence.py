@@ -17,6 +17,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity
 from mjcompose.base.report import with_rest
+from mjcompose.base.words import plural
 from mjcompose.link.boundaries import CODE
 from mjcompose.link.expansion import SECTIONS, Expansion, suffixes
 from mjcompose.link.linking import shown_name
@@ -293,10 +294,6 @@ def _counted(fault: ExistenceFault, article: str = "") -> str:
     names = [f"`{name}`" for name in fault.names if name]
     nameless = fault.number - sum(1 for name in fault.names if name)
     if not names:
-        return f"{fault.kind} without a name" if nameless == 1 else f"{nameless} {_plural(fault.kind)} without a name"
-    kind = fault.kind if len(names) == 1 else _plural(fault.kind)
+        return f"{fault.kind} without a name" if nameless == 1 else f"{nameless} {plural(fault.kind)} without a name"
+    kind = fault.kind if len(names) == 1 else plural(fault.kind)
     return f"{article}{kind} {', '.join(with_rest(names, _SHOWN))}"
-
-
-def _plural(kind: str) -> str:
-    return {"equality": "equalities", "flex": "flexes", "mesh": "meshes", "body": "bodies"}.get(kind, f"{kind}s")

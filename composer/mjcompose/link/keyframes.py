@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import Pose, normalize, rotate
+from mjcompose.base.words import element_text
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy
 from mjcompose.link.key_layout import BLOCK, Holder, KeyLayout, Slot
@@ -154,7 +155,7 @@ def _is_turned(part: Part, flex: Node) -> bool:
 
 
 def called(key: Node) -> str:
-    return f"{'the' if key.get('name') else 'a'} key {shown_name(key)}"
+    return element_text("key", key.get("name"), definite=True)
 
 
 def _carry(part: Part, layout: KeyLayout, vector: str, taken: dict[Holder, list[Number]]) -> None:

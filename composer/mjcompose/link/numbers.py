@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base import rotation
 from mjcompose.base.rotation import Pose
+from mjcompose.base.words import numbers_text
 from mjcompose.tree.values import items, parse_real
 
 RADIANS_PER_DEGREE = math.pi / 180
+
+
+text = numbers_text
 
 
 def read(text: str) -> list[float]:
@@ -34,17 +38,6 @@ def _rare(item: str) -> float:
     if value is None:
         raise ValueError(f"not a number: {item}")
     return value
-
-
-def text(values: Iterable[float]) -> str:
-    return " ".join(_one(value) for value in values)
-
-
-def _one(value: float) -> str:
-    if value == 0 or not math.isfinite(value):
-        return "-0" if value == 0 and math.copysign(1, value) < 0 else f"{value:g}"
-    whole = repr(value)
-    return whole[:-2] if whole.endswith(".0") else whole
 
 
 # MuJoCo 4.0 rounds the two in different ways: `<joint ref="0.30000000000000004"/>` compiles to v * (pi / 180), which is

@@ -15,6 +15,7 @@ from itertools import groupby
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose.base.words import element_text
 from mjcompose.link.expansion import element_of, in_order, name_of_holder
 from mjcompose.link.key_layout import BLOCKS, JOINTS, joint_type, joints_in_order
 from mjcompose.link.unit_keys import keys_of
@@ -128,4 +129,4 @@ def why_before(unit: Unit, kind: str, first: str, second: str) -> str:
 def _called(node: Node) -> str:
     if node.tag == "worldbody":
         return "the world"
-    return f"the {node.tag} `{node.get('name')}`" if node.get("name") else f"a {node.tag} without a name"
+    return element_text(str(node.tag), node.get("name"), definite=True)

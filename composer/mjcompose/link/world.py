@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import Pose, Quat, multiply, normalize, rotate
+from mjcompose.base.words import after_noun
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Floating, Linking, Part, detach
@@ -222,7 +223,7 @@ def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
 def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     part = hung.part
     first = found[0]
-    named = _named(first)
+    named = after_noun(first.get("name"))
     more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
     if hung.copied is not None and hung.name:
         why = "a `<replicate>` copies it"
@@ -370,12 +371,8 @@ def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
 
 
 def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:
-    message = f"{element.tag}{_named(element)} {what}"
+    message = f"{element.tag}{after_noun(element.get('name'))} {what}"
     linking.sink.warning("world-frame", message, linking.span(part.unit, element), help=help)
-
-
-def _named(element: Node) -> str:
-    return f" `{element.get('name')}`" if element.get("name") else ""
 
 
 def sections(linking: Linking) -> None:

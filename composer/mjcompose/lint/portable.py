@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.report import counted
+from mjcompose.base.words import counted
 from mjcompose.lint.rule import Finding, Found, Subject, rule
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from mjcompose.lint.rule import ElementEdit, Finding, Found, Subject, rule
 from mjcompose.mujoco.addresses import rows_of, span
 from mjcompose.mujoco.arrays import BALL, FREE, HINGE, SLIDE
 from mjcompose.mujoco.references import ON_JOINTS
+from mjcompose.mujoco.unequal import Bound
 
 _LIMITS = {
     "joint": (("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")),
@@ -124,7 +125,7 @@ _OF_SIDES = {
     "actuator": ("ctrlrange", "forcerange", "gear", "kp", "kv", "gainprm", "biasprm"),
 }
 _MIRRORED = frozenset(("range", "actuatorfrcrange", "ctrlrange", "forcerange"))
-_ALIKE = 0.01
+_ALIKE = Bound(0.01, floor=0.0)
 
 
 @rule("sides-differ")
@@ -162,11 +163,7 @@ def _is_alike(subject: Subject, left: Node, right: Node, attribute: str) -> bool
         here = list(map(abs, here))
         there = list(map(abs, there))
     candidates = [there, [-each for each in reversed(there)]] if attribute in _MIRRORED else [there]
-    return any(all(map(_is_close, here, each)) for each in candidates)
-
-
-def _is_close(one: float, other: float) -> bool:
-    return abs(one - other) <= _ALIKE * max(abs(one), abs(other))
+    return any(all(map(_ALIKE.allows, here, each)) for each in candidates)
 
 
 class JointServo(NamedTuple):

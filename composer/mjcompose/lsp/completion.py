@@ -12,7 +12,7 @@ from pathlib import Path as PathlibPath
 from typing import Any
 
 from mjcompose.base.diagnostic import Span
-from mjcompose.base.report import counted
+from mjcompose.base.words import counted
 from mjcompose.language.expand import scope_of
 from mjcompose.language.repeat import FOR
 from mjcompose.lsp import mjcf

@@ -7,9 +7,9 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from mjcompose.base.report import counted
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.language.expand import cells
 from mjcompose.link import numbers
 from mjcompose.lsp import mjcf

@@ -15,6 +15,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
+from mjcompose.base.words import tag_text
 from mjcompose.link.linking import detach
 from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_after_renaming
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
@@ -330,7 +331,7 @@ def check_lists(renaming: Renaming[ModelState]) -> None:
 def _bad_value(
     kind: ElementType, attribute: Attribute, fault: BadValue, model: ModelState, name: object, node: Node | None
 ) -> MjcfError:
-    what = f"`<{kind.tag}>`" + (f" `{name}`" if isinstance(name, str) else "")
+    what = tag_text(kind.tag, name if isinstance(name, str) else None)
     what = what if node is None else describe(model, node)
     refusal = fault.refusal
     help = None

@@ -13,11 +13,12 @@ import numpy as np
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
+from mjcompose.base.words import number_text, tag_text
 from mjcompose.mjcf.model import ModelState, ReferencedNode
 from mjcompose.tree import values
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.edit import assign
-from mjcompose.tree.grammar import GRAMMAR, Attribute, number_text, to_text
+from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.tree.names import UP, WORLD, word
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.values import INT_MAX, NOT_XML, Refusal, expected, items, parse_real, plain
@@ -247,5 +248,5 @@ def is_here(target: ReferencedNode) -> Note:
 def describe(model: ModelState, node: Node) -> str:
     """Return the description of an element for messages: its tag, and its name if it has one."""
     declared = model.declared(node) if model.has(node) else ("", str(node.get("name") or ""))
-    named = f" `{declared[1]}`" if declared and declared[1] not in ("", WORLD) else ""
-    return f"`<{node.tag}>`{named}"
+    is_named = declared is not None and declared[1] != WORLD
+    return tag_text(str(node.tag), declared[1] if declared is not None and is_named else None)

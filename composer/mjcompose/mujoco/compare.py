@@ -21,7 +21,8 @@ from mjcompose.mujoco.addresses import RUNS, runs, span
 from mjcompose.mujoco.arrays import FREE, ROUNDING, Treatment, with_trait
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Value
-from mjcompose.mujoco.references import DOF, Array, arrays, same_width, unequal
+from mjcompose.mujoco.references import DOF, Array, arrays, same_width
+from mjcompose.mujoco.unequal import Bound, differing_rows, unequal
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -117,9 +118,8 @@ def _unequal_rows(
             expected, actual = same_width(expected, actual)
         if not expected.size:
             continue
-        different = unequal(expected, actual, rules.bound(treatment))
-        wrong = np.flatnonzero(different.reshape(len(expected), -1).any(axis=1))
-        for at in sorted({bisect_right(starts, row) - 1 for row in wrong.tolist()}):
+        different = unequal(expected, actual, Bound(rules.bound(treatment)))
+        for at in sorted({bisect_right(starts, row) - 1 for row in differing_rows(different)}):
             pair = pairs[starts[at]]
             first = starts[at]
             if rules.ignores(kind, name, pair[0]) or rules.excuses(treatment, kind, name, pair=pair):
@@ -149,7 +149,7 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
                 if (compared := rules.run(kind, name, index, run=(mine, other))) is None:
                     continue
                 mine, other, bound = compared
-                different = unequal(mine, other, bound)
+                different = unequal(mine, other, Bound(bound))
                 if not different.any():
                     continue
             yield Unequal(
@@ -273,7 +273,7 @@ def key_differences(
             composed = matching.composed.model
             pairs.append(("key_time", alone.key_time[key : key + 1], composed.key_time[target : target + 1], 0.0))
         for field, mine, theirs, bound in pairs:
-            if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
+            if mine.shape != theirs.shape or unequal(mine, theirs, Bound(max(bound, tolerance))).any():
                 expected = tuple(mine.tolist())
                 actual = tuple(theirs.tolist())
                 found.append(Difference("key", there, field, expected=expected, actual=actual))
@@ -310,7 +310,7 @@ def _match(matching: Correspondence, keys: KeyMode, moved: Pose | None) -> Itera
 
 def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose | None) -> bool:
     return any(
-        mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
+        mine.shape != theirs.shape or unequal(mine, theirs, Bound(bound)).any()
         for _, mine, theirs, bound in _entries(matching, key, target, moved=moved)
     )
 

@@ -58,23 +58,6 @@ def row_key(model: MjModel, kind: str, index: int) -> bytes:
     )
 
 
-def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[np.bool_]:
-    """Return the places where two arrays of one shape differ, bit for bit; zeros and NaNs are equal regardless of sign.
-
-    ``tolerance`` is relative to the larger of 1 and the expected value.
-    """
-    different = expected != actual
-    if different.any() and np.issubdtype(expected.dtype, np.floating):
-        a = expected.astype(np.float64)
-        b = actual.astype(np.float64)
-        different &= ~(np.isnan(a) & np.isnan(b))
-        if tolerance > 0:
-            with np.errstate(invalid="ignore"):
-                near = np.abs(a - b) <= tolerance * np.maximum(1.0, np.abs(a))
-            different &= ~(near & np.isfinite(a))  # everything is near an infinite number
-    return np.asarray(different, dtype=np.bool_)
-
-
 def same_width(a: Array, b: Array) -> tuple[Array, Array]:
     """Return two tables, shape (n, width), with the narrower one padded with columns of zeros."""
     width = max(a.shape[1], b.shape[1])

@@ -23,6 +23,7 @@ from mjcompose.mujoco.compare import KeyMode, Pairs, Roots, Rules, Run, key_diff
 from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.match import ABSENT, Correspondence, Coupling, Difference, Mount, pose_of
 from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON, WRAP_JOINT, WRAP_SITE, Array, links, twists_a_rod
+from mjcompose.mujoco.unequal import Bound, differing_rows
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -75,7 +76,8 @@ class Placing:
     def differences(self, tolerance: float = 0.0) -> list[Difference]:
         """Return the roots of a moved part that did not move with the other roots."""
         found: list[Difference] = []
-        bound = max(ROUNDING, tolerance)
+        most = max(ROUNDING, tolerance)
+        bound = Bound(most, absolute=most, floor=0.0)
         vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
         if self.transform is not None:
             for kind, roots in self.roots.items():
@@ -141,8 +143,8 @@ def _peak_force(model: MjModel, parameters: Array, actuator: int) -> float:
     return float(parameters[_SCALE]) / max(float(model.actuator_acc0[output]), _LEAST)
 
 
-def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
-    return bool(np.allclose(a, b, rtol=bound, atol=bound, equal_nan=True))
+def _near(expected: tuple[float, ...], actual: tuple[float, ...], bound: Bound) -> bool:
+    return all(map(bound.allows, expected, actual))
 
 
 _WELD = 1  # mjEQ_WELD
@@ -326,7 +328,7 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
             found.append(Difference(each.kind, name, f"{field}, rows", expected=rows[0], actual=rows[1]))
             continue
         several = field.startswith("dof_")  # a row for each degree of freedom
-        for row in np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]:
+        for row in differing_rows(each.different) if several else [...]:
             expected = each.expected[row]
             actual = each.actual[row]
             different = each.different[row]

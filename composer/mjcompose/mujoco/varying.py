@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import KIND_OF, KINDS, TAGS, NameTable, array_of, attributes
-from mjcompose.mujoco.references import unequal
+from mjcompose.mujoco.unequal import unequal
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
-from mjcompose.base.report import as_lines, counted
+from mjcompose.base.report import as_lines
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.language.edit import Edit
 from mjcompose.language.forms.scalars import ALLOW
 from mjcompose.plan.plan import AttachPart, EditOutcome, Gains, Plan, PlanPreview
@@ -105,9 +106,6 @@ def _codes(node: Node | None) -> Iterator[tuple[str, Span]]:
         for item in node.items:
             if isinstance(item, Scalar):
                 yield item.text, item.span
-
-
-_PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 
 
 def describe(plan: Plan, preview: PlanPreview | None = None) -> str:
@@ -212,7 +210,7 @@ def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterato
     if outcome is None:
         yield indent + edit.words
         return
-    counts = ", ".join(counted(count, kind, _PLURALS.get(kind, "")) for kind, count in outcome.selected.items())
+    counts = ", ".join(counted(count, kind) for kind, count in outcome.selected.items())
     yield f"{indent}{edit.words} ({counts or 'nothing'})"
     yield from _by_kind(outcome.removed, f"{indent}  removes")
     yield from (f"{indent}  {each.words}" for each in outcome.shapes)
@@ -224,7 +222,7 @@ def _by_kind(elements: Iterable[DroppedElement], start: str) -> Iterator[str]:
         kinds.setdefault(element.what, []).append(element.name)
     for kind, names in kinds.items():
         known = ", ".join(filter(None, names))
-        yield f"{start} {counted(len(names), kind, _PLURALS.get(kind, ''))}{f': {known}' if known else ''}"
+        yield f"{start} {counted(len(names), kind)}{f': {known}' if known else ''}"
 
 
 def _place_words(part: AttachPart) -> str:

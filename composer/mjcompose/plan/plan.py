@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.rotation import Pose
+from mjcompose.base.words import number_text
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import Check
 from mjcompose.language.datasheets import Sheet
@@ -31,7 +32,6 @@ from mjcompose.plan.steps import (
 from mjcompose.sources.reference import ReadAs, Source
 from mjcompose.text.expression import Value
 from mjcompose.text.node import Mapping as Located
-from mjcompose.tree.grammar import number_text
 from mjcompose.tree.merged_settings import Adopted, KeyPolicy, ReadRow
 from mjcompose.tree.pattern import paths_of
 

@@ -32,6 +32,7 @@ from mjcompose.base.files import (
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import exists_note
+from mjcompose.base.words import number_text
 from mjcompose.language.check import KINDS, SEVERITY
 from mjcompose.language.datasheets import SHEETS, library
 from mjcompose.language.edit import VERBS, Edit
@@ -62,7 +63,6 @@ from mjcompose.text.node import (
     to_python,
 )
 from mjcompose.tree.files import CUBE, file_attributes, join, written_path
-from mjcompose.tree.grammar import number_text
 from mjcompose.tree.parse import Assumed, model_of_mesh, parse_file, parse_text
 from mjcompose.tree.unit import Unit
 from mjcompose.urdf.robot import SCHEMES

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Path, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import with_article
 from mjcompose.language.contact import Collisions, Contact
 from mjcompose.language.edit import Edit
 from mjcompose.language.expand import Concrete
@@ -124,8 +125,7 @@ def words_of_element(element: RecipeElement) -> str:
     ('a geom', 'site tip')
     """
     name = element.attributes.get("name")
-    article = "an" if element.tag[0] in "aeiou" else "a"
-    return f"{element.tag} {name}" if name is not None else f"{article} {element.tag}"
+    return f"{element.tag} {name}" if name is not None else with_article(element.tag)
 
 
 @dataclass(frozen=True, slots=True)

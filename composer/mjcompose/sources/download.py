@@ -15,7 +15,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import advice, in_force, written
-from mjcompose.base.report import counted
+from mjcompose.base.words import counted
 from mjcompose.sources.address import addresses_of, is_private, is_this_machine, take_apart
 from mjcompose.sources.fetching import Silence, patience, waiting
 from mjcompose.sources.reference import TO_TRUST, SourceError, outside_network
@@ -150,7 +150,7 @@ class _Download(Struct, frozen=False):
                     raise self._failed(why, last, help=help) from None
         help = "try again later: the download resumes where it stopped; a slow server gets more time with"
         help += " `MJCOMPOSE_TIMEOUT=120`; with `--offline` mjcompose uses the store"
-        raise self._failed("cannot be fetched", f"after {counted(attempt, 'try', 'tries')}: {last}", help=help)
+        raise self._failed("cannot be fetched", f"after {counted(attempt, 'try')}: {last}", help=help)
 
     @contextmanager
     def _response(

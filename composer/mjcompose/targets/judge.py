@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.mujoco.unequal import Bound
 from mjcompose.targets.readers.shared import facts as programs
 from mjcompose.targets.target import Loss
 
@@ -365,7 +366,7 @@ def by_actuator(truth: Facts, facts: Facts) -> Facts:
 
 def _forces(mine: dict[str, float], read: dict[str, float], tolerance: float) -> Iterator[ReadDifference]:
     for name, force in mine.items():
-        if name in read and abs(read[name] - force) > tolerance * max(1.0, abs(force)):
+        if name in read and not Bound(tolerance).allows(force, read[name]):
             message = f"under full control the force of the joint `{name}` is {_shown(read[name])}, not {_shown(force)}"
             yield ReadDifference("forces", "joint", name, message=message)
 
@@ -377,17 +378,17 @@ def _attributes(
         feature = FEATURES[attribute]
         if attribute not in mine or (feature, name) in lost or (feature == "gains" and ("gears", name) in lost):
             continue
-        if not _close(value, mine[attribute], tolerance):
+        if not _is_close(value, mine[attribute], Bound(tolerance)):
             words = _WORDS.get(attribute, attribute)
             message = f"the {words} of the {kind} `{name}` is {_shown(value)}, not {_shown(mine[attribute])}"
             yield ReadDifference(feature, kind, name, message=message)
 
 
-def _close(read: Any, mine: Any, tolerance: float) -> bool:
+def _is_close(read: Any, mine: Any, bound: Bound) -> bool:
     if isinstance(read, list) and isinstance(mine, list):
-        return len(read) == len(mine) and all(map(_close, read, mine, [tolerance] * len(mine)))
+        return len(read) == len(mine) and all(map(_is_close, read, mine, [bound] * len(mine)))
     if isinstance(read, float | int) and isinstance(mine, float | int):
-        return abs(read - mine) <= tolerance * max(1.0, abs(mine))
+        return bound.allows(mine, read)
     if isinstance(read, list) or isinstance(mine, list):  # no limit is the same as none on both sides
         return not any(each is not None for each in [*(read or ()), *(mine or ())])
     return bool(read == mine)

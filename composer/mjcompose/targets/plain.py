@@ -18,13 +18,14 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.naming import portable_step
+from mjcompose.base.words import number_text
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable, save_digits
 from mjcompose.mujoco.index import compiled_order
 from mjcompose.targets.target import Draft
 from mjcompose.tree.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
 from mjcompose.tree.files import file_attributes, join, stem
-from mjcompose.tree.grammar import GRAMMAR, number_text
+from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.values import items, parse_real
 

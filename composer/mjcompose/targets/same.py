@@ -15,6 +15,7 @@ import numpy as np
 from mjcompose.mujoco.arrays import REWRITTEN, with_trait
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.compare import unequal_attributes
+from mjcompose.mujoco.unequal import Bound, differing_rows, unequal
 from mjcompose.targets.readers.shared.facts import rotation
 
 if TYPE_CHECKING:
@@ -87,25 +88,29 @@ def differences(model: MjModel, again: Any) -> Iterator[str]:
     for name, before, after in unequal_attributes(model, again):
         if name.startswith(_OF_MESH_FRAMES) or name in _REWRITTEN:
             continue
-        rows = _rows(model, name)
-        if not _close(before, after, rows):
-            yield f"`{name}`{_where(model, name, before, after=after)}"
+        difference = _difference(model, name, before, after)
+        if difference is not None:
+            yield f"`{name}`{difference}"
     if model.ngeom == again.ngeom and model.nmesh == again.nmesh:
         for kind in ("geom", "site"):
             yield from _surfaces(kind, model, again)
 
 
-def _close(before: Any, after: Any, rows: Any) -> bool:
+def _difference(model: MjModel, name: str, before: Any, after: Any) -> str | None:
+    """Return how two values differ, in words; None if they count as equal."""
     if not isinstance(before, np.ndarray) or not isinstance(after, np.ndarray):
-        both = isinstance(before, float) and isinstance(after, float)
-        return both and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
-    if before.shape != after.shape or not np.issubdtype(before.dtype, np.floating):
-        return before.shape == after.shape and bool((before[rows] == after[rows]).all())
-    before = before[rows].astype(float)
-    after = after[rows].astype(float)
-    finite = before[np.isfinite(before)]
-    scale = max(1.0, float(np.abs(finite).max())) if finite.size else 1.0
-    return bool(np.isclose(before, after, rtol=0, atol=TOLERANCE * scale, equal_nan=True).all())
+        are_floats = isinstance(before, float) and isinstance(after, float)
+        is_near = are_floats and Bound(TOLERANCE, floor=0.0).allows(before, after)
+        return None if is_near else f": {after}, not {before}"
+    if before.shape != after.shape:
+        return f" has another length: {before.size}, not {after.size}"
+    rows = _rows(model, name)
+    different = np.zeros(before.shape, dtype=np.bool_)
+    different[rows] = unequal(before[rows], after[rows], Bound(TOLERANCE, of="array"))
+    if not different.any():
+        return None
+    row = differing_rows(different)[0]
+    return f", row {row}: {after[row]}, not {before[row]}"
 
 
 def _rows(model: MjModel, name: str) -> Any:
@@ -116,19 +121,6 @@ def _rows(model: MjModel, name: str) -> Any:
     if name == "actuator_biasprm":
         return model.actuator_biastype != _NO_BIAS
     return model.tendon_type != _FIXED if name in _LOOKS else slice(None)
-
-
-def _where(model: MjModel, name: str, before: Any, after: Any) -> str:
-    if getattr(before, "shape", None) != getattr(after, "shape", None):
-        return f" has another length: {np.size(before)}, not {np.size(after)}"
-    if not np.shape(before):
-        return f": {after}, not {before}"
-    differ = before != after
-    if before.dtype.kind == "f":
-        differ &= ~np.isclose(before, after, rtol=0, atol=TOLERANCE)
-    differing = np.argwhere(differ)
-    row = int(differing[0][0]) if len(differing) else 0
-    return f", row {row}: {after[row]}, not {before[row]}"
 
 
 def _surfaces(kind: str, model: MjModel, again: Any) -> Iterator[str]:

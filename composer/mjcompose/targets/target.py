@@ -11,6 +11,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.words import after_noun
 from mjcompose.tree.files import file_attributes
 from mjcompose.tree.xml_text import write
 
@@ -57,7 +58,7 @@ class Loss(Struct):
 
     @property
     def shown(self) -> str:
-        return f"{self.tag} `{self.name}`" if self.name else self.tag
+        return f"{self.tag}{after_noun(self.name)}"
 
 
 _PLURALS = {

@@ -14,9 +14,10 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import STDIN
-from mjcompose.base.report import Paint, as_lines, counted
+from mjcompose.base.report import Paint, as_lines
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import MANIFEST
 from mjcompose.bundle.manifest import from_json
 from mjcompose.bundle.read import read
@@ -237,7 +238,7 @@ _NUMBER = re.compile(r"[-+.\d][-+.\deE_]*")
 def render(outline: Outline, depth: int | None = None, color: bool = False) -> str:
     """Return parts, then bodies with their joints, down to `depth` levels; without a final line break."""
     paint = Paint(color)
-    counts = [counted(len(outline.bodies), "body", "bodies"), counted(len(outline.joints), "joint")]
+    counts = [counted(len(outline.bodies), "body"), counted(len(outline.joints), "joint")]
     counts += [counted(len(outline.parts), "part")] if outline.parts else []
     width = max((len(part.name) for part in outline.parts), default=0)
     lines = [f"{paint('bold', outline.name)}: {', '.join(counts)}"]

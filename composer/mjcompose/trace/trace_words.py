@@ -13,11 +13,11 @@ from dataclasses import replace
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Span
+from mjcompose.base.words import value_text
 from mjcompose.compose.checks import check_names
 from mjcompose.compose.elements import settle_joints
 from mjcompose.compose.keyframe import hold_poses
 from mjcompose.language.assign import MASS
-from mjcompose.language.value import shown
 from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
 from mjcompose.link.angles import angles
@@ -97,7 +97,7 @@ def of_step(cause: TracedOperation, owner: object, attribute: str | None, node: 
         return Reason(done.words, span if written_by_it else done.span)
     if isinstance(done, DrawValues):
         drawn = None if node is None else _drawn(cause, node, done.field.name)
-        value = "" if drawn is None else f": {shown(drawn)} is drawn"
+        value = "" if drawn is None else f": {value_text(drawn)} is drawn"
         return Reason(f"{done.reason}{value}", done.span)
     if isinstance(done, Step):
         return Reason(done.reason, span)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from mjcompose.base.dataclass import Struct, dataclass
+from mjcompose.base.words import number_text
 
 
 def exists_in(version: str, since: str | None, until: str | None) -> bool:
@@ -138,20 +138,6 @@ def to_text(attribute: Attribute, value: object) -> str:
     if isinstance(value, Iterable):
         return " ".join(to_text(attribute, item) for item in value)
     raise TypeError(f"{attribute.name} cannot hold {type(value).__name__}")
-
-
-def number_text(value: int | float) -> str:
-    """Return a number that MuJoCo re-reads exactly: the shortest digits, without `.0`.
-
-    >>> number_text(0.1 + 0.2), number_text(1e22), number_text(2.0), number_text(-0.0)
-    ('0.30000000000000004', '1e+22', '2', '-0')
-    """
-    if isinstance(value, int):
-        return str(value)
-    if math.isnan(value):
-        return "nan"
-    text = repr(value)
-    return text[:-2] if text.endswith(".0") else text
 
 
 class Constraint(Struct):

@@ -12,6 +12,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.words import with_article
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.grammar import GRAMMAR
@@ -51,7 +52,7 @@ def word(namespace: str, article: bool = False) -> str:
     ('default class', 'an actuator')
     """
     noun = {"default": "default class", "instance": "plugin instance", "pair": "contact pair"}.get(namespace, namespace)
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if article else noun
+    return with_article(noun) if article else noun
 
 
 @cache

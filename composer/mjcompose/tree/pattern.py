@@ -15,6 +15,7 @@ from functools import cache, lru_cache, reduce
 from operator import or_
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.words import value_text
 from mjcompose.tree.grammar import GRAMMAR
 
 _TOKENS = r"\*\*|\*|\?|\{[^{}]*\}|[^*?{]+|."
@@ -310,14 +311,8 @@ class Selector(Struct):
         if isinstance(self.where, str):
             narrowed.append(f"where: {self.where}")
         elif self.where:
-            narrowed.append(f"where: {{{', '.join(f'{name}: {_shown(v)}' for name, v in self.where.items())}}}")
+            narrowed.append(f"where: {{{', '.join(f'{name}: {value_text(v)}' for name, v in self.where.items())}}}")
         return f"{{{', '.join([f'{self.tag}: {self.pattern}', *narrowed])}}}"
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_shown, value))}]"
-    return {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)
 
 
 @cache

@@ -11,6 +11,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.words import with_article
 from mjcompose.tree.grammar import Attribute
 
 NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
@@ -310,7 +311,7 @@ def counted(attribute: Attribute, noun: str) -> str:
     if attribute.lengths is not None:
         return f"{' or '.join(str(length) for length in attribute.lengths)} {noun}s"
     if low == high and low is not None:
-        return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}" if low == 1 else f"{low} {noun}s"
+        return with_article(noun) if low == 1 else f"{low} {noun}s"
     if high is None:
         return f"{noun}s" if (low or 1) <= 1 else f"at least {low} {noun}s"
     if low == 1 and high == 2:

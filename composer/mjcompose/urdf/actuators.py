@@ -13,6 +13,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.base.words import number_text, numbers_text
 from mjcompose.sources.ros import Actuators
 from mjcompose.tree.merged_settings import ReadRow
 from mjcompose.tree.unit import Unit
@@ -108,9 +109,9 @@ def _element(drive: Drive, joint: Node) -> Node:
     own = _ordered(*(parse(params[name].text) if name in params else None for name in ("min", "max")))
     element = etree.Element(tag, name=drive.joint, joint=drive.joint)
     for name, value in gains.items():
-        element.set(name, _text(value))
+        element.set(name, number_text(value))
     if (ends := own or span) is not None:
-        element.set("ctrlrange", " ".join(map(_text, ends)))
+        element.set("ctrlrange", numbers_text(ends))
     return element
 
 
@@ -146,10 +147,6 @@ def parse(text: str | None) -> float | None:
         return float(text or "")
     except ValueError:
         return None
-
-
-def _text(number: float) -> str:
-    return f"{number:.17g}" if float(f"{number:.12g}") != number else f"{number:.12g}"
 
 
 _FRICTION = ("1", "0.005", "0.0001")

@@ -16,6 +16,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
 from mjcompose.base.scratch import scratch
+from mjcompose.base.words import tag_text
 from mjcompose.bundle.bundle import MANIFEST, Bundle, OutputError, writing
 from mjcompose.bundle.read import files_outside
 from mjcompose.bundle.staging import write_files
@@ -85,7 +86,7 @@ def compile_and_report(
 def _words_for(element: Node | None) -> str:
     if element is None:
         return "the model"
-    return f"`<{element.tag}>`" + (f" `{element.get('name')}`" if element.get("name") else "")
+    return tag_text(str(element.tag), element.get("name"))
 
 
 def _report_unread(element: Node, name: str | None, model: Unit, context: Context) -> None:

@@ -24,7 +24,7 @@ from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import ON_BODIES, TAGS, array_of, attributes
 from mjcompose.mujoco.controls import GAINS
 from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
-from mjcompose.mujoco.references import unequal
+from mjcompose.mujoco.unequal import Bound, unequal
 from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
 from mjcompose.plan.plan import ElementDraws, Plan
 from mjcompose.sources.context import Context
@@ -234,7 +234,8 @@ def are_close(a: Any, b: Any) -> bool:
     """Return whether numbers are equal up to the rounding errors of two ways to compute them."""
     a = np.asarray(a)
     b = np.asarray(b)
-    return a.shape == b.shape and not unequal(b, a, _CLOSE if a.dtype.itemsize == 8 else 1e-5).any()
+    bound = Bound(_CLOSE if a.dtype.itemsize == 8 else 1e-5)
+    return a.shape == b.shape and not unequal(b, a, bound).any()
 
 
 Build = Callable[[int], bool]

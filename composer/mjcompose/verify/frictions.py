@@ -16,6 +16,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import element_text
 from mjcompose.compose.effects import CODE
 from mjcompose.link import numbers
 from mjcompose.mujoco import engine
@@ -132,7 +133,7 @@ def _check_edit(
             return
     partner = touched[0][2][0]
     name = name_of(touched[0][0])
-    called = f"geom `{name}`" if name else "a geom without a name"
+    called = element_text("geom", name)
     message = f"`friction` of {called} has no effect on any contact, such as with {partner.partner}"
     help = f"write `priority: {max(each.priority for each in touched[0][2]) + 1}` next to it"
     sink.warning(CODE, message, span, notes=[Note(_NOTE)], help=help)

@@ -19,6 +19,7 @@ from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.report import with_rest
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import element_text
 from mjcompose.compose.key_names import entries_by_name
 from mjcompose.language.keyframe import CTRL, HOLD, JOINT, WAYS, Keyframe
 from mjcompose.link.linking import WrittenKey
@@ -260,7 +261,7 @@ def _moved(numbers: Sequence[float], vector: str, poses: Sequence[Pose]) -> Sequ
 def _report(key: Node, wrong: Sequence[_Difference], model: Unit, sink: Sink) -> None:
     if not wrong:
         return
-    called = f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
+    called = element_text("key", key.get("name"), definite=True)
     first = wrong[0]
     notes = list(map(Note, with_rest([_sentence(each) for each in wrong], 4)[1:]))
     span = first.meant.span or model.origins.span(key, model.file, first.vector)

@@ -25,9 +25,10 @@ from pydantic_core import CoreSchema
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import closest, exists_note
+from mjcompose.base.words import value_text
 from mjcompose.language.element import path_of
 from mjcompose.language.forms.context import Schema, Settings, settings, validated_with, validation_error
-from mjcompose.language.value import exclusive, shown
+from mjcompose.language.value import exclusive
 
 if TYPE_CHECKING:
     from mjcompose.language.forms.context import Rows
@@ -184,7 +185,7 @@ def _with_exact_words(model: type[Model], value: dict[str, Any]) -> dict[str, An
         written = value.get(key)
         same = [type(word) for word in words if word == written]
         if same and type(written) not in same:
-            value = {**value, key: shown(written)}
+            value = {**value, key: value_text(written)}
     return value
 
 

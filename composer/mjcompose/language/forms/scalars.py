@@ -22,6 +22,7 @@ from mjcompose.base.codes import CODES
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import advised
+from mjcompose.base.words import with_article
 from mjcompose.language.element_schema import attribute_schema
 from mjcompose.language.forms.context import (
     LIST,
@@ -108,7 +109,7 @@ class Name(Checked):
         what: str | None = None,
         new: bool = False,
     ) -> None:
-        tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
+        tags = " or ".join(map(with_article, scope))
         usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
         self.scope = scope
         self.glob = glob

@@ -14,10 +14,11 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
+from mjcompose.base.words import value_text
 from mjcompose.language.forms.context import Lazy, Rows
 from mjcompose.language.forms.model import IT, KEY, OWNER, Model, fields_of, is_hidden, is_whole, rest_of, rows_of
 from mjcompose.language.forms.scalars import Expects, Hints, Name, NumberUnit
-from mjcompose.language.value import kind_of, shown, without_space, without_unit
+from mjcompose.language.value import kind_of, without_space, without_unit
 from mjcompose.text.node import Node, Scalar, find, locate
 
 _UNIONS = (Union, UnionType)
@@ -276,7 +277,7 @@ def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:
         return _keyword(place, error["input"])
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
-        message = f"{named(place)} is {shown(error['input'])}, and must be {words} {context[bound]:g}"
+        message = f"{named(place)} is {value_text(error['input'])}, and must be {words} {context[bound]:g}"
         return Fault("out-of-range", message, place.at)
     if kind in ("too_short", "too_long"):
         return _length(place, error["input"], context)
@@ -347,7 +348,7 @@ def _unknown(place: Spot) -> Fault:
 
 
 def _keyword(place: Spot, value: Any) -> Fault:
-    words = [shown(each) for each in get_args(place.kind)]
+    words = [value_text(each) for each in get_args(place.kind)]
     name = named(place)
     if not isinstance(value, str):
         quoted = [f"`{each}`" for each in words]
@@ -394,7 +395,7 @@ def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
     if kind in ("list_type", "tuple_type") and place.key in place.at[-1:]:
         help = _as_list(place, value) or help
     if kind == "string_type" and isinstance(value, int | float) and help is None:
-        help = f"quote it: '{shown(value)}'"
+        help = f"quote it: '{value_text(value)}'"
     return Fault("wrong-type", f"{named(place)} expects {noun}, got {got}", place.at, help=help, fix=fix)
 
 

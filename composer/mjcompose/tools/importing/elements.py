@@ -25,6 +25,7 @@ from mjcompose.link.numbers import read, read_pose
 from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
+from mjcompose.mujoco.unequal import Bound
 from mjcompose.text.faults import word
 from mjcompose.tools.importing.search import Instance
 from mjcompose.trace.query import kinds_in_order
@@ -323,7 +324,8 @@ def is_rounding(change: FieldChange) -> bool:
 
 def is_near(ours: Sequence[float], theirs: Sequence[float]) -> bool:
     size = max([_SMALLEST, *map(abs, ours), *map(abs, theirs)])
-    return all(abs(a - b) <= ROUNDING * size for a, b in zip(ours, theirs, strict=True))
+    bound = Bound(ROUNDING, floor=size)
+    return all(map(bound.allows, ours, theirs))
 
 
 def numbers_likeness(value: Value) -> list[float] | None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
-from mjcompose.base.report import counted
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import MODEL, Bundle
 from mjcompose.bundle.staging import sibling
 from mjcompose.contrast.changes import Contrast, FieldChange, Value

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.words import element_text
 from mjcompose.mujoco.arrays import UNSAID, about
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.mujoco.environments import CompiledByVersion
+from mjcompose.mujoco.unequal import Bound, differing_rows, unequal
 from mjcompose.tools.migrate.editing import later
 
 FLAGS = {
@@ -35,6 +37,7 @@ Array = np.ndarray[Any, Any]
 TOLERANCE = 1e-6
 """Relative to the largest number of a row: meshes are in single precision, and versions add in different orders."""
 _SMALL = 1e-8
+_BOUND = Bound(TOLERANCE, absolute=_SMALL, floor=0.0, of="row")
 _SURFACE = 1e-4
 _SUMS = "3.5.0"
 _GAPS = "3.9.0"
@@ -239,7 +242,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: ArrayComparison) -> None:
         b = y[other : other + lengths[mesh]]
         # Versions place a mesh that no geom shows differently.
         is_same = mesh not in used and a.shape == b.shape
-        if not is_same and (a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all()):
+        if not is_same and (a.shape != b.shape or unequal(a, b, _BOUND, one.scale[start : start + counts[mesh]]).any()):
             if is_same := _same_surface(a, b):
                 outcome.recut.append(_called("mesh", mesh, one))
             is_same = is_same or _look_alike(a, b, mesh, one=one, two=two)
@@ -320,7 +323,7 @@ def _pairs(one: _Side, two: _Side, outcome: ArrayComparison) -> dict[str, Array]
         for here, there, words in ((keys, others, ("present", "missing")), (others, keys, ("missing", "present"))):
             if several := [key for key in here if key not in there]:
                 name = several[0][0]
-                element = f"a {kind} without a name" if name is None else f"{kind} `{name}`"
+                element = element_text(kind, name)
                 outcome.differences.append(ArrayDifference(f"{kind} names", element, *words, len(several)))
         if sorted(keys, key=str) == sorted(others, key=str):
             found[kind] = np.array([others.index(each) for each in keys])
@@ -354,7 +357,7 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
             outcome.equal.append(array)
             return
         x, y = _as_same_version(array, x, y)
-        wrong = ~_close(x, y, _scale(array, x, one))
+        wrong = unequal(x, y, _BOUND, _scale(array, x, one))
     if not wrong.any():
         outcome.rounded.append(array)
         return
@@ -397,8 +400,8 @@ def _first(array: str, wrong: Array, side: _Side) -> tuple[int, str, int]:
     """Return the first row that differs, the element with it, and the number of such rows."""
     if not wrong.ndim:
         return 0, "the model", 1
-    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1))
-    return int(rows[0]), _label(array, int(rows[0]), side), len(rows)
+    rows = differing_rows(wrong)
+    return rows[0], _label(array, rows[0], side), len(rows)
 
 
 def _scale(array: str, x: Array, one: _Side) -> Array | None:
@@ -406,16 +409,6 @@ def _scale(array: str, x: Array, one: _Side) -> Array | None:
     if array in _STATISTICS:  # of boxes along the axes of meshes, which vary
         return np.full_like(x, _LOOSE * np.abs(x).max(initial=1.0))
     return one.scale if array == "mesh_face" else None
-
-
-def _close(x: Array, y: Array, scale: Array | None = None) -> Array:
-    same: Array = (x == y) | (np.isnan(x) & np.isnan(y))
-    with np.errstate(invalid="ignore"):
-        size = np.maximum(np.abs(x), np.abs(y)) if scale is None else scale
-        if size.ndim > 1:
-            size = size.max(axis=tuple(range(1, size.ndim)), keepdims=True)
-        near: Array = np.abs(x - y) <= _SMALL + TOLERANCE * size
-    return same | near
 
 
 def _compare_with_neutral(array: str, values: Array, is_new: bool, side: _Side, outcome: ArrayComparison) -> None:

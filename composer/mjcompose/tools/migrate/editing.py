@@ -17,6 +17,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Cause, Span
 from mjcompose.base.sink import Sink
+from mjcompose.base.words import tag_text
 from mjcompose.sources.context import Context
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.files import join
@@ -378,8 +379,7 @@ class Migration(Struct, frozen=False):
 
 
 def called(node: Node) -> str:
-    name = node.get("name") or node.get("class")
-    return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
+    return tag_text(str(node.tag), node.get("name") or node.get("class"))
 
 
 class NestedModel(Struct, frozen=False, eq=False):

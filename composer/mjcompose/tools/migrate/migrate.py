@@ -17,8 +17,8 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Note
-from mjcompose.base.report import counted
 from mjcompose.base.scratch import scratch
+from mjcompose.base.words import counted, number_text
 from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.environments import CompiledByVersion, Other, kept, open_python, this_python
 from mjcompose.mujoco.messages import parse
@@ -38,7 +38,7 @@ from mjcompose.tools.migrate.editing import (
     later,
 )
 from mjcompose.tree.files import file_attributes, join, written_path
-from mjcompose.tree.grammar import number_text, version_key
+from mjcompose.tree.grammar import version_key
 from mjcompose.tree.history import RELEASED, default_of, place, release, unread
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit

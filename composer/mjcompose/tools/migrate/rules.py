@@ -8,10 +8,10 @@ from itertools import takewhile
 
 from lxml.etree import _Element as Node
 
+from mjcompose.base.words import number_text
 from mjcompose.tools.migrate.editing import Migration, called, later
 from mjcompose.tree.classes import DefaultClass, childclass_of, default_tag
 from mjcompose.tree.files import stem
-from mjcompose.tree.grammar import number_text
 from mjcompose.tree.history import place
 from mjcompose.tree.values import parse_int, parse_real
 

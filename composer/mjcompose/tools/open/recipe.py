@@ -24,10 +24,11 @@ from mjcompose.base.diagnostic import Diagnostic, Severity, warn
 from mjcompose.base.files import DATA, Mark, mark_of, read_regular
 from mjcompose.base.guard import limit
 from mjcompose.base.limits import in_force
-from mjcompose.base.report import MjcomposeError, counted, render, short_traceback
+from mjcompose.base.report import MjcomposeError, render, short_traceback
 from mjcompose.base.runtime import forget_current_folder
 from mjcompose.base.sink import TooManyFaults
 from mjcompose.base.suggest import exists_note
+from mjcompose.base.words import counted
 from mjcompose.link.linking import FileUse
 from mjcompose.mujoco.engine import Session
 from mjcompose.pipeline.cache.inputs import Inputs

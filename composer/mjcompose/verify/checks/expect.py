@@ -15,12 +15,13 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.report import with_rest
 from mjcompose.base.suggest import advised, closest, exists_note
+from mjcompose.base.words import value_text, with_article
 from mjcompose.language.check import Check, CheckPart
 from mjcompose.language.forms.context import Rows, Schema, Settings, reference
 from mjcompose.language.forms.model import IT, OWNER, Belongs, Exclusive, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Items, Measure, Name, Text, in_order
 from mjcompose.language.select import pattern_fault
-from mjcompose.language.value import kind_of, shown
+from mjcompose.language.value import kind_of
 from mjcompose.mujoco.attributes import ENUMERATED, HOLDERS, KINDS, TAGS as WITH_NUMBERS, attributes, holder
 from mjcompose.text.expression import Angle
 from mjcompose.verify.checks.check import (
@@ -316,7 +317,8 @@ def _word(tag: str, attr: str, value: Any) -> str | Fault:
         return word
     help, fix = advised(word, known)
     note = exists_note("value", known, word)
-    return Fault("wrong-keyword", f"`{attr}` of a {tag} is never `{shown(value)}`", notes=(note,), help=help, fix=fix)
+    message = f"`{attr}` of {with_article(tag)} is never `{value_text(value)}`"
+    return Fault("wrong-keyword", message, notes=(note,), help=help, fix=fix)
 
 
 _SHOWN = 8
