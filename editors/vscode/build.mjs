@@ -1,4 +1,5 @@
-// Bundles the extension, and with `--tests` its tests; writes down the licenses of the libraries that are in the bundle.
+// Bundles the extension, and with `--tests` its tests; writes down the licenses of the libraries that are in the
+// bundle.
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { build } from "esbuild";
 
@@ -50,7 +51,9 @@ async function notices(inputs) {
   for (const folder of [...packages].sort()) {
     const { name, version, license } = JSON.parse(await readFile(`${folder}/package.json`, "utf8"));
     const file = (await readdir(folder)).find((each) => /^licen[cs]e/i.test(each));
-    if (!file) throw new Error(`${name} has no license`);
+    if (!file) {
+      throw new Error(`${name} has no license`);
+    }
     parts.push(`${name} ${version}, ${license}\n\n${(await readFile(`${folder}/${file}`, "utf8")).trim()}\n`);
   }
   return parts.join(`\n${"-".repeat(80)}\n\n`);

@@ -1,7 +1,7 @@
 // The page around the canvas, and how its parts work together.
 import type { Element, Model, Pull, Scene, Seen } from "./data";
 import { h, icon, toast } from "./dom";
-import { type Extra, Extras, EXTRAS, Ghosts, gridStep } from "./extras";
+import { EXTRAS, type Extra, Extras, Ghosts, gridStep } from "./extras";
 import type { Gizmo } from "./gizmo";
 import { Contrast, Info, typeOf } from "./info";
 import { WIDTHS } from "./kinematics";
@@ -45,6 +45,14 @@ const KEYS: [string, string][] = [
   ["/", "search"],
   ["Space", "run or pause the physics"],
   ["Esc", "select nothing"],
+];
+
+/** The lines of a diagnostic, by the class of their color. */
+const LINES: [string, RegExp][] = [
+  ["error", /(^|: )error\[/],
+  ["warning", /(^|: )warning\[/],
+  ["help", /^ *= help/],
+  ["source", /^ *\d* *\|/],
 ];
 
 export class App {
@@ -202,7 +210,9 @@ export class App {
     );
     view.append(this.compass.root, this.ruler.label);
     this.stage.beforeFrame = () => {
-      for (const each of [this.extras, this.compass, this.ruler, this.puller]) each?.update();
+      for (const drawing of [this.extras, this.compass, this.ruler, this.puller]) {
+        drawing?.update();
+      }
     };
     this.open("Info");
     this.pointer();
@@ -213,10 +223,10 @@ export class App {
 
   /** Show a model. Pose, selection and hidden elements stay, as far as it has them in common with the model before. */
   async show(models: Model[], at = models.length - 1): Promise<void> {
-    const model = models[at],
-      world = new World(model, this.world),
-      before = this.world as World | undefined,
-      controls = this.sliders?.ctrl;
+    const model = models[at];
+    const world = new World(model, this.world);
+    const before = this.world as World | undefined;
+    const controls = this.sliders?.ctrl;
     await world.load();
     this.models = models;
     const selected =
@@ -224,15 +234,74 @@ export class App {
     const through = this.stage.through !== null && before ? before.model.scene.camera.name[this.stage.through] : null;
     const oldKey = this.key;
     if (before) {
-      const isMoved = this.at === null;
-      this.key = this.key < 0 ? -1 : model.scene.key.name.indexOf(before.model.scene.key.name[this.key]);
-      carry(before, oldKey, world, this.key);
-      if (!isMoved) world.softs.seen = model.scene.poses[this.key + 1];
-      this.at = isMoved ? null : this.key;
+      this.keepPose(before, world);
     }
     this.world = world;
+    this.fillPanels(models, at);
+    this.extras = new Extras(world);
+    this.ghosts = new Ghosts(world);
+    world.root.add(this.extras.root, this.ghosts.root);
+    this.stage.show(world);
+    for (const extra of this.extra) {
+      this.extras.set(extra, true);
+    }
+    this.showPanel();
+    this.applyGroups();
+    this.menus();
+    if (before && controls) {
+      this.keepControls(before.model.scene, oldKey, controls);
+    } else {
+      this.setKey(firstKey(model.scene));
+      this.stage.fit();
+    }
+    const index = selected ? numberOf(model, selected.kind, selected.name) : -1;
+    this.select(selected && index >= 0 ? { kind: selected.kind, index } : null, false);
+    if (through !== null && model.scene.camera.name.includes(through)) {
+      this.stage.lookThrough(model.scene.camera.name.indexOf(through));
+    }
+    this.compare();
+    if (!before && this.contrast) {
+      this.open("Changes");
+    }
+    this.status.textContent = sizeOf(model.scene);
+    this.stage.now();
+    document.documentElement.dataset.shown = String(Number(document.documentElement.dataset.shown ?? 0) + 1);
+  }
+
+  /** The new world takes the keyframe and the pose of the one before, as far as it has their names. */
+  private keepPose(before: World, world: World): void {
+    const { scene } = world.model;
+    const oldKey = this.key;
+    const isMoved = this.at === null;
+    this.key = oldKey < 0 ? -1 : scene.key.name.indexOf(before.model.scene.key.name[oldKey]);
+    carry(before, oldKey, world, this.key);
+    if (!isMoved) {
+      world.softs.seen = scene.poses[this.key + 1];
+    }
+    this.at = isMoved ? null : this.key;
+  }
+
+  /** The actuators that the user has moved keep their values: `controls`, in the old scene. */
+  private keepControls(old: Scene, oldKey: number, controls: number[]): void {
+    const { scene } = this.world.model;
+    const still = controlsAt(old, oldKey);
+    this.sliders.setControls(controlsAt(scene, this.key));
+    scene.actuator.name.forEach((name, a) => {
+      const k = name ? (old.actuator.control[old.actuator.name.indexOf(name)] ?? -1) : -1;
+      if (k >= 0 && controls[k] !== still[k]) {
+        this.sliders.ctrl[scene.actuator.control[a]] = controls[k];
+      }
+    });
+    this.sliders.refresh();
+  }
+
+  /** The parts of the page around the picture, for a new model. */
+  private fillPanels(models: Model[], at: number): void {
+    const { world } = this;
+    const { model } = world;
     const { scene } = model;
-    document.title = this.title.textContent = scene.title;
+    document.title = scene.title;
+    this.title.textContent = scene.title;
     this.title.title = `${scene.title}, ${scene.made}`;
     const difference = models[models.length - 1].scene.difference;
     this.contrast = difference ? new Contrast(model, difference, at) : null;
@@ -264,37 +333,6 @@ export class App {
         (element) => this.hover(element),
       ),
     );
-    this.extras = new Extras(world);
-    this.ghosts = new Ghosts(world);
-    world.root.add(this.extras.root, this.ghosts.root);
-    this.stage.show(world);
-    for (const each of this.extra) this.extras.set(each, true);
-    this.showPanel();
-    this.applyGroups();
-    this.menus();
-    if (before && controls) {
-      this.sliders.setControls(controlsAt(scene, this.key));
-      const old = before.model.scene,
-        still = controlsAt(old, oldKey);
-      scene.actuator.name.forEach((name, a) => {
-        const k = name ? (old.actuator.control[old.actuator.name.indexOf(name)] ?? -1) : -1;
-        if (k >= 0 && controls[k] !== still[k]) this.sliders.ctrl[scene.actuator.control[a]] = controls[k];
-      });
-      this.sliders.refresh();
-    } else {
-      this.setKey(scene.key_named ? scene.key.name.indexOf(scene.key_named) : scene.key.name.length ? 0 : -1);
-      this.stage.fit();
-    }
-    const index = selected ? numberOf(model, selected.kind, selected.name) : -1;
-    this.select(selected && index >= 0 ? { kind: selected.kind, index } : null, false);
-    if (through !== null && scene.camera.name.includes(through))
-      this.stage.lookThrough(scene.camera.name.indexOf(through));
-    this.compare();
-    if (!before && this.contrast) this.open("Changes");
-    const size = `${scene.body.name.length - 1} bodies · ${scene.joint.name.length} joints · ${scene.geom.name.length} geoms · ${scene.actuator.name.length} actuators`;
-    this.status.textContent = size;
-    this.stage.now();
-    document.documentElement.dataset.shown = String(Number(document.documentElement.dataset.shown ?? 0) + 1);
   }
 
   private menus(): void {
@@ -302,8 +340,9 @@ export class App {
     const option = (value: number, words: string) => h("option", { value: String(value) }, words);
     const named = (k: number) => (k < 0 ? "reference" : scene.key.name[k] || `key#${k}`);
     this.keySelect.replaceChildren(option(-1, "reference pose"), ...scene.key.name.map((_, k) => option(k, named(k))));
-    if (this.at === null)
+    if (this.at === null) {
       this.keySelect.append(h("option", { value: "", disabled: true }, `${named(this.key)}, moved`));
+    }
     this.keySelect.value = this.at === null ? "" : String(this.at);
     this.cameraSelect.replaceChildren(
       option(-1, "free camera"),
@@ -327,7 +366,9 @@ export class App {
           },
           icon("ghost"),
         );
-        if (this.ghosts.has(k)) ghost.style.color = this.ghosts.color(k);
+        if (this.ghosts.has(k)) {
+          ghost.style.color = this.ghosts.color(k);
+        }
         return h(
           "span",
           { className: k === this.at ? "chip on" : "chip" },
@@ -359,7 +400,9 @@ export class App {
     const contrast = this.contrast;
     this.tabs.Changes.hidden = !contrast;
     this.tabs.Attach.hidden = Boolean(contrast);
-    if (!contrast) return;
+    if (!contrast) {
+      return;
+    }
     const show = (number: number) =>
       h(
         "button",
@@ -375,7 +418,8 @@ export class App {
   // -- pose --------------------------------------------------------------------------------------------------------
 
   setKey(key: number): void {
-    this.key = this.at = key;
+    this.key = key;
+    this.at = key;
     const { scene } = this.world.model;
     this.world.pose.reset(key);
     this.sliders.setControls(controlsAt(scene, key));
@@ -389,7 +433,9 @@ export class App {
   see(seen: Seen | null, time: number | null = null): void {
     this.world.softs.seen = seen;
     this.meters.show(seen, time);
-    if (time !== null) this.clock.show(time);
+    if (time !== null) {
+      this.clock.show(time);
+    }
     this.contactCount.textContent = seen ? String(seen.contacts.length) : "–";
   }
 
@@ -399,13 +445,17 @@ export class App {
     this.stray();
     this.posed();
     this.server?.pose();
-    if (!this.playing) this.server?.look();
+    if (!this.playing) {
+      this.server?.look();
+    }
   }
 
   /** The model has left the pose of its keyframe. */
   private stray(): void {
     this.see(null);
-    if (this.at === null) return;
+    if (this.at === null) {
+      return;
+    }
     this.at = null;
     this.menus();
   }
@@ -445,8 +495,11 @@ export class App {
   // -- the view ---------------------------------------------------------------------------------------------------
 
   private setCamera(index: number): void {
-    if (index < 0) this.stage.fit();
-    else this.stage.lookThrough(index);
+    if (index < 0) {
+      this.stage.fit();
+    } else {
+      this.stage.lookThrough(index);
+    }
   }
 
   private fit(): void {
@@ -457,11 +510,14 @@ export class App {
 
   applyGroups(): void {
     this.world.show((kind, group, collides) => {
-      if (kind === "site") return this.softs.site && group < 3;
+      if (kind === "site") {
+        return this.softs.site && group < 3;
+      }
       return this.collision ? collides : this.groups[group];
     });
-    for (const kind of ["tendon", "skin", "flex"])
+    for (const kind of ["tendon", "skin", "flex"]) {
       this.world.softs.show(kind, (group) => this.softs[kind] && !this.collision && group < 3);
+    }
     this.world.softs.update();
     this.stage.draw();
   }
@@ -515,6 +571,10 @@ export class App {
           ]
         : [];
     });
+    const details: Partial<Record<Extra, Node | string>> = {
+      contacts: this.contactCount,
+      grid: `${gridStep(scene.look.extent)} m`,
+    };
     this.panels.Show.replaceChildren(
       h(
         "div",
@@ -529,20 +589,18 @@ export class App {
         ...softs,
         h("h3", {}, "Marks"),
         ...EXTRAS.map((each) =>
-          check(
-            EXTRA_WORDS[each],
-            this.extra.has(each),
-            (on) => this.setExtra(each, on),
-            each === "contacts" ? this.contactCount : each === "grid" ? `${gridStep(scene.look.extent)} m` : "",
-          ),
+          check(EXTRA_WORDS[each], this.extra.has(each), (on) => this.setExtra(each, on), details[each] ?? ""),
         ),
       ),
     );
   }
 
   setExtra(name: Extra, on: boolean): void {
-    if (on) this.extra.add(name);
-    else this.extra.delete(name);
+    if (on) {
+      this.extra.add(name);
+    } else {
+      this.extra.delete(name);
+    }
     this.extras?.set(name, on);
     this.stage.draw();
   }
@@ -555,7 +613,9 @@ export class App {
     this.info.show(element);
     this.world.mark(element, 0x3b82f6);
     this.gizmo?.follow(element, this.info.root);
-    if (open) this.open("Info");
+    if (open) {
+      this.open("Info");
+    }
     this.stage.draw();
   }
 
@@ -565,26 +625,34 @@ export class App {
   }
 
   private pointer(): void {
-    let down: [number, number] | null = null,
-      due = 0;
+    let down: [number, number] | null = null;
+    let due = 0;
     this.canvas.addEventListener("pointerdown", (event) => {
       down = [event.clientX, event.clientY];
       this.tip.hidden = true;
     });
     this.canvas.addEventListener("pointerup", (event) => {
-      if (this.gizmo?.busy) down = null;
+      if (this.gizmo?.busy) {
+        down = null;
+      }
       const isClick = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5;
       down = null;
-      if (!isClick) return;
-      if (this.ruler.isOn) return this.ruler.click(event.clientX, event.clientY);
-      const found = this.stage.pick(event.clientX, event.clientY);
-      this.select(found, found !== null);
+      if (!isClick) {
+        return;
+      }
+      if (this.ruler.isOn) {
+        return this.ruler.click(event.clientX, event.clientY);
+      }
+      const element = this.stage.pick(event.clientX, event.clientY);
+      this.select(element, element !== null);
     });
     this.canvas.addEventListener("pointerleave", () => {
       this.tip.hidden = true;
     });
     this.canvas.addEventListener("pointermove", (event) => {
-      if (event.buttons || event.pointerType === "touch") return;
+      if (event.buttons || event.pointerType === "touch") {
+        return;
+      }
       cancelAnimationFrame(due);
       due = requestAnimationFrame(() => this.point(event.clientX, event.clientY));
     });
@@ -593,9 +661,11 @@ export class App {
   private point(x: number, y: number): void {
     const element = this.gizmo?.controls.axis ? null : this.stage.pick(x, y);
     this.tip.hidden = !element;
-    if (!element) return;
-    const { model } = this.world,
-      on = element.kind === "body" ? -1 : bodyOf(model, element);
+    if (!element) {
+      return;
+    }
+    const { model } = this.world;
+    const on = element.kind === "body" ? -1 : bodyOf(model, element);
     const body = on >= 0 ? nameOf(model, { kind: "body", index: on }) : "";
     const origin = model.scene.origins.of[element.kind]?.[element.index];
     const where = origin?.[0] ? `${model.scene.origins.files[origin[0][0]]}:${origin[0][1]}` : "";
@@ -617,19 +687,23 @@ export class App {
   // -- the page ----------------------------------------------------------------------------------------------------
 
   open(tab: (typeof TABS)[number]): void {
-    for (const each of TABS) {
-      this.panels[each].hidden = each !== tab;
-      this.tabs[each].ariaSelected = String(each === tab);
-      this.tabs[each].tabIndex = each === tab ? 0 : -1;
+    for (const name of TABS) {
+      this.panels[name].hidden = name !== tab;
+      this.tabs[name].ariaSelected = String(name === tab);
+      this.tabs[name].tabIndex = name === tab ? 0 : -1;
     }
-    if (tab === "Sensors") this.meters.open();
+    if (tab === "Sensors") {
+      this.meters.open();
+    }
   }
 
   /** The arrows go from tab to tab. */
   private nextTab(event: KeyboardEvent): void {
-    const way = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0,
-      shown = TABS.filter((tab) => !this.tabs[tab].hidden);
-    if (!way) return;
+    const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key] ?? 0;
+    const shown = TABS.filter((tab) => !this.tabs[tab].hidden);
+    if (!way) {
+      return;
+    }
     const next = shown[(shown.findIndex((tab) => this.tabs[tab] === event.target) + way + shown.length) % shown.length];
     this.open(next);
     this.tabs[next].focus();
@@ -637,9 +711,13 @@ export class App {
 
   private keyboard(event: KeyboardEvent): void {
     const field = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) {
+      return;
+    }
     if (field.matches("input:not([type=range]):not([type=checkbox]), textarea, select")) {
-      if (event.key === "Escape") field.blur();
+      if (event.key === "Escape") {
+        field.blur();
+      }
       return;
     }
     const flip = (extra: Extra) => {
@@ -658,7 +736,9 @@ export class App {
       "/": () => this.searchBox.focus(),
       r: () => this.setKey(-1),
       x: () => {
-        if (this.contrast) void this.show(this.models, 1 - this.contrast.at);
+        if (this.contrast) {
+          void this.show(this.models, 1 - this.contrast.at);
+        }
       },
       k: () => void this.sliders.copyPose(),
       j: () => flip("axes"),
@@ -675,7 +755,9 @@ export class App {
         this.showPanel();
       },
       escape: () => {
-        if (this.ruler.isOn) return this.ruler.flip(false);
+        if (this.ruler.isOn) {
+          return this.ruler.flip(false);
+        }
         this.select(null, false);
         document.querySelector("dialog")?.remove();
         this.fault.hidden = true;
@@ -691,7 +773,9 @@ export class App {
             this.showPanel();
           }
         : acts[event.key.toLowerCase()];
-    if (!act) return;
+    if (!act) {
+      return;
+    }
     event.preventDefault();
     act();
   }
@@ -731,8 +815,9 @@ export class App {
 
   setPlaying(playing: boolean): void {
     this.playing = playing;
-    if (playing) this.setStopped(null);
-    else {
+    if (playing) {
+      this.setStopped(null);
+    } else {
       this.clock.pause();
       this.stage.rest();
     }
@@ -747,14 +832,18 @@ export class App {
 
   /** Why the simulation cannot go on; null takes it away. */
   setStopped(text: string | null): void {
-    if (text !== null || this.fault.classList.contains("stopped")) this.banner(text, "The simulation has stopped", "");
+    if (text !== null || this.fault.classList.contains("stopped")) {
+      this.banner(text, "The simulation has stopped", "");
+    }
     this.fault.classList.toggle("stopped", text !== null);
   }
 
   private banner(text: string | null, head: string, more: string): void {
     this.fault.classList.remove("stopped");
     this.fault.hidden = text === null;
-    if (text === null) return;
+    if (text === null) {
+      return;
+    }
     const hang = (line: string) => line.length - line.trimStart().length + (/^ *= /.test(line) ? 2 : 0);
     const lines = text
       .trimEnd()
@@ -764,15 +853,7 @@ export class App {
           "span",
           {
             style: `--hang:${hang(line)}ch`,
-            className: /(^|: )error\[/.test(line)
-              ? "error"
-              : /(^|: )warning\[/.test(line)
-                ? "warning"
-                : /^ *= help/.test(line)
-                  ? "help"
-                  : /^ *\d* *\|/.test(line)
-                    ? "source"
-                    : "",
+            className: LINES.find(([, pattern]) => pattern.test(line))?.[0] ?? "",
           },
           line || "\u200b",
         ),
@@ -807,21 +888,48 @@ export class App {
   }
 }
 
-/** The pose of a model for another one, by the names of joints. Joints that nobody moved follow the new keyframe or reference. */
+function sizeOf({ body, joint, geom, actuator }: Scene): string {
+  const counts = [
+    `${body.name.length - 1} bodies`,
+    `${joint.name.length} joints`,
+    `${geom.name.length} geoms`,
+    `${actuator.name.length} actuators`,
+  ];
+  return counts.join(" · ");
+}
+
+/** The keyframe that a page shows first. */
+function firstKey({ key, key_named }: Scene): number {
+  if (key_named) {
+    return key.name.indexOf(key_named);
+  }
+  return key.name.length ? 0 : -1;
+}
+
+/**
+ * The pose of a model for another one, by the names of joints. Joints that nobody moved follow the new keyframe or
+ * reference.
+ */
 function carry(before: World, oldKey: number, after: World, key: number): void {
-  const old = before.model.scene,
-    now = after.model.scene,
-    { pose } = before;
+  const old = before.model.scene;
+  const now = after.model.scene;
+  const { pose } = before;
   const still = oldKey < 0 ? old.qpos0 : old.key.qpos.slice(oldKey * pose.qpos.length, (oldKey + 1) * pose.qpos.length);
   after.pose.reset(key);
   now.joint.name.forEach((name, j) => {
     const k = name ? old.joint.name.indexOf(name) : -1;
-    if (k < 0 || old.joint.type[k] !== now.joint.type[j]) return;
-    const width = WIDTHS[now.joint.type[j]],
-      from = old.joint.qpos[k],
-      to = now.joint.qpos[j];
+    if (k < 0 || old.joint.type[k] !== now.joint.type[j]) {
+      return;
+    }
+    const width = WIDTHS[now.joint.type[j]];
+    const from = old.joint.qpos[k];
+    const to = now.joint.qpos[j];
     const moved = Array.from({ length: width }, (_, at) => pose.qpos[from + at] !== still[from + at]).some(Boolean);
-    if (moved) for (let at = 0; at < width; at++) after.pose.qpos[to + at] = pose.qpos[from + at];
+    if (moved) {
+      for (let at = 0; at < width; at++) {
+        after.pose.qpos[to + at] = pose.qpos[from + at];
+      }
+    }
   });
   after.softs.seen = null;
   after.pose.update();

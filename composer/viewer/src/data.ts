@@ -10,7 +10,10 @@ export type Place = [file: number, line: number, column: number];
 export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
 export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;
 
-/** The facts about a state beyond the poses of bodies. A contact has its two geoms, its position, its normal, and the force on the second geom. */
+/**
+ * The facts about a state beyond the poses of bodies. A contact has its two geoms, its position, its normal, and the
+ * force on the second geom.
+ */
 export interface Seen {
   contacts: number[][];
   tendons: number[][];
@@ -94,7 +97,9 @@ export interface Choice {
   value: string | null;
 }
 
-/** Something that a recipe places: the place of its line, the frame of its place in a body, and the elements that move. */
+/**
+ * Something that a recipe places: the place of its line, the frame of its place in a body, and the elements that move.
+ */
 export interface MoveRow {
   at: [file: number, line: number, column: number];
   label: string;
@@ -159,9 +164,11 @@ export interface Element {
 }
 
 export async function unpacked(element: globalThis.Element): Promise<Model> {
-  const text = atob((element.textContent ?? "").replace(/\s/g, "")),
-    bytes = new Uint8Array(text.length);
-  for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
+  const text = atob((element.textContent ?? "").replace(/\s/g, ""));
+  const bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; k++) {
+    bytes[k] = text.charCodeAt(k);
+  }
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const whole = await new Response(stream).arrayBuffer();
   const all = new Uint8Array(whole);

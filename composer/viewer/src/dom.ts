@@ -9,9 +9,13 @@ export function h<K extends keyof HTMLElementTagNameMap>(
 ): HTMLElementTagNameMap[K] {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(set)) {
-    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
-    else if (name in made && name !== "list") (made as any)[name] = value;
-    else if (value !== undefined && value !== null && value !== false) made.setAttribute(name, String(value));
+    if (name.startsWith("on")) {
+      made.addEventListener(name.slice(2), value);
+    } else if (name in made && name !== "list") {
+      (made as any)[name] = value;
+    } else if (value !== undefined && value !== null && value !== false) {
+      made.setAttribute(name, String(value));
+    }
   }
   made.append(...children.filter((each): each is Node | string => Boolean(each)));
   return made;
@@ -25,7 +29,9 @@ const PATHS: Record<string, string> = {
   panel: "M4 6h10M18 6h2M4 12h2M10 12h10M4 18h8M16 18h4M14 4v4M6 10v4M12 16v4",
   play: "M7 4l13 8-13 8z",
   pause: "M8 5v14M16 5v14",
-  move: "M12 3v18M3 12h18M12 3l-2.5 2.5M12 3l2.5 2.5M12 21l-2.5-2.5M12 21l2.5-2.5M3 12l2.5-2.5M3 12l2.5 2.5M21 12l-2.5-2.5M21 12l-2.5 2.5",
+  move:
+    "M12 3v18M3 12h18M12 3l-2.5 2.5M12 3l2.5 2.5M12 21l-2.5-2.5M12 21l2.5-2.5" +
+    "M3 12l2.5-2.5M3 12l2.5 2.5M21 12l-2.5-2.5M21 12l-2.5 2.5",
   ruler: "M3 16L16 3l5 5L8 21zM7 12l2 2M10 9l3 3M13 6l2 2",
   camera: "M4 7h4l2-3h4l2 3h4v13H4zM12 16.5a3.5 3.5 0 1 0 0-7 3.5 3.5 0 0 0 0 7z",
   ghost: "M5 21V11a7 7 0 0 1 14 0v10l-3-2-2 2-2-2-2 2-2-2zM9.5 11h.01M14.5 11h.01",

@@ -1,4 +1,5 @@
-// The drawings of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras, and ghosts at other keyframes.
+// The drawings of a model beyond its surfaces: frames, joint axes, inertia boxes, contacts, cameras, and ghosts at
+// other keyframes.
 import {
   BoxGeometry,
   BufferAttribute,
@@ -42,9 +43,13 @@ export class Extras {
 
   set(name: Extra, visible: boolean): void {
     const now = this.shown.get(name);
-    if (now) this.root.remove(now.group);
+    if (now) {
+      this.root.remove(now.group);
+    }
     this.shown.delete(name);
-    if (!visible) return;
+    if (!visible) {
+      return;
+    }
     const made = this[name]();
     this.shown.set(name, made);
     this.root.add(made.group);
@@ -52,13 +57,15 @@ export class Extras {
   }
 
   update(): void {
-    for (const { update } of this.shown.values()) update();
+    for (const { update } of this.shown.values()) {
+      update();
+    }
   }
 
   private lines(count: number): { group: Group; corners: Float32Array; colors: Float32Array; done: () => void } {
-    const geometry = new BufferGeometry(),
-      corners = new Float32Array(3 * count),
-      colors = new Float32Array(3 * count);
+    const geometry = new BufferGeometry();
+    const corners = new Float32Array(3 * count);
+    const colors = new Float32Array(3 * count);
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
     geometry.setAttribute("color", new BufferAttribute(colors, 3));
     const lines = new LineSegments(
@@ -80,43 +87,47 @@ export class Extras {
   }
 
   private frames() {
-    const { pose } = this.world,
-      bodies = this.world.model.scene.body.name.length;
+    const { pose } = this.world;
+    const bodies = this.world.model.scene.body.name.length;
     const { group, corners, colors, done } = this.lines(6 * bodies);
     const axes = [
-        [1, 0, 0],
-        [0, 1, 0],
-        [0, 0, 1],
-      ],
-      tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
-    for (let b = 0; b < bodies; b++)
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ];
+    const tints = ["#ff5a5f", "#3ecf6b", "#4f8cff"];
+    for (let b = 0; b < bodies; b++) {
       axes.forEach((_, a) => {
-        for (const k of [0, 1]) new Color(tints[a]).toArray(colors, 3 * (6 * b + 2 * a + k));
+        for (const k of [0, 1]) {
+          new Color(tints[a]).toArray(colors, 3 * (6 * b + 2 * a + k));
+        }
       });
+    }
     const update = () => {
-      for (let b = 0; b < bodies; b++)
+      for (let b = 0; b < bodies; b++) {
         axes.forEach((axis, a) => {
-          const along = rotated(pose.quat, 4 * b, axis, 0),
-            at = 3 * (6 * b + 2 * a);
+          const along = rotated(pose.quat, 4 * b, axis, 0);
+          const at = 3 * (6 * b + 2 * a);
           for (let k = 0; k < 3; k++) {
             corners[at + k] = pose.pos[3 * b + k];
             corners[at + 3 + k] = pose.pos[3 * b + k] + this.unit * 1.5 * along[k];
           }
         });
+      }
       done();
     };
     return { group, update };
   }
 
   private axes() {
-    const { joint } = this.world.model.scene,
-      { pose } = this.world;
+    const { joint } = this.world.model.scene;
+    const { pose } = this.world;
     const some = joint.type
       .map((type: number, j: number) => (type === FREE ? -1 : j))
       .filter((j: number) => j >= 0) as number[];
-    const group = new Group(),
-      width = this.unit * 0.045,
-      length = this.unit * 2.2;
+    const group = new Group();
+    const width = this.unit * 0.045;
+    const length = this.unit * 2.2;
     const rod = new InstancedMesh(
       new CylinderGeometry(width, width, length, 10).rotateX(Math.PI / 2),
       overlay(0xffffff),
@@ -132,17 +143,17 @@ export class Extras {
       rod.setColorAt(at, color);
       tip.setColorAt(at, color);
     });
-    for (const each of [rod, tip]) {
-      each.frustumCulled = false;
-      each.renderOrder = 4;
-      group.add(each);
+    for (const mesh of [rod, tip]) {
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 4;
+      group.add(mesh);
     }
     const update = () => {
-      const matrix = new Matrix4(),
-        turn = new Quaternion(),
-        along = new Vector3(),
-        place = new Vector3(),
-        one = new Vector3(1, 1, 1);
+      const matrix = new Matrix4();
+      const turn = new Quaternion();
+      const along = new Vector3();
+      const place = new Vector3();
+      const one = new Vector3(1, 1, 1);
       some.forEach((j, at) => {
         along.fromArray(pose.axis, 3 * j);
         turn.setFromUnitVectors(new Vector3(0, 0, 1), along);
@@ -150,14 +161,16 @@ export class Extras {
         rod.setMatrixAt(at, matrix.compose(place, turn, one));
         tip.setMatrixAt(at, matrix.compose(place.addScaledVector(along, length / 2), turn, one));
       });
-      for (const each of [rod, tip]) each.instanceMatrix.needsUpdate = true;
+      for (const mesh of [rod, tip]) {
+        mesh.instanceMatrix.needsUpdate = true;
+      }
     };
     return { group, update };
   }
 
   private inertia() {
-    const { body } = this.world.model.scene,
-      group = new Group();
+    const { body } = this.world.model.scene;
+    const group = new Group();
     const some = body.mass
       .map((mass: number, b: number) => (mass > 0 ? b : -1))
       .filter((b: number) => b > 0) as number[];
@@ -169,8 +182,8 @@ export class Extras {
     boxes.frustumCulled = false;
     group.add(boxes);
     const local = some.map((b) => {
-      const [x, y, z] = row(body.inertia, b, 3),
-        mass = body.mass[b];
+      const [x, y, z] = row(body.inertia, b, 3);
+      const mass = body.mass[b];
       const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt((Math.max(each, 1e-12) * 1.5) / mass));
       const [qw, qx, qy, qz] = row(body.iquat, b, 4);
       return new Matrix4().compose(
@@ -188,8 +201,8 @@ export class Extras {
   }
 
   private contacts() {
-    const group = new Group(),
-      r = this.unit * 0.22;
+    const group = new Group();
+    const r = this.unit * 0.22;
     const discs = new InstancedMesh(
       new CylinderGeometry(r, r, r * 0.3, 18).rotateX(Math.PI / 2),
       overlay(0xff3b6b),
@@ -199,12 +212,12 @@ export class Extras {
     discs.renderOrder = 4;
     group.add(discs);
     const update = () => {
-      const found = this.world.softs.seen?.contacts ?? [];
-      const matrix = new Matrix4(),
-        turn = new Quaternion(),
-        one = new Vector3(1, 1, 1);
-      discs.count = found.length;
-      found.forEach((each, at) => {
+      const contacts = this.world.softs.seen?.contacts ?? [];
+      const matrix = new Matrix4();
+      const turn = new Quaternion();
+      const one = new Vector3(1, 1, 1);
+      discs.count = contacts.length;
+      contacts.forEach((each, at) => {
         turn.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(each[5], each[6], each[7]));
         discs.setMatrixAt(at, matrix.compose(new Vector3(each[2], each[3], each[4]), turn, one));
       });
@@ -213,11 +226,14 @@ export class Extras {
     return { group, update };
   }
 
-  /** Forces of contacts. The square root of a force is a length: one as large as the weight of the model is as long as half of it. */
+  /**
+   * Forces of contacts. The square root of a force is a length: one as large as the weight of the model is as long as
+   * half of it.
+   */
   private forces() {
-    const { body, look } = this.world.model.scene,
-      width = this.unit * 0.07,
-      most = 0.5 * look.extent;
+    const { body, look } = this.world.model.scene;
+    const width = this.unit * 0.07;
+    const most = 0.5 * look.extent;
     const weight = 9.81 * body.mass.reduce((sum: number, each: number) => sum + each, 0);
     const rod = new InstancedMesh(
       new CylinderGeometry(width, width, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5),
@@ -230,30 +246,32 @@ export class Extras {
       MOST_CONTACTS,
     );
     const group = new Group();
-    for (const each of [rod, tip]) {
-      each.frustumCulled = false;
-      each.renderOrder = 5;
-      group.add(each);
+    for (const mesh of [rod, tip]) {
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 5;
+      group.add(mesh);
     }
     const update = () => {
-      const matrix = new Matrix4(),
-        turn = new Quaternion(),
-        along = new Vector3(),
-        place = new Vector3(),
-        one = new Vector3(1, 1, 1);
+      const matrix = new Matrix4();
+      const turn = new Quaternion();
+      const along = new Vector3();
+      const place = new Vector3();
+      const one = new Vector3(1, 1, 1);
       let count = 0;
-      for (const each of this.world.softs.seen?.contacts ?? []) {
-        const force = along.fromArray(each, 8).length(),
-          length = Math.min(most, most * Math.sqrt(force / weight));
-        if (!(length > 0.1 * width)) continue;
+      for (const contact of this.world.softs.seen?.contacts ?? []) {
+        const force = along.fromArray(contact, 8).length();
+        const length = Math.min(most, most * Math.sqrt(force / weight));
+        if (!(length > 0.1 * width)) {
+          continue;
+        }
         turn.setFromUnitVectors(new Vector3(0, 0, 1), along.normalize());
-        place.fromArray(each, 2);
+        place.fromArray(contact, 2);
         rod.setMatrixAt(count, matrix.compose(place, turn, new Vector3(1, 1, length)));
         tip.setMatrixAt(count++, matrix.compose(place.addScaledVector(along, length), turn, one));
       }
-      for (const each of [rod, tip]) {
-        each.count = count;
-        each.instanceMatrix.needsUpdate = true;
+      for (const mesh of [rod, tip]) {
+        mesh.count = count;
+        mesh.instanceMatrix.needsUpdate = true;
       }
     };
     return { group, update };
@@ -261,10 +279,10 @@ export class Extras {
 
   /** Squares on the ground, whose side is a power of ten of a meter. */
   private grid() {
-    const { extent, center } = this.world.model.scene.look,
-      group = new Group(),
-      step = gridStep(extent),
-      half = Math.ceil((0.3 * extent) / step);
+    const { extent, center } = this.world.model.scene.look;
+    const group = new Group();
+    const step = gridStep(extent);
+    const half = Math.ceil((0.3 * extent) / step);
     for (const [cells, opacity] of [
       [20 * half, 0.4],
       [2 * half, 0.9],
@@ -283,9 +301,9 @@ export class Extras {
   }
 
   private cameras() {
-    const { camera } = this.world.model.scene,
-      { pose } = this.world,
-      count = camera.name.length;
+    const { camera } = this.world.model.scene;
+    const { pose } = this.world;
+    const count = camera.name.length;
     const { group, corners, colors, done } = this.lines(16 * count);
     colors.fill(0.75);
     const eyes = new InstancedMesh(new SphereGeometry(this.unit * 0.12, 12, 8), overlay(0xbfc7d5), Math.max(1, count));
@@ -294,22 +312,22 @@ export class Extras {
     group.add(eyes);
     const update = () => {
       camera.fovy.forEach((fovy: number, index: number) => {
-        const b = camera.body[index],
-          deep = this.unit * 2,
-          high = deep * Math.tan((fovy * Math.PI) / 360),
-          wide = (high * 4) / 3;
+        const b = camera.body[index];
+        const deep = this.unit * 2;
+        const high = deep * Math.tan((fovy * Math.PI) / 360);
+        const wide = (high * 4) / 3;
         const world = (v: number[]) => {
           const own = rotated(row(camera.quat, index, 4), 0, v, 0);
           const on = [0, 1, 2].map((k) => own[k] + camera.pos[3 * index + k]);
           return rotated(pose.quat, 4 * b, on, 0).map((each, k) => each + pose.pos[3 * b + k]);
         };
-        const eye = world([0, 0, 0]),
-          rim = [
-            [-wide, -high, -deep],
-            [wide, -high, -deep],
-            [wide, high, -deep],
-            [-wide, high, -deep],
-          ].map(world);
+        const eye = world([0, 0, 0]);
+        const rim = [
+          [-wide, -high, -deep],
+          [wide, -high, -deep],
+          [wide, high, -deep],
+          [-wide, high, -deep],
+        ].map(world);
         const ends = rim.flatMap((each, k) => [...eye, ...each, ...each, ...rim[(k + 1) % 4]]);
         corners.set(ends, 48 * index);
         eyes.setMatrixAt(index, new Matrix4().makeTranslation(eye[0], eye[1], eye[2]));
@@ -346,9 +364,9 @@ export class Ghosts {
       this.root.remove(now);
       return;
     }
-    const { scene } = this.world.model,
-      pose = new Pose(scene),
-      group = new Group();
+    const { scene } = this.world.model;
+    const pose = new Pose(scene);
+    const group = new Group();
     pose.reset(key);
     const bodies = scene.body.name.map((_, b) =>
       new Matrix4().compose(
@@ -366,7 +384,9 @@ export class Ghosts {
     });
     for (const { mesh, members, matrices } of this.world.surfaces()) {
       const some = members.filter((geom) => this.moves(scene.geom.body[geom]));
-      if (!mesh.visible || !some.length) continue;
+      if (!mesh.visible || !some.length) {
+        continue;
+      }
       const made = new InstancedMesh(mesh.geometry, paint, some.length);
       some.forEach((geom, at) =>
         made.setMatrixAt(at, new Matrix4().multiplyMatrices(bodies[scene.geom.body[geom]], matrices[geom])),
@@ -381,7 +401,11 @@ export class Ghosts {
 
   private moves(body: number): boolean {
     const { body: columns, joint } = this.world.model.scene;
-    for (let b = body; b > 0; b = columns.parent[b]) if (columns.mocap[b] >= 0 || joint.body.includes(b)) return true;
+    for (let b = body; b > 0; b = columns.parent[b]) {
+      if (columns.mocap[b] >= 0 || joint.body.includes(b)) {
+        return true;
+      }
+    }
     return false;
   }
 }

@@ -1,13 +1,14 @@
-// Moves the parts and elements that a recipe places: handles in the picture, numbers next to them, and the recipe's own line.
-import { Euler, Group, Matrix4, MathUtils, Object3D, Quaternion, Vector3 } from "three";
+// Moves the parts and elements that a recipe places: handles in the picture, numbers next to them, and the recipe's own
+// line.
+import { Euler, Group, MathUtils, Matrix4, Object3D, Quaternion, Vector3 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { App } from "./app";
-import { row, type Element, type MoveRow, type Scene } from "./data";
+import { type Element, type MoveRow, row, type Scene } from "./data";
 import { h } from "./dom";
 import { neat } from "./info";
 import { FREE, WIDTHS } from "./kinematics";
 
-type Ask = (said: Record<string, unknown>) => Promise<any>;
+type Ask = (request: Record<string, unknown>) => Promise<any>;
 /** Something that can be moved: a target of the recipe, or an element of a source, by an edit. */
 interface Choice {
   label: string;
@@ -23,9 +24,9 @@ interface Moved {
 }
 
 const MODES = [null, "translate", "rotate"] as const;
-const STEP = 0.005,
-  TURN = 5,
-  NEAR = 14;
+const STEP = 0.005;
+const TURN = 5;
+const NEAR = 14;
 const DRAWN = ["geom", "site"];
 
 export class Gizmo {
@@ -79,7 +80,9 @@ export class Gizmo {
         this.idle = new Promise((done) => {
           this.released = done;
         });
-      } else void this.drop().finally(() => this.released());
+      } else {
+        void this.drop().finally(() => this.released());
+      }
     });
     stage.canvas.parentElement!.append(this.box);
     addEventListener("keydown", (event) => {
@@ -88,8 +91,9 @@ export class Gizmo {
         !(event.ctrlKey || event.metaKey) ||
         event.key.toLowerCase() !== "z" ||
         field.matches("input[type=text], input[type=search], textarea")
-      )
+      ) {
         return;
+      }
       event.preventDefault();
       void this.back(event.shiftKey ? "redo" : "undo");
     });
@@ -106,22 +110,25 @@ export class Gizmo {
 
   cycle(): void {
     const { move } = this.app.world.model.scene;
-    if (!move || move.why) return this.app.notice(move?.why ?? "this page is read-only");
+    if (!move || move.why) {
+      this.app.notice(move?.why ?? "this page is read-only");
+      return;
+    }
     this.mode = (this.mode + 1) % MODES.length;
     this.follow(this.app.selection);
   }
 
   /** An element is selected, or the model is a new one. `panel` shows the element. */
   follow(element: Element | null, panel?: HTMLElement): void {
-    const scene = this.app.world.model.scene,
-      { move } = scene,
-      before = this.choices[this.chosen];
+    const scene = this.app.world.model.scene;
+    const { move } = scene;
+    const before = this.choices[this.chosen];
     this.scene = scene;
     this.element = element;
     this.controls.detach();
     this.moved = [];
     this.box.hidden = !MODES[this.mode] || !move;
-    this.choices = move && !move.why && element ? this.found(element) : [];
+    this.choices = move && !move.why && element ? this.choicesFor(element) : [];
     // In a new model, the same element is selected again, and the same thing moves with it.
     const called = element ? `${element.kind} ${(scene as any)[element.kind].name?.[element.index]}` : "";
     this.chosen =
@@ -132,15 +139,21 @@ export class Gizmo {
           )
         : 0;
     this.called = called;
-    if (panel && element && move && !move.why) panel.append(h("div", { className: "acts" }, ...this.acts(element)));
-    if (!this.box.hidden) void this.look();
+    if (panel && element && move && !move.why) {
+      panel.append(h("div", { className: "acts" }, ...this.acts(element)));
+    }
+    if (!this.box.hidden) {
+      void this.look();
+    }
   }
 
   /** The pose is another one. */
   placed(): void {
-    const row = this.choices[this.chosen]?.rows[0];
-    if (!this.controls.object || !row?.frame) return;
-    this.base.matrix.multiplyMatrices(this.app.world.bodyMatrix(row.mount), matrix(row.frame));
+    const target = this.choices[this.chosen]?.rows[0];
+    if (!this.controls.object || !target?.frame) {
+      return;
+    }
+    this.base.matrix.multiplyMatrices(this.app.world.bodyMatrix(target.mount), matrix(target.frame));
     this.base.updateMatrixWorld(true);
   }
 
@@ -154,22 +167,28 @@ export class Gizmo {
   // -- movable things ---------------------------------------------------------------------------------------------
 
   /** The things that move with an element, the nearest first. */
-  private found({ kind, index }: Element): Choice[] {
-    const { move, body } = this.app.world.model.scene,
-      columns = (this.app.world.model.scene as any)[kind];
+  private choicesFor({ kind, index }: Element): Choice[] {
+    const { move, body } = this.app.world.model.scene;
+    const columns = (this.app.world.model.scene as any)[kind];
     const places: [string, number][] = [[kind, index]];
     let b = kind === "body" ? index : (columns?.body?.[index] ?? -1);
-    for (; b > 0; b = body.parent[b]) places.push(["body", b]);
+    for (; b > 0; b = body.parent[b]) {
+      places.push(["body", b]);
+    }
     const choices: Choice[] = [];
-    for (const [what, number] of places)
-      for (const each of move!.targets)
-        if (each.moved[what]?.includes(number) && !choices.some((known) => same(known.rows[0], each)))
+    for (const [what, number] of places) {
+      for (const target of move!.targets) {
+        if (target.moved[what]?.includes(number) && !choices.some((known) => same(known.rows[0], target))) {
           choices.push({
-            label: each.label,
-            rows: [each, ...move!.targets.filter((other) => other !== each && same(other, each))],
+            label: target.label,
+            rows: [target, ...move!.targets.filter((other) => other !== target && same(other, target))],
             edit: null,
           });
-    choices.sort((a, b) => Number(a.rows[0].at[0] !== 0) - Number(b.rows[0].at[0] !== 0));
+        }
+      }
+    }
+    const isElsewhere = (choice: Choice) => Number(choice.rows[0].at[0] !== 0);
+    choices.sort((one, other) => isElsewhere(one) - isElsewhere(other));
     const name = columns?.name?.[index];
     if (
       ["site", "camera", "body"].includes(kind) &&
@@ -178,10 +197,13 @@ export class Gizmo {
       !choices.some((each) => each.rows[0].moved[kind]?.includes(index)) &&
       (kind !== "body" || index > 0)
     ) {
-      const own = { kind, index },
-        edit = { label: `${name}, by an edit`, rows: [] as MoveRow[], edit: own };
-      if (kind === "site" || kind === "camera") choices.push(edit);
-      else if (!this.free(index)) choices.push(edit);
+      const own = { kind, index };
+      const edit = { label: `${name}, by an edit`, rows: [] as MoveRow[], edit: own };
+      if (kind === "site" || kind === "camera") {
+        choices.push(edit);
+      } else if (!this.free(index)) {
+        choices.push(edit);
+      }
     }
     return choices;
   }
@@ -198,31 +220,41 @@ export class Gizmo {
         {
           className: "small wide",
           onclick: () => {
-            if (!this.mode) this.cycle();
+            if (!this.mode) {
+              this.cycle();
+            }
           },
         },
         "Move (M)",
       ),
     ];
-    if (element.kind === "site" && this.scene!.site.name[element.index])
+    if (element.kind === "site" && this.scene!.site.name[element.index]) {
       acts.push(
         h("button", { className: "small wide", onclick: () => void this.attach(element.index) }, "Attach here…"),
       );
+    }
     return acts;
   }
 
   /** Ask the server where the choice is, and put the handle there. */
   private async look(): Promise<void> {
-    const choice = this.choices[this.chosen],
-      number = ++this.looks;
-    if (!choice) return this.show("Select a part, or something that the recipe adds.");
+    const choice = this.choices[this.chosen];
+    const number = ++this.looks;
+    if (!choice) {
+      return this.show("Select a part, or something that the recipe adds.");
+    }
     const pose = choice.edit
-      ? own(this.scene!, choice.edit)
+      ? placeInBody(this.scene!, choice.edit)
       : await this.ask({ kind: "look", at: this.at(choice.rows[0]) });
-    if (number !== this.looks || choice !== this.choices[this.chosen]) return;
-    if (!choice.edit && !choice.rows[0].frame)
+    if (number !== this.looks || choice !== this.choices[this.chosen]) {
+      return;
+    }
+    if (!choice.edit && !choice.rows[0].frame) {
       pose.refused = "this place has no frame in the model that could be shown";
-    if (pose.refused) return this.show(pose.refused, pose.parameters);
+    }
+    if (pose.refused) {
+      return this.show(pose.refused, pose.parameters);
+    }
     this.start = matrix([...pose.pos, ...pose.quat]);
     this.last.copy(this.start);
     const rows = choice.edit ? [edited(this.scene!, choice.edit)] : choice.rows;
@@ -233,7 +265,9 @@ export class Gizmo {
           )
         : [],
     );
-    if (choice.edit) choice.rows = rows;
+    if (choice.edit) {
+      choice.rows = rows;
+    }
     this.start.decompose(this.handle.position, this.handle.quaternion, new Vector3());
     this.controls.attach(this.handle);
     this.placed();
@@ -252,23 +286,31 @@ export class Gizmo {
     const { position } = this.handle;
     this.site = -1;
     if (this.snaps && MODES[this.mode] === "translate") {
-      for (const axis of ["x", "y", "z"] as const)
-        if (Math.abs(position[axis] - this.from[axis]) > 1e-9)
+      for (const axis of ["x", "y", "z"] as const) {
+        if (Math.abs(position[axis] - this.from[axis]) > 1e-9) {
           position[axis] = Math.round(position[axis] / STEP) * STEP;
-      if (this.controls.axis === "XYZ") this.toSite();
+        }
+      }
+      if (this.controls.axis === "XYZ") {
+        this.toSite();
+      }
     }
     this.preview();
   }
 
   /** A part whose middle is dragged near a site is put on it. */
   private toSite(): void {
-    const choice = this.choices[this.chosen],
-      { scene } = this.app.world.model,
-      { camera, canvas } = this.app.stage;
-    if (choice.edit || choice.rows[0].kind !== "part") return;
+    const choice = this.choices[this.chosen];
+    const { scene } = this.app.world.model;
+    const { camera, canvas } = this.app.stage;
+    if (choice.edit || choice.rows[0].kind !== "part") {
+      return;
+    }
     const own = new Set(this.moved.filter(({ kind }) => kind === "body").map(({ index }) => index));
     scene.body.parent.forEach((parent: number, b: number) => {
-      if (b && own.has(parent)) own.add(b);
+      if (b && own.has(parent)) {
+        own.add(b);
+      }
     });
     const screen = (point: Vector3) => {
       const at = point.project(camera);
@@ -278,15 +320,21 @@ export class Gizmo {
     const [x, y] = screen(new Vector3().setFromMatrixPosition(this.handle.matrixWorld));
     let nearest = NEAR;
     scene.site.name.forEach((name, index) => {
-      if (!name || own.has(scene.site.body[index])) return;
-      const place = this.placeOf(index),
-        [sx, sy, sz] = screen(new Vector3().setFromMatrixPosition(place)),
-        far = Math.hypot(sx - x, sy - y);
-      if (sz > 1 || far >= nearest) return;
+      if (!name || own.has(scene.site.body[index])) {
+        return;
+      }
+      const place = this.placeOf(index);
+      const [sx, sy, sz] = screen(new Vector3().setFromMatrixPosition(place));
+      const far = Math.hypot(sx - x, sy - y);
+      if (sz > 1 || far >= nearest) {
+        return;
+      }
       nearest = far;
       this.site = index;
     });
-    if (this.site < 0) return;
+    if (this.site < 0) {
+      return;
+    }
     this.base.matrixWorld
       .clone()
       .invert()
@@ -305,101 +353,123 @@ export class Gizmo {
 
   /** The model follows the handle, as the recipe will have it. */
   private preview(): void {
-    const { world } = this.app,
-      { scene } = world.model,
-      change = this.now.multiply(this.start.clone().invert());
+    const { world } = this.app;
+    const { scene } = world.model;
+    const change = this.now.multiply(this.start.clone().invert());
     for (const { kind, index, frame, before } of this.moved) {
       const to = frame.clone().multiply(change).multiply(frame.clone().invert()).multiply(before);
-      const p = new Vector3(),
-        q = new Quaternion();
+      const p = new Vector3();
+      const q = new Quaternion();
       to.decompose(p, q, new Vector3());
-      const pos = p.toArray(),
-        quat = [q.w, q.x, q.y, q.z],
-        columns = (scene as any)[kind];
+      const pos = p.toArray();
+      const quat = [q.w, q.x, q.y, q.z];
+      const columns = (scene as any)[kind];
       pos.forEach((value, k) => {
         columns.pos[3 * index + k] = value;
       });
       quat.forEach((value, k) => {
         columns.quat[4 * index + k] = value;
       });
-      const free = kind === "body" ? this.free(index) - 1 : -1,
-        mocap = kind === "body" ? scene.body.mocap[index] : -1;
-      if (free >= 0)
+      const free = kind === "body" ? this.free(index) - 1 : -1;
+      const mocap = kind === "body" ? scene.body.mocap[index] : -1;
+      if (free >= 0) {
         [...pos, ...quat].forEach((value, k) => {
           world.pose.qpos[scene.joint.qpos[free] + k] = value;
         });
+      }
       if (mocap >= 0) {
         world.pose.mpos.set(pos, 3 * mocap);
         world.pose.mquat.set(quat, 4 * mocap);
       }
-      if (DRAWN.includes(kind)) world.place(kind as "geom" | "site", index);
+      if (DRAWN.includes(kind)) {
+        world.place(kind as "geom" | "site", index);
+      }
     }
     world.pose.update();
     this.app.posed();
-    if (this.busy) this.app.stage.move();
+    if (this.busy) {
+      this.app.stage.move();
+    }
     this.numbers();
-    if (this.site >= 0) this.tell(`on ${scene.site.name[this.site]}`);
-    if (this.site === this.marked) return;
+    if (this.site >= 0) {
+      this.tell(`on ${scene.site.name[this.site]}`);
+    }
+    if (this.site === this.marked) {
+      return;
+    }
     this.marked = this.site;
-    if (this.site >= 0) world.mark({ kind: "site", index: this.site }, 0xffb020);
-    else world.mark(this.element, 0x3b82f6);
+    if (this.site >= 0) {
+      world.mark({ kind: "site", index: this.site }, 0xffb020);
+    } else {
+      world.mark(this.element, 0x3b82f6);
+    }
   }
 
   private local(kind: string, index: number): Matrix4 {
-    const { world } = this.app,
-      { scene } = world.model,
-      free = kind === "body" ? this.free(index) - 1 : -1;
+    const { world } = this.app;
+    const { scene } = world.model;
+    const free = kind === "body" ? this.free(index) - 1 : -1;
     const first = free >= 0 ? scene.joint.qpos[free] : 0;
-    if (free >= 0) return matrix(Array.from(world.pose.qpos.slice(first, first + 7)));
+    if (free >= 0) {
+      return matrix(Array.from(world.pose.qpos.slice(first, first + 7)));
+    }
     const columns = (scene as any)[kind];
     return matrix([...row(columns.pos, index, 3), ...row(columns.quat, index, 4)]);
   }
 
   private async drop(): Promise<void> {
-    const choice = this.choices[this.chosen],
-      { key } = this.app,
-      now = this.now;
-    if (!choice || now.equals(this.last)) return;
-    const begun = performance.now(),
-      { position: p, quaternion: q } = this.handle;
+    const choice = this.choices[this.chosen];
+    const { key } = this.app;
+    const now = this.now;
+    if (!choice || now.equals(this.last)) {
+      return;
+    }
+    const begun = performance.now();
+    const { position: p, quaternion: q } = this.handle;
     const pose = { pos: p.toArray(), quat: [q.w, q.x, q.y, q.z] };
     const free =
       this.moved.map(({ kind, index }) => (kind === "body" ? this.free(index) - 1 : -1)).find((j) => j >= 0) ?? -1;
-    let said: Record<string, unknown> = {
+    let request: Record<string, unknown> = {
       kind: "place",
       at: choice.edit ? null : this.at(choice.rows[0]),
       ...pose,
       ...(this.site >= 0 ? { site: this.site } : {}),
     };
     if (choice.edit) {
-      said = { kind: "edit", of: choice.edit.kind, index: choice.edit.index, ...pose };
-      const offer = await this.ask(said);
+      request = { kind: "edit", of: choice.edit.kind, index: choice.edit.index, ...pose };
+      const offer = await this.ask(request);
       if (
         offer.refused ||
         (offer.offer &&
           !(await confirm(`A source says this place. Write into ${offer.where}:`, offer.offer, ["Write it"])))
-      )
+      ) {
         return this.revert(offer.refused ?? "nothing was written");
-      said.confirmed = true;
+      }
+      request.confirmed = true;
     } else if (free >= 0 && key >= 0) {
-      const name = this.scene!.key.name[key],
-        first = this.scene!.joint.qpos[free];
+      const name = this.scene!.key.name[key];
+      const first = this.scene!.joint.qpos[free];
       const answer = await confirm("It moves freely, so a keyframe can have a place of its own for it.", "", [
         "Write the place",
         `Write keyframe ${name}`,
       ]);
-      if (!answer) return this.revert("nothing was written");
-      if (answer === 2)
-        said = {
+      if (!answer) {
+        return this.revert("nothing was written");
+      }
+      if (answer === 2) {
+        request = {
           kind: "free",
           key: name,
           joint: free,
           qpos: Array.from(this.app.world.pose.qpos.slice(first, first + 7)),
         };
+      }
     }
-    const answer = await this.ask(said);
+    const answer = await this.ask(request);
     this.took = performance.now() - begun;
-    if (answer.refused) return this.revert(answer.refused);
+    if (answer.refused) {
+      return this.revert(answer.refused);
+    }
     this.last.copy(now);
     this.app.notice(answer.said);
   }
@@ -416,15 +486,19 @@ export class Gizmo {
   // -- asking ------------------------------------------------------------------------------------------------------
 
   /** Requests, one after the other, each with its model. */
-  private ask(said: Record<string, unknown>): Promise<any> {
+  private ask(request: Record<string, unknown>): Promise<any> {
     const version = this.scene?.move?.version;
-    return (this.queue = this.queue.then(() => this.asked({ version, ...said })));
+    this.queue = this.queue.then(() => this.answer({ version, ...request }));
+    return this.queue;
   }
 
-  private async asked(said: Record<string, unknown>): Promise<any> {
+  private async answer(request: Record<string, unknown>): Promise<any> {
     try {
-      const answer = await this.send(said);
-      if ("undo" in answer) [this.undo, this.redo] = [answer.undo, answer.redo];
+      const answer = await this.send(request);
+      if ("undo" in answer) {
+        this.undo = answer.undo;
+        this.redo = answer.redo;
+      }
       return answer;
     } catch (error) {
       return { refused: `the server did not accept this: ${error instanceof Error ? error.message : error}` };
@@ -432,15 +506,19 @@ export class Gizmo {
   }
 
   async back(kind: "undo" | "redo"): Promise<void> {
-    if (!this.writes) return;
+    if (!this.writes) {
+      return;
+    }
     const answer = await this.ask({ kind });
     this.app.notice(answer.refused ?? answer.said);
-    if (!this.box.hidden) this.show(this.words.textContent ?? "");
+    if (!this.box.hidden) {
+      this.show(this.words.textContent ?? "");
+    }
   }
 
   private save(): void {
-    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" }),
-      { actuator, joint, body, qpos0 } = this.scene!;
+    const name = h("input", { type: "text", value: "pose", ariaLabel: "name of the keyframe" });
+    const { actuator, joint, body, qpos0 } = this.scene!;
     const hold = h("input", { type: "checkbox", checked: true });
     const { qpos, mpos, mquat } = this.app.world.pose;
     const differ = (now: number[], still: number[]) => now.some((value, k) => Math.abs(value - still[k]) > 1e-9);
@@ -456,8 +534,8 @@ export class Gizmo {
           (m: number, b: number) => [b, Array.from(values.slice(width * m, width * m + width))] as [number, number[]],
         )
         .filter(([b, now]) => body.mocap[b] >= 0 && differ(now, row(still, b, width)));
-    const named = joints.filter(([j]) => joint.name[j]),
-      lost = joints.length - named.length;
+    const named = joints.filter(([j]) => joint.name[j]);
+    const lost = joints.length - named.length;
     ask(
       "Save this pose in the recipe",
       [
@@ -485,7 +563,9 @@ export class Gizmo {
 
   private async attach(site: number): Promise<void> {
     const { models, refused } = await this.ask({ kind: "models" });
-    if (refused) return this.app.notice(refused);
+    if (refused) {
+      return this.app.notice(refused);
+    }
     const prefix = h("input", { type: "text", value: "tool", ariaLabel: "name of the part" });
     const model = h(
       "select",
@@ -507,8 +587,8 @@ export class Gizmo {
   // -- the box -----------------------------------------------------------------------------------------------------
 
   private show(words: string, parameters: [string, string][] = []): void {
-    const { controls } = this,
-      mode = MODES[this.mode];
+    const { controls } = this;
+    const mode = MODES[this.mode];
     const button = (text: string, on: boolean, act: () => void, title = "") =>
       h(
         "button",
@@ -626,9 +706,12 @@ export class Gizmo {
     });
     field.addEventListener("change", () => {
       const value = parseFloat(field.value.replace("−", "-").replace(",", "."));
-      if (!Number.isFinite(value)) return this.numbers();
-      if (k < 3) this.handle.position.setComponent(k, value);
-      else {
+      if (!Number.isFinite(value)) {
+        return this.numbers();
+      }
+      if (k < 3) {
+        this.handle.position.setComponent(k, value);
+      } else {
         const turned = this.angles();
         turned[k - 3] = value;
         const [x, y, z] = turned.map(MathUtils.degToRad);
@@ -652,8 +735,9 @@ export class Gizmo {
   private numbers(): void {
     const values = [...this.handle.position.toArray(), ...this.angles()];
     this.fields.forEach((field, k) => {
-      if (document.activeElement !== field)
+      if (document.activeElement !== field) {
         field.value = neat(Math.abs(values[k]) < 1e-6 ? 0 : values[k], 5) + (k < 3 ? " m" : "°");
+      }
     });
   }
 }
@@ -667,7 +751,7 @@ function matrix([x, y, z, w, a, b, c]: number[]): Matrix4 {
 }
 
 /** The place of an element of a source in its body. */
-function own(scene: Scene, { kind, index }: Element): any {
+function placeInBody(scene: Scene, { kind, index }: Element): any {
   const columns = (scene as any)[kind];
   return { pos: row(columns.pos, index, 3), quat: row(columns.quat, index, 4), where: "" };
 }
@@ -720,7 +804,9 @@ function ask(title: string, fields: (HTMLElement | null)[], word: string, act: (
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     void act().then((done) => {
-      if (done) dialog.remove();
+      if (done) {
+        dialog.remove();
+      }
     });
   });
   document.body.append(dialog);

@@ -37,9 +37,15 @@ const list = (values: number[], unit = ""): string => values.map((each) => neat(
 
 export function typeOf(model: Model, { kind, index }: Element): string {
   const { scene } = model;
-  if (kind === "geom") return SHAPE_NAMES[scene.geom.type[index]] ?? "geom";
-  if (kind === "joint") return JOINT_NAMES[scene.joint.type[index]];
-  if (kind === "light") return `${LIGHTS[scene.light.type[index]] ?? ""} light`;
+  if (kind === "geom") {
+    return SHAPE_NAMES[scene.geom.type[index]] ?? "geom";
+  }
+  if (kind === "joint") {
+    return JOINT_NAMES[scene.joint.type[index]];
+  }
+  if (kind === "light") {
+    return `${LIGHTS[scene.light.type[index]] ?? ""} light`;
+  }
   return kind;
 }
 
@@ -60,11 +66,13 @@ export class Info {
   }
 
   private rows(element: Element): HTMLElement[] {
-    const { scene } = this.model,
-      name = nameOf(this.model, element),
-      kind = typeOf(this.model, element);
+    const { scene } = this.model;
+    const name = nameOf(this.model, element);
+    const kind = typeOf(this.model, element);
     const facts = h("dl", {});
-    for (const [what, value] of this.facts(element)) facts.append(h("dt", {}, what), h("dd", {}, value));
+    for (const [what, value] of this.facts(element)) {
+      facts.append(h("dt", {}, what), h("dd", {}, value));
+    }
     const origin: Origin = scene.origins.of[element.kind]?.[element.index] ?? null;
     return [
       h(
@@ -86,12 +94,16 @@ export class Info {
       origins,
     } = this.model.scene;
     const rows = body1.flatMap((one, k) => {
-      if (one !== body && body2[k] !== body) return [];
-      const [place, words, why] = origins.exclude[k],
-        other = this.link({ kind: "body", index: one === body ? body2[k] : one });
+      if (one !== body && body2[k] !== body) {
+        return [];
+      }
+      const [place, words, why] = origins.exclude[k];
+      const other = this.link({ kind: "body", index: one === body ? body2[k] : one });
       return [h("li", {}, other, h("span", { className: "why" }, ` ${why ?? words} `), this.place(place))];
     });
-    if (!rows.length) return;
+    if (!rows.length) {
+      return;
+    }
     yield h("h3", {}, "Contacts that are excluded");
     yield h("ul", { className: "changes" }, ...rows);
   }
@@ -110,80 +122,106 @@ export class Info {
     );
   }
 
-  private *facts({ kind, index }: Element): Generator<[string, Node | string]> {
+  private *facts(element: Element): Generator<[string, Node | string]> {
+    const { kind, index } = element;
     const { scene } = this.model;
     if (kind === "body") {
-      const { body } = scene;
-      if (index > 0) yield ["parent", this.link({ kind: "body", index: body.parent[index] })];
-      yield ["mass", `${neat(body.mass[index])} kg`];
-      yield ["inertia", list(row(body.inertia, index, 3), " kg·m²")];
-      yield ["center of mass", list(row(body.ipos, index, 3), " m")];
-      yield ["position", list(row(body.pos, index, 3), " m")];
-      if (body.mocap[index] >= 0) yield ["mocap", "moved by the program"];
-    }
-    const columns = (scene as any)[kind],
-      on = bodyOf(this.model, { kind, index });
-    if (on >= 0 && kind !== "body") yield ["body", this.link({ kind: "body", index: on })];
-    if (kind === "geom" && !columns.name[index]) yield ["number", `geom#${index}`];
-    if (kind === "joint") {
-      const { joint } = scene,
-        unit = joint.type[index] === SLIDE;
-      const shown = (value: number) => (unit ? `${neat(value)} m` : degrees(value));
-      if (joint.limited[index])
-        yield ["range", `${shown(joint.range[2 * index])} … ${shown(joint.range[2 * index + 1])}`];
-      if (joint.type[index] >= SLIDE) yield ["axis", list(row(joint.axis, index, 3))];
-      yield ["in qpos", `${joint.qpos[index]}`];
-    }
-    if (kind === "geom" || kind === "site") {
-      const data = kind === "geom" ? scene.geom.data[index] : -1;
-      if (data < 0) yield ["size", list(row(columns.size, index, 3), " m")];
-      yield ["group", String(columns.group[index])];
-      const material = columns.material[index],
-        rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
-      yield [
-        "color",
-        h(
-          "span",
-          {},
-          h("i", {
-            className: "swatch",
-            style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})`,
-          }),
-          material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba),
-        ),
-      ];
-      if (kind === "geom") {
-        yield [
-          "collides",
-          columns.contype[index] || columns.conaffinity[index]
-            ? `contype ${columns.contype[index]}, conaffinity ${columns.conaffinity[index]}`
-            : "no",
-        ];
-        yield ["body's mass", `${neat(scene.body.mass[columns.body[index]])} kg`];
+      yield* this.bodyFacts(index);
+    } else {
+      const body = bodyOf(this.model, element);
+      if (body >= 0) {
+        yield ["body", this.link({ kind: "body", index: body })];
       }
     }
-    if (kind === "camera") yield ["field of view", `${neat(scene.camera.fovy[index])}°`];
-    if (kind === "actuator") {
-      const { actuator } = scene,
-        type = actuator.transmission[index],
-        target = actuator.target[2 * index];
-      const moved = TRANSMISSIONS[type] ?? "";
-      if (moved === "joint" || moved === "tendon" || moved === "site" || moved === "body")
-        yield [moved, this.link({ kind: moved, index: target })];
-      if (actuator.limited[actuator.control[index]])
-        yield ["control", `${neat(actuator.range[2 * index])} … ${neat(actuator.range[2 * index + 1])}`];
+    if (kind === "joint") {
+      yield* this.jointFacts(index);
+    } else if (kind === "geom" || kind === "site") {
+      yield* this.shapeFacts(kind, index);
+    } else if (kind === "camera") {
+      yield ["field of view", `${neat(scene.camera.fovy[index])}°`];
+    } else if (kind === "actuator") {
+      yield* this.actuatorFacts(index);
+    }
+  }
+
+  private *bodyFacts(index: number): Generator<[string, Node | string]> {
+    const { body } = this.model.scene;
+    if (index > 0) {
+      yield ["parent", this.link({ kind: "body", index: body.parent[index] })];
+    }
+    yield ["mass", `${neat(body.mass[index])} kg`];
+    yield ["inertia", list(row(body.inertia, index, 3), " kg·m²")];
+    yield ["center of mass", list(row(body.ipos, index, 3), " m")];
+    yield ["position", list(row(body.pos, index, 3), " m")];
+    if (body.mocap[index] >= 0) {
+      yield ["mocap", "moved by the program"];
+    }
+  }
+
+  private *jointFacts(index: number): Generator<[string, string]> {
+    const { joint } = this.model.scene;
+    const isSlide = joint.type[index] === SLIDE;
+    const shown = (value: number) => (isSlide ? `${neat(value)} m` : degrees(value));
+    if (joint.limited[index]) {
+      yield ["range", `${shown(joint.range[2 * index])} … ${shown(joint.range[2 * index + 1])}`];
+    }
+    if (joint.type[index] >= SLIDE) {
+      yield ["axis", list(row(joint.axis, index, 3))];
+    }
+    yield ["in qpos", `${joint.qpos[index]}`];
+  }
+
+  private *shapeFacts(kind: "geom" | "site", index: number): Generator<[string, Node | string]> {
+    const { scene } = this.model;
+    const columns = scene[kind];
+    if (kind === "geom" && !columns.name[index]) {
+      yield ["number", `geom#${index}`];
+    }
+    if (kind === "site" || scene.geom.data[index] < 0) {
+      yield ["size", list(row(columns.size, index, 3), " m")];
+    }
+    yield ["group", String(columns.group[index])];
+    const material = columns.material[index];
+    const rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
+    const swatch = h("i", {
+      className: "swatch",
+      style: `background:rgba(${rgba.slice(0, 3).map((each) => Math.round(255 * each))},${rgba[3]})`,
+    });
+    const color = material >= 0 ? scene.material.name[material] || `material#${material}` : list(rgba);
+    yield ["color", h("span", {}, swatch, color)];
+    if (kind === "geom") {
+      const { contype, conaffinity, body } = scene.geom;
+      const collides = contype[index] || conaffinity[index];
+      yield ["collides", collides ? `contype ${contype[index]}, conaffinity ${conaffinity[index]}` : "no"];
+      yield ["body's mass", `${neat(scene.body.mass[body[index]])} kg`];
+    }
+  }
+
+  private *actuatorFacts(index: number): Generator<[string, Node | string]> {
+    const { actuator } = this.model.scene;
+    const target = actuator.target[2 * index];
+    const moved = TRANSMISSIONS[actuator.transmission[index]] ?? "";
+    if (moved === "joint" || moved === "tendon" || moved === "site" || moved === "body") {
+      yield [moved, this.link({ kind: moved, index: target })];
+    }
+    if (actuator.limited[actuator.control[index]]) {
+      yield ["control", `${neat(actuator.range[2 * index])} … ${neat(actuator.range[2 * index + 1])}`];
     }
   }
 
   private place(place: Place | null): HTMLElement | null {
-    if (!place) return null;
-    const { files } = this.model.scene.origins,
-      { editor } = this.model.scene,
-      [file, line, column] = place;
-    const text = `${files[file]}:${line}`,
-      path = editor?.files[files[file]];
-    if (!path) return h("code", { title: "copy", className: "place", onclick: () => copy(text) }, text);
-    if (host)
+    if (!place) {
+      return null;
+    }
+    const { files } = this.model.scene.origins;
+    const { editor } = this.model.scene;
+    const [file, line, column] = place;
+    const text = `${files[file]}:${line}`;
+    const path = editor?.files[files[file]];
+    if (!path) {
+      return h("code", { title: "copy", className: "place", onclick: () => copy(text) }, text);
+    }
+    if (host) {
       return h(
         "a",
         {
@@ -197,6 +235,7 @@ export class Info {
         },
         text,
       );
+    }
     const href = editor!.template
       .replaceAll("{file}", path.split("/").map(encodeURIComponent).join("/"))
       .replaceAll("{line}", String(line))
@@ -249,13 +288,18 @@ export class Contrast {
     >;
   }
 
-  /** The change of an element, by itself, by its parts or by the body that holds it; null if it is as in the other model. */
+  /**
+   * The change of an element, by itself, by its parts or by the body that holds it; null if it is as in the other
+   * model.
+   */
   of({ kind, index }: Element): What | null {
-    const columns = (this.scene as any)[kind],
-      above = [`${kind} ${index}`],
-      made = [`${kind} ${index}`];
+    const columns = (this.scene as any)[kind];
+    const above = [`${kind} ${index}`];
+    const made = [`${kind} ${index}`];
     const body = kind === "body" ? this.scene.body.parent[index] : (columns?.body?.[index] ?? 0);
-    for (let b = body; b > 0; b = this.scene.body.parent[b]) above.push(`body ${b}`);
+    for (let b = body; b > 0; b = this.scene.body.parent[b]) {
+      above.push(`body ${b}`);
+    }
     if (kind === "geom") {
       made.push(
         `material ${columns.material[index]}`,
@@ -264,7 +308,9 @@ export class Contrast {
         `body ${body}`,
       );
       this.scene.joint.body.forEach((b: number, j: number) => {
-        if (b === body) made.push(`joint ${j}`);
+        if (b === body) {
+          made.push(`joint ${j}`);
+        }
       });
     }
     const has = (what: What, names: string[]) => names.some((name) => this.names[what].has(name));
@@ -313,9 +359,12 @@ export class Contrast {
   }
 
   private link(element: string, choose: (element: Element) => void): HTMLElement[] {
-    const [kind, index] = [element.split(" ")[0], Number(element.split(" ")[1])];
+    const [kind, number] = element.split(" ");
+    const index = Number(number);
     const columns = (this.scene as any)[kind];
-    if (!columns?.name || kind === "material") return [];
+    if (!columns?.name || kind === "material") {
+      return [];
+    }
     return [
       h(
         "a",

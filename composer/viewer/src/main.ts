@@ -3,7 +3,7 @@ import { App } from "./app";
 import { embedded, type Model, type Scene, unpacked } from "./data";
 import { h } from "./dom";
 import { Gizmo } from "./gizmo";
-import { elementAt, host, Http, type Wire } from "./wire";
+import { elementAt, Http, host, type Wire } from "./wire";
 
 export class Live {
   private readonly wire: Wire = host ?? new Http();
@@ -26,13 +26,17 @@ export class Live {
           key: app.key,
         }),
       pose: () => {
-        if (this.playing) void this.wire.post("pose", { ctrl: app.sliders.ctrl });
+        if (this.playing) {
+          void this.wire.post("pose", { ctrl: app.sliders.ctrl });
+        }
       },
       look: () => this.look(),
       pull: (pull) => void this.wire.post("pull", pull ?? {}),
       choose: (name, value) => void this.wire.post("choose", { name, value }),
     };
-    if (this.wire.ask) app.gizmo = new Gizmo(app, (said) => this.wire.ask!("change", said));
+    if (this.wire.ask) {
+      app.gizmo = new Gizmo(app, (request) => this.wire.ask!("change", request));
+    }
     this.wire.listen(
       (name, data) => this.take(name, data),
       () => app.notice("the server does not answer"),
@@ -40,8 +44,10 @@ export class Live {
     host?.follow(
       (name) => app.theme(name),
       (files, places) => {
-        const found = this.version >= 0 && elementAt(app.world.model.scene, files, places, app.selection);
-        if (found) app.select(found, true);
+        const element = this.version >= 0 && elementAt(app.world.model.scene, files, places, app.selection);
+        if (element) {
+          app.select(element, true);
+        }
       },
     );
   }
@@ -65,17 +71,20 @@ export class Live {
       .finally(() => {
         const again = this.looking === "again";
         this.looking = null;
-        if (again) this.look();
+        if (again) {
+          this.look();
+        }
       });
   }
 
   private take(name: string, data: any): void {
-    if (name === "model")
+    if (name === "model") {
       this.loading = this.loading
         .then(() => this.load(data.version))
         .catch((error: Error) => this.app.notice(error.message));
-    else if (name === "fault") this.app.setFault(data.text);
-    else if (name === "state") {
+    } else if (name === "fault") {
+      this.app.setFault(data.text);
+    } else if (name === "state") {
       const { qpos, playing, version, stopped, seen, time, looked } = data;
       if (looked !== undefined) {
         if (looked === this.looked && version === this.version && !this.playing && this.app.at === null) {
@@ -84,14 +93,23 @@ export class Live {
         }
         return;
       }
-      if (playing !== this.playing) this.app.setPlaying((this.playing = playing));
-      if (qpos && version === this.version) this.app.setQpos(qpos, seen, time);
-      if (stopped) this.app.setStopped(stopped);
+      if (playing !== this.playing) {
+        this.playing = playing;
+        this.app.setPlaying(playing);
+      }
+      if (qpos && version === this.version) {
+        this.app.setQpos(qpos, seen, time);
+      }
+      if (stopped) {
+        this.app.setStopped(stopped);
+      }
     }
   }
 
   private async load(version: number): Promise<void> {
-    if (version === this.version) return;
+    if (version === this.version) {
+      return;
+    }
     const scene = JSON.parse(new TextDecoder().decode(await this.wire.get(`model/${version}`))) as Scene;
     const used = new Set([
       ...scene.mesh,
@@ -104,7 +122,11 @@ export class Live {
           this.blobs.set(name, await this.wire.get(`blob/${name}`));
         }),
     );
-    for (const name of this.blobs.keys()) if (!used.has(name)) this.blobs.delete(name);
+    for (const name of this.blobs.keys()) {
+      if (!used.has(name)) {
+        this.blobs.delete(name);
+      }
+    }
     const model: Model = { scene, blobs: this.blobs };
     await this.app.gizmo?.idle;
     await this.app.show([model]);
@@ -119,11 +141,14 @@ async function start(): Promise<void> {
   try {
     const app = new App(root);
     (window as any).mjcompose = app;
-    if (document.documentElement.dataset.live !== undefined) new Live(app);
-    else {
-      const physics = document.querySelector("script.physics"),
-        Physics = (window as any).mjcomposePhysics;
-      if (physics && Physics) app.server = new Physics(app, await unpacked(physics));
+    if (document.documentElement.dataset.live !== undefined) {
+      new Live(app);
+    } else {
+      const physics = document.querySelector("script.physics");
+      const Physics = (window as any).mjcomposePhysics;
+      if (physics && Physics) {
+        app.server = new Physics(app, await unpacked(physics));
+      }
       await app.show(await embedded());
     }
   } catch (error) {

@@ -36,19 +36,19 @@ const UNITS: Record<string, string> = {
   e_potential: "J",
   e_kinetic: "J",
 };
-const ENDS = ["x", "y", "z"],
-  TURN = ["w", "x", "y", "z"];
+/** The names of the numbers of a sensor, by how many it has. */
+const COMPONENTS: Record<number, string[] | undefined> = { 3: ["x", "y", "z"], 4: ["w", "x", "y", "z"] };
 
 export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signal[] {
-  const { sensor, joint, actuator } = model.scene,
-    found: Signal[] = [];
+  const { sensor, joint, actuator } = model.scene;
+  const collected: Signal[] = [];
   sensor.name.forEach((own, s) => {
-    const name = own || `sensor#${s}`,
-      count = sensor.count[s],
-      kind = sensor.kind[s],
-      ends = count === 3 ? ENDS : count === 4 ? TURN : null;
+    const name = own || `sensor#${s}`;
+    const count = sensor.count[s];
+    const kind = sensor.kind[s];
+    const ends = COMPONENTS[count];
     for (let k = 0; k < count; k++) {
-      found.push({
+      collected.push({
         id: `sensor ${name} ${k}`,
         name: count === 1 ? name : `${name} ${ends?.[k] ?? k}`,
         unit: UNITS[kind] ?? "",
@@ -59,11 +59,11 @@ export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signa
     }
   });
   joint.name.forEach((own, j) => {
-    const name = own || `joint#${j}`,
-      type = joint.type[j],
-      factor = type === HINGE ? 180 / Math.PI : 1;
-    if (type >= SLIDE)
-      found.push({
+    const name = own || `joint#${j}`;
+    const type = joint.type[j];
+    const factor = type === HINGE ? 180 / Math.PI : 1;
+    if (type >= SLIDE) {
+      collected.push({
         id: `joint ${name}`,
         name,
         unit: type === HINGE ? "°" : "m",
@@ -71,10 +71,11 @@ export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signa
         kind: "joint",
         value: () => qpos[joint.qpos[j]] * factor,
       });
+    }
   });
   actuator.name.forEach((own, a) => {
     const name = own || `actuator#${a}`;
-    found.push({
+    collected.push({
       id: `actuator ${name}`,
       name,
       unit: "",
@@ -83,7 +84,7 @@ export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signa
       value: () => ctrl[actuator.control[a]],
     });
   });
-  return found;
+  return collected;
 }
 
 const WINDOW = 1000;
@@ -94,11 +95,15 @@ export class Clock {
 
   show(time: number): void {
     const now = performance.now();
-    if (this.past.length && time < this.past[this.past.length - 1][1]) this.past = [];
+    if (this.past.length && time < this.past[this.past.length - 1][1]) {
+      this.past = [];
+    }
     this.past.push([now, time]);
-    while (this.past.length > 2 && this.past[1][0] < now - WINDOW) this.past.shift();
-    const [wall, before] = this.past[0],
-      factor = now - wall > 100 ? ((time - before) / (now - wall)) * 1000 : null;
+    while (this.past.length > 2 && this.past[1][0] < now - WINDOW) {
+      this.past.shift();
+    }
+    const [wall, before] = this.past[0];
+    const factor = now - wall > 100 ? ((time - before) / (now - wall)) * 1000 : null;
     this.root.hidden = false;
     this.root.textContent = `${time.toFixed(2)} s${factor === null ? "" : ` · ${factor.toFixed(2)}× real time`}`;
   }
@@ -114,9 +119,9 @@ export class Clock {
   }
 }
 
-const SECONDS = 10,
-  MOST = 4000,
-  HEIGHT = 150;
+const SECONDS = 10;
+const MOST = 4000;
+const HEIGHT = 150;
 const COLORS = ["#3b82f6", "#ef4444", "#10b981", "#f59e0b", "#8b5cf6", "#ec4899", "#14b8a6", "#84cc16"];
 
 export class Plot {
@@ -133,14 +138,18 @@ export class Plot {
   }
 
   /** Plot these; earlier plots go on if nothing is new. */
-  choose(signals: Signal[], remove: (signal: Signal) => void): void {
-    const same = signals.map((each) => each.id).join() === this.chosen.map((each) => each.id).join();
-    this.chosen = signals;
-    if (!same) this.clear();
-    this.root.hidden = !signals.length;
-    if (signals.length) this.root.append(this.canvas);
+  choose(chosen: Signal[], remove: (signal: Signal) => void): void {
+    const same = chosen.map((each) => each.id).join() === this.chosen.map((each) => each.id).join();
+    this.chosen = chosen;
+    if (!same) {
+      this.clear();
+    }
+    this.root.hidden = !chosen.length;
+    if (chosen.length) {
+      this.root.append(this.canvas);
+    }
     this.legend.replaceChildren(
-      ...signals.map((each, k) =>
+      ...chosen.map((each, k) =>
         h(
           "span",
           {},
@@ -169,8 +178,12 @@ export class Plot {
   }
 
   add(time: number, seen: Seen | null): void {
-    if (!this.chosen.length) return;
-    if (this.times.length && time < this.times[this.times.length - 1]) this.clear();
+    if (!this.chosen.length) {
+      return;
+    }
+    if (this.times.length && time < this.times[this.times.length - 1]) {
+      this.clear();
+    }
     this.times.push(time);
     this.rows.push(this.chosen.map((each) => each.value(seen)));
     while (this.times.length > MOST || this.times[0] < time - SECONDS) {
@@ -189,29 +202,31 @@ export class Plot {
   }
 
   private draw(): void {
-    if (this.root.hidden || !this.root.clientWidth) return;
-    const ratio = devicePixelRatio,
-      width = this.root.clientWidth,
-      pen = this.canvas.getContext("2d")!,
-      style = getComputedStyle(this.root);
+    if (this.root.hidden || !this.root.clientWidth) {
+      return;
+    }
+    const ratio = devicePixelRatio;
+    const width = this.root.clientWidth;
+    const pen = this.canvas.getContext("2d")!;
+    const style = getComputedStyle(this.root);
     this.canvas.width = width * ratio;
     this.canvas.height = HEIGHT * ratio;
     pen.scale(ratio, ratio);
-    const last = this.times[this.times.length - 1] ?? 0,
-      first = Math.max(0, last - SECONDS),
-      values = this.rows.flat().filter(Number.isFinite);
-    let low = values.length ? Math.min(...values) : 0,
-      high = values.length ? Math.max(...values) : 1;
+    const last = this.times[this.times.length - 1] ?? 0;
+    const first = Math.max(0, last - SECONDS);
+    const values = this.rows.flat().filter(Number.isFinite);
+    let low = values.length ? Math.min(...values) : 0;
+    let high = values.length ? Math.max(...values) : 1;
     if (high - low < 1e-9 * Math.max(1, Math.abs(high))) {
       low -= 0.5;
       high += 0.5;
     }
-    const left = 52,
-      right = width - 14,
-      top = 8,
-      bottom = HEIGHT - 20;
-    const x = (time: number) => left + ((time - first) / Math.max(last - first, 1)) * (right - left),
-      y = (value: number) => bottom - ((value - low) / (high - low)) * (bottom - top);
+    const left = 52;
+    const right = width - 14;
+    const top = 8;
+    const bottom = HEIGHT - 20;
+    const x = (time: number) => left + ((time - first) / Math.max(last - first, 1)) * (right - left);
+    const y = (value: number) => bottom - ((value - low) / (high - low)) * (bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.fillStyle = style.getPropertyValue("--soft");
     pen.strokeStyle = style.getPropertyValue("--line");
@@ -224,8 +239,9 @@ export class Plot {
       pen.fillText(neat(value, 3), left - 6, y(value) + 4);
     }
     pen.textAlign = "center";
-    for (let second = Math.ceil(first); second <= Math.max(last, first + 1); second += last - first > 5 ? 2 : 1)
+    for (let second = Math.ceil(first); second <= Math.max(last, first + 1); second += last - first > 5 ? 2 : 1) {
       pen.fillText(`${second} s`, x(second), HEIGHT - 6);
+    }
     this.chosen.forEach((_, k) => {
       pen.strokeStyle = COLORS[k % COLORS.length];
       pen.lineWidth = 1.6;
@@ -233,9 +249,9 @@ export class Plot {
       this.rows.forEach((row, at) => pen.lineTo(x(this.times[at]), y(row[k])));
       pen.stroke();
     });
-    const row = this.rows[this.rows.length - 1];
-    [...this.legend.children].forEach((each, k) => {
-      each.querySelector("b")!.textContent = row ? ` ${neat(row[k], 4)} ${this.chosen[k].unit}` : "";
+    const newest = this.rows[this.rows.length - 1];
+    [...this.legend.children].forEach((entry, k) => {
+      entry.querySelector("b")!.textContent = newest ? ` ${neat(newest[k], 4)} ${this.chosen[k].unit}` : "";
     });
     if (!this.rows.length) {
       pen.fillStyle = style.getPropertyValue("--soft");
@@ -258,7 +274,11 @@ export class Meters {
   use(model: Model, qpos: Float64Array, ctrl: number[]): void {
     this.all = signals(model, qpos, ctrl);
     const ids = new Set(this.all.map((each) => each.id));
-    for (const id of this.chosen) if (!ids.has(id)) this.chosen.delete(id);
+    for (const id of this.chosen) {
+      if (!ids.has(id)) {
+        this.chosen.delete(id);
+      }
+    }
     this.cells = [];
     const sections = GROUPS.flatMap((group) => {
       const some = this.all.filter((each) => each.group === group);
@@ -290,8 +310,11 @@ export class Meters {
   }
 
   private flip(signal: Signal, on: boolean): void {
-    if (on) this.chosen.add(signal.id);
-    else this.chosen.delete(signal.id);
+    if (on) {
+      this.chosen.add(signal.id);
+    } else {
+      this.chosen.delete(signal.id);
+    }
     this.plotted();
   }
 
@@ -314,11 +337,15 @@ export class Meters {
   /** A state, and its time if physics run. */
   show(seen: Seen | null, time: number | null): void {
     this.seen = seen;
-    if (time !== null) this.plot.add(time, seen);
-    if (!this.panel.offsetParent) return;
+    if (time !== null) {
+      this.plot.add(time, seen);
+    }
+    if (!this.panel.offsetParent) {
+      return;
+    }
     for (const { signal, value } of this.cells) {
-      const found = signal.value(seen),
-        number = Math.abs(found) < 1e-9 ? 0 : found;
+      const exact = signal.value(seen);
+      const number = Math.abs(exact) < 1e-9 ? 0 : exact;
       value.textContent = Number.isFinite(number)
         ? `${neat(number, 4)}${signal.unit === "°" ? "°" : signal.unit && ` ${signal.unit}`}`
         : "–";

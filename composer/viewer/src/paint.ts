@@ -8,11 +8,11 @@ import {
   LinearMipmapLinearFilter,
   MeshPhongMaterial,
   RepeatWrapping,
+  type Texture,
   Vector2,
   Vector3,
-  type Texture,
 } from "three";
-import { row, type Model } from "./data";
+import { type Model, row } from "./data";
 
 export interface Paint {
   rgba: number[];
@@ -53,7 +53,7 @@ export class Painter {
 
   /** `size` is the size of a textured geom, on which its texture may depend; null if its surface has coordinates. */
   material(number: number, opacity: number, size: number[] | null, endless: boolean): MeshPhongMaterial {
-    const found = new MeshPhongMaterial({
+    const paint = new MeshPhongMaterial({
       specular: new Color().setScalar(gloss(0.5, 64)),
       shininess: 64,
       side: FrontSide,
@@ -63,21 +63,27 @@ export class Painter {
     });
     if (number >= 0) {
       const { material, texture } = this.model.scene;
-      found.shininess = Math.max(1, material.shininess[number] * 128);
-      found.specular.setScalar(gloss(material.specular[number], found.shininess));
+      paint.shininess = Math.max(1, material.shininess[number] * 128);
+      paint.specular.setScalar(gloss(material.specular[number], paint.shininess));
       const emission = material.emission[number];
-      if (emission > 0)
-        found.emissive.setRGB(...(row(material.rgba, number, 3) as [number, number, number])).multiplyScalar(emission);
+      if (emission > 0) {
+        paint.emissive.setRGB(...(row(material.rgba, number, 3) as [number, number, number])).multiplyScalar(emission);
+      }
       const image = material.texture[number];
       if (image >= 0) {
-        const repeat = row(material.repeat, number, 2),
-          uniform = Boolean(material.uniform[number]);
-        if (texture[image].kind === "2d") this.flatten(found, image, repeat, uniform, size, endless);
-        else this.wrap(found, image, uniform ? size : null);
+        const repeat = row(material.repeat, number, 2);
+        const uniform = Boolean(material.uniform[number]);
+        if (texture[image].kind === "2d") {
+          this.flatten(paint, image, repeat, uniform, size, endless);
+        } else {
+          this.wrap(paint, image, uniform ? size : null);
+        }
       }
     }
-    if (endless) fade(found);
-    return found;
+    if (endless) {
+      fade(paint);
+    }
+    return paint;
   }
 
   private flatten(
@@ -103,10 +109,14 @@ export class Painter {
       return;
     }
     const whole = new Vector2(0.5 * repeat[0], 0.5 * repeat[1]);
-    if (uniform && !endless) whole.multiply(half);
+    if (uniform && !endless) {
+      whole.multiply(half);
+    }
     // A plane without an end has the middle of the image at its own middle, everything else a corner at its corner.
     const start = endless ? new Vector2(0.5, 0.5) : whole.clone();
-    if (endless) whole.multiplyScalar(size![2]);
+    if (endless) {
+      whole.multiplyScalar(size![2]);
+    }
     before(material, key, (shader) => {
       shader.uniforms.whole = { value: whole };
       shader.uniforms.start = { value: start };
@@ -135,29 +145,29 @@ export class Painter {
   }
 
   private texture(number: number): Texture {
-    let found = this.flat.get(number);
-    if (!found) {
-      found = new CanvasTexture(this.images.get(number)! as any);
-      found.wrapS = found.wrapT = RepeatWrapping;
-      found.anisotropy = 8;
-      found.flipY = false;
-      found.matrixAutoUpdate = false;
+    let texture = this.flat.get(number);
+    if (!texture) {
+      texture = new CanvasTexture(this.images.get(number)! as any);
+      texture.wrapS = texture.wrapT = RepeatWrapping;
+      texture.anisotropy = 8;
+      texture.flipY = false;
+      texture.matrixAutoUpdate = false;
       // Rows of an image go down, coordinates go up.
-      found.minFilter = LinearMipmapLinearFilter;
-      found.magFilter = LinearFilter;
-      this.flat.set(number, found);
+      texture.minFilter = LinearMipmapLinearFilter;
+      texture.magFilter = LinearFilter;
+      this.flat.set(number, texture);
     }
-    return found;
+    return texture;
   }
 
   /** The six faces of a texture, right, left, up, down, front and back, which are below each other. */
   cube(number: number): CubeTexture {
-    let found = this.cubes.get(number);
-    if (!found) {
+    let texture = this.cubes.get(number);
+    if (!texture) {
       const { width, height } = this.model.scene.texture[number];
-      const image = this.images.get(number)!,
-        faces = Math.max(1, Math.round(height / width));
-      found = new CubeTexture(
+      const image = this.images.get(number)!;
+      const faces = Math.max(1, Math.round(height / width));
+      texture = new CubeTexture(
         Array.from({ length: 6 }, (_, face) => {
           const canvas = document.createElement("canvas");
           canvas.width = canvas.height = width;
@@ -165,10 +175,10 @@ export class Painter {
           return canvas;
         }) as any,
       );
-      found.needsUpdate = true;
-      this.cubes.set(number, found);
+      texture.needsUpdate = true;
+      this.cubes.set(number, texture);
     }
-    return found;
+    return texture;
   }
 
   sky(): CubeTexture | null {
@@ -177,7 +187,9 @@ export class Painter {
   }
 
   dispose(): void {
-    for (const each of [...this.flat.values(), ...this.cubes.values()]) each.dispose();
+    for (const texture of [...this.flat.values(), ...this.cubes.values()]) {
+      texture.dispose();
+    }
   }
 }
 
@@ -187,8 +199,8 @@ const LIGHT_SPECULAR = 0.4;
 
 /** Change the program of a material; `key` tells apart materials that differ in nothing else. */
 function before(material: MeshPhongMaterial, key: string, change: (shader: any) => void): void {
-  const previous = material.onBeforeCompile,
-    known = material.customProgramCacheKey();
+  const previous = material.onBeforeCompile;
+  const known = material.customProgramCacheKey();
   material.onBeforeCompile = (shader, renderer) => {
     previous.call(material, shader, renderer);
     change(shader);

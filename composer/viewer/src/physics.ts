@@ -4,15 +4,15 @@ import type { App } from "./app";
 import type { Model, Pull, Seen } from "./data";
 
 /** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
-const MOST = 1 / 8,
-  MOST_MILLISECONDS = 50;
+const MOST = 1 / 8;
+const MOST_MILLISECONDS = 50;
 /** How often a pull follows the body, in seconds of physics. */
 const PULL = 1 / 100;
-const WASM = "mujoco.wasm",
-  MODEL = "model.xml";
+const WASM = "mujoco.wasm";
+const MODEL = "model.xml";
 
-const MOST_CONTACTS = 500,
-  PULLEY = -2;
+const MOST_CONTACTS = 500;
+const PULLEY = -2;
 
 const cross = (a: ArrayLike<number>, b: ArrayLike<number>): number[] => [
   a[1] * b[2] - a[2] * b[1],
@@ -41,7 +41,9 @@ class Physics {
 
   /** A slider or a keyframe has changed the pose or the controls. */
   pose = (): void => {
-    if (!this.data) return;
+    if (!this.data) {
+      return;
+    }
     this.data.qpos.set(this.app.world.pose.qpos);
     this.data.ctrl.set(this.app.sliders.ctrl);
     if (this.data.mocap_pos.length) {
@@ -58,7 +60,9 @@ class Physics {
 
   /** The results of MuJoCo for a pose, if it runs in the page already. */
   look = (): void => {
-    if (!this.data || this.playing) return;
+    if (!this.data || this.playing) {
+      return;
+    }
     this.pose();
     this.engine.mj_forward(this.model, this.data);
     this.app.see(this.seen());
@@ -67,10 +71,14 @@ class Physics {
 
   private async flip(): Promise<void> {
     try {
-      if (!this.data) await this.load();
+      if (!this.data) {
+        await this.load();
+      }
       this.playing = !this.playing;
       this.app.setPlaying(this.playing);
-      if (!this.playing) return;
+      if (!this.playing) {
+        return;
+      }
       this.start();
       this.before = performance.now();
       requestAnimationFrame(this.frame);
@@ -85,14 +93,19 @@ class Physics {
     this.engine = await loadMujoco({ locateFile: () => program } as any);
     URL.revokeObjectURL(program);
     const files = new this.engine.MjVFS();
-    for (const [name, content] of this.packed.blobs)
-      if (name !== WASM && name !== MODEL) files.addBuffer(name, new Uint8Array(content));
+    for (const [name, content] of this.packed.blobs) {
+      if (name !== WASM && name !== MODEL) {
+        files.addBuffer(name, new Uint8Array(content));
+      }
+    }
     this.model = this.engine.MjModel.from_xml_string(new TextDecoder().decode(this.packed.blobs.get(MODEL)!), files);
-    if (this.model.nq !== this.app.world.pose.qpos.length) throw new Error("it compiles to another model there");
+    if (this.model.nq !== this.app.world.pose.qpos.length) {
+      throw new Error("it compiles to another model there");
+    }
     this.data = new this.engine.MjData(this.model);
     this.force = new this.engine.DoubleBuffer(6);
-    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning,
-      { jnt_qposadr, jnt_dofadr } = this.model;
+    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning;
+    const { jnt_qposadr, jnt_dofadr } = this.model;
     this.warnings = [
       [mjWARN_BADQPOS, "position", jnt_qposadr],
       [mjWARN_BADQVEL, "velocity", jnt_dofadr],
@@ -103,13 +116,18 @@ class Physics {
   /** From the pose of the page, at rest; from a keyframe with the velocities that it has. */
   private start(): void {
     const { key } = this.app;
-    if (key >= 0) this.engine.mj_resetDataKeyframe(this.model, this.data, key);
-    else this.engine.mj_resetData(this.model, this.data);
+    if (key >= 0) {
+      this.engine.mj_resetDataKeyframe(this.model, this.data, key);
+    } else {
+      this.engine.mj_resetData(this.model, this.data);
+    }
     this.pose();
   }
 
   private readonly frame = (now: number): void => {
-    if (!this.playing) return;
+    if (!this.playing) {
+      return;
+    }
     const end = this.data.time + Math.min((now - this.before) / 1000, MOST);
     this.before = now;
     // A browser that is busy calls late, so the time of the call does not count.
@@ -140,15 +158,15 @@ class Physics {
   };
 
   private seen(): Seen {
-    const contacts: number[][] = [],
-      all = this.data.contact,
-      count = Math.min(all.size(), MOST_CONTACTS);
+    const contacts: number[][] = [];
+    const all = this.data.contact;
+    const count = Math.min(all.size(), MOST_CONTACTS);
     for (let k = 0; k < count; k++) {
-      const each = all.get(k),
-        frame = each.frame;
+      const each = all.get(k);
+      const frame = each.frame;
       this.engine.mj_contactForce(this.model, this.data, k, this.force);
-      const own = this.force.GetView(),
-        along = [0, 1, 2].map((axis) => own[0] * frame[axis] + own[1] * frame[3 + axis] + own[2] * frame[6 + axis]);
+      const own = this.force.GetView();
+      const along = [0, 1, 2].map((axis) => own[0] * frame[axis] + own[1] * frame[3 + axis] + own[2] * frame[6 + axis]);
       contacts.push([...each.geom, ...each.pos, frame[0], frame[1], frame[2], ...along]);
       each.delete();
     }
@@ -160,10 +178,13 @@ class Physics {
   private ways(): number[][] {
     const { ten_wrapadr: first, ten_wrapnum: count, wrap_obj: object, wrap_xpos: place } = this.data;
     return Array.from(first as Int32Array, (start, tendon) => {
-      const found: number[] = [];
-      for (let k = start; k < start + count[tendon] - 1; k++)
-        if (object[k] !== PULLEY && object[k + 1] !== PULLEY) found.push(...place.slice(3 * k, 3 * k + 6));
-      return found;
+      const numbers: number[] = [];
+      for (let k = start; k < start + count[tendon] - 1; k++) {
+        if (object[k] !== PULLEY && object[k + 1] !== PULLEY) {
+          numbers.push(...place.slice(3 * k, 3 * k + 6));
+        }
+      }
+      return numbers;
     });
   }
 
@@ -171,21 +192,23 @@ class Physics {
   private drag(): void {
     const { data, model, pulled } = this;
     data.xfrc_applied.fill(0);
-    if (!pulled) return;
+    if (!pulled) {
+      return;
+    }
     this.engine.mj_fwdPosition(model, data);
     this.engine.mj_fwdVelocity(model, data);
-    const { body, to } = pulled,
-      turn = data.xmat.slice(9 * body, 9 * body + 9),
-      own = pulled.at,
-      root = model.body_rootid[body];
+    const { body, to } = pulled;
+    const turn = data.xmat.slice(9 * body, 9 * body + 9);
+    const own = pulled.at;
+    const root = model.body_rootid[body];
     const at = [0, 1, 2].map(
       (k) => data.xpos[3 * body + k] + turn[3 * k] * own[0] + turn[3 * k + 1] * own[1] + turn[3 * k + 2] * own[2],
     );
-    const turning = data.cvel.slice(6 * body, 6 * body + 3),
-      arm = at.map((each, k) => each - data.subtree_com[3 * root + k]);
-    const swung = cross(turning, arm),
-      weight = 1 / Math.max(model.body_invweight0[2 * body], 1e-9),
-      { stiffness } = this.app.world.model.scene.look;
+    const turning = data.cvel.slice(6 * body, 6 * body + 3);
+    const arm = at.map((each, k) => each - data.subtree_com[3 * root + k]);
+    const swung = cross(turning, arm);
+    const weight = 1 / Math.max(model.body_invweight0[2 * body], 1e-9);
+    const { stiffness } = this.app.world.model.scene.look;
     const force = at.map(
       (each, k) =>
         weight * (stiffness * (to[k] - each) - 2 * Math.sqrt(stiffness) * (data.cvel[6 * body + 3 + k] + swung[k])),
@@ -200,12 +223,14 @@ class Physics {
   /** Which number became NaN, infinite, or larger than MuJoCo accepts. */
   private diverged(): string | null {
     for (const { kind, word, firsts } of this.warnings) {
-      const found = this.data.warning.get(kind),
-        { number, lastinfo } = found; // a copy of a part of the data, which is not to be deleted itself
-      found.delete();
-      if (!number) continue;
-      const at = firsts.filter((first) => first <= lastinfo).length - 1,
-        name = this.app.world.model.scene.joint.name[at];
+      const warning = this.data.warning.get(kind);
+      const { number, lastinfo } = warning; // a copy of a part of the data, which is not to be deleted itself
+      warning.delete();
+      if (!number) {
+        continue;
+      }
+      const at = firsts.filter((first) => first <= lastinfo).length - 1;
+      const name = this.app.world.model.scene.joint.name[at];
       return `unstable: NaN or a huge ${word} in joint ${name ? `\`${name}\`` : `${at}, which has no name`}`;
     }
     return null;

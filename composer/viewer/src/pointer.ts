@@ -39,9 +39,9 @@ export class Ruler {
     );
     this.balls = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 10), new MeshBasicMaterial(paint)));
     this.line.frustumCulled = false;
-    for (const each of [this.line, ...this.balls]) {
-      each.renderOrder = 6;
-      this.group.add(each);
+    for (const object of [this.line, ...this.balls]) {
+      object.renderOrder = 6;
+      this.group.add(object);
     }
     stage.scene.add(this.group);
     this.update();
@@ -50,17 +50,23 @@ export class Ruler {
   flip(on = !this.isOn): void {
     this.isOn = on;
     this.points = [];
-    if (on) this.say("Click two points to measure between them");
+    if (on) {
+      this.say("Click two points to measure between them");
+    }
     this.changed();
     this.stage.draw();
   }
 
   /** A click in the picture; the third click starts again. */
   click(x: number, y: number): void {
-    const hit = this.stage.hit(x, y),
-      { world } = this.stage;
-    if (!hit || !world) return;
-    if (this.points.length === 2) this.points = [];
+    const hit = this.stage.hit(x, y);
+    const { world } = this.stage;
+    if (!hit || !world) {
+      return;
+    }
+    if (this.points.length === 2) {
+      this.points = [];
+    }
     const body = Math.max(0, hit.element.kind === "body" ? hit.element.index : bodyOf(world.model, hit.element));
     this.points.push({ body, at: hit.point.clone().applyMatrix4(world.bodyMatrix(body).clone().invert()) });
     this.stage.draw();
@@ -72,27 +78,33 @@ export class Ruler {
   }
 
   update(): void {
-    const { world, camera, canvas } = this.stage,
-      isShown = this.isOn && this.points.length > 0 && world !== null;
+    const { world, camera, canvas } = this.stage;
+    const isShown = this.isOn && this.points.length > 0 && world !== null;
     this.group.visible = isShown;
     this.label.hidden = !isShown || this.points.length < 2;
-    if (!isShown) return;
+    if (!isShown) {
+      return;
+    }
     const ends = this.points.map(({ body, at }) => at.clone().applyMatrix4(world.bodyMatrix(body)));
     this.balls.forEach((ball, k) => {
       ball.visible = k < ends.length;
-      if (k >= ends.length) return;
+      if (k >= ends.length) {
+        return;
+      }
       ball.position.copy(ends[k]);
       ball.scale.setScalar(0.006 * ends[k].distanceTo(camera.position));
     });
     this.line.visible = ends.length === 2;
-    if (ends.length < 2) return;
-    const [a, b] = ends,
-      list = this.line.geometry.getAttribute("position");
+    if (ends.length < 2) {
+      return;
+    }
+    const [a, b] = ends;
+    const list = this.line.geometry.getAttribute("position");
     list.setXYZ(0, a.x, a.y, a.z);
     list.setXYZ(1, b.x, b.y, b.z);
     list.needsUpdate = true;
-    const way = b.clone().sub(a),
-      middle = a.clone().add(b).multiplyScalar(0.5).project(camera);
+    const way = b.clone().sub(a);
+    const middle = a.clone().add(b).multiplyScalar(0.5).project(camera);
     this.label.replaceChildren(
       h("b", {}, `${neat(way.length(), 4)} m`),
       h(
@@ -120,10 +132,10 @@ export class Puller {
     private readonly say: (words: string) => void,
   ) {
     this.arrow.visible = false;
-    for (const each of [this.arrow.line, this.arrow.cone]) {
-      (each.material as any).depthTest = false;
-      each.renderOrder = 6;
-      each.frustumCulled = false;
+    for (const object of [this.arrow.line, this.arrow.cone]) {
+      (object.material as any).depthTest = false;
+      object.renderOrder = 6;
+      object.frustumCulled = false;
     }
     stage.scene.add(this.arrow);
     const { canvas } = stage;
@@ -131,7 +143,9 @@ export class Puller {
     canvas.parentElement!.addEventListener(
       "pointerdown",
       (event) => {
-        if (event.target === canvas && event.button === 0 && (event.ctrlKey || event.metaKey)) this.begin(event);
+        if (event.target === canvas && event.button === 0 && (event.ctrlKey || event.metaKey)) {
+          this.begin(event);
+        }
       },
       true,
     );
@@ -140,19 +154,27 @@ export class Puller {
   private begin(event: PointerEvent): void {
     event.stopPropagation();
     event.preventDefault();
-    if (!this.isPlaying()) return this.say("Start the physics (space) to pull a body");
-    const hit = this.stage.hit(event.clientX, event.clientY),
-      world = this.stage.world!,
-      body = hit ? bodyOf(world.model, hit.element) : 0;
-    if (!hit || body <= 0) return this.say("Pull something that moves");
-    const { canvas, camera } = this.stage,
-      plane = new Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new Vector3()), hit.point);
+    if (!this.isPlaying()) {
+      this.say("Start the physics (space) to pull a body");
+      return;
+    }
+    const hit = this.stage.hit(event.clientX, event.clientY);
+    const world = this.stage.world!;
+    const body = hit ? bodyOf(world.model, hit.element) : 0;
+    if (!hit || body <= 0) {
+      this.say("Pull something that moves");
+      return;
+    }
+    const { canvas, camera } = this.stage;
+    const plane = new Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new Vector3()), hit.point);
     const at = hit.point.clone().applyMatrix4(world.bodyMatrix(body).clone().invert()).toArray();
     const to = (each: PointerEvent) => {
-      const ray = new Raycaster(),
-        found = new Vector3();
+      const ray = new Raycaster();
+      const target = new Vector3();
       ray.setFromCamera(this.stage.place(each.clientX, each.clientY), camera);
-      if (ray.ray.intersectPlane(plane, found)) this.set({ body, at, to: found.toArray() });
+      if (ray.ray.intersectPlane(plane, target)) {
+        this.set({ body, at, to: target.toArray() });
+      }
     };
     const end = () => {
       canvas.removeEventListener("pointermove", to);
@@ -166,7 +188,9 @@ export class Puller {
   }
 
   private set(pull: Pull | null): void {
-    if (!pull && !this.now) return;
+    if (!pull && !this.now) {
+      return;
+    }
     this.now = pull;
     this.pull(pull);
     this.stage.draw();
@@ -179,10 +203,12 @@ export class Puller {
   update(): void {
     const { world } = this.stage;
     this.arrow.visible = this.now !== null && world !== null;
-    if (!this.now || !world) return;
-    const from = new Vector3(...this.now.at).applyMatrix4(world.bodyMatrix(this.now.body)),
-      way = new Vector3(...this.now.to).sub(from),
-      length = way.length();
+    if (!this.now || !world) {
+      return;
+    }
+    const from = new Vector3(...this.now.at).applyMatrix4(world.bodyMatrix(this.now.body));
+    const way = new Vector3(...this.now.to).sub(from);
+    const length = way.length();
     this.arrow.position.copy(from);
     this.arrow.setDirection(way.normalize());
     this.arrow.setLength(

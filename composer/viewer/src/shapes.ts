@@ -46,7 +46,9 @@ export function shapeOf(model: Model, type: number, size: number[], data: number
   switch (type) {
     case PLANE: {
       const endless = a <= 0 || b <= 0;
-      if (endless) return { key: "endless", scale: [far, far, 1], make: () => new CircleGeometry(1, 64) };
+      if (endless) {
+        return { key: "endless", scale: [far, far, 1], make: () => new CircleGeometry(1, 64) };
+      }
       return { key: "plane", scale: [a, b, 1], make: () => new PlaneGeometry(2, 2) };
     }
     case SPHERE:
@@ -77,7 +79,9 @@ export function shapeOf(model: Model, type: number, size: number[], data: number
     case HFIELD:
       return { key: `hfield ${data}`, scale: [1, 1, 1], make: () => heights(model, model.scene.hfield[data]) };
     default: {
-      if (data < 0) return { key: "box", scale: [a, b, c], make: () => new BoxGeometry(2, 2, 2) };
+      if (data < 0) {
+        return { key: "box", scale: [a, b, c], make: () => new BoxGeometry(2, 2, 2) };
+      }
       const blob = model.scene.mesh[data];
       return { key: `mesh ${blob}`, scale: [1, 1, 1], make: () => surface(model.blobs.get(blob)!) };
     }
@@ -92,10 +96,12 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   const steps = new Uint16Array(model.blobs.get(field.blob)!, 0, rows * columns);
   const [sx, sy, high, deep] = size;
   const at = (r: number, c: number) => [sx * ((2 * c) / (columns - 1) - 1), sy * ((2 * r) / (rows - 1) - 1)];
-  const corners: number[] = [],
-    index: number[] = [];
+  const corners: number[] = [];
+  const index: number[] = [];
   for (let r = 0; r < rows; r++) {
-    for (let c = 0; c < columns; c++) corners.push(...at(r, c), (high * steps[r * columns + c]) / 65535);
+    for (let c = 0; c < columns; c++) {
+      corners.push(...at(r, c), (high * steps[r * columns + c]) / 65535);
+    }
   }
   for (let r = 0; r + 1 < rows; r++) {
     for (let c = 0; c + 1 < columns; c++) {
@@ -105,10 +111,18 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   }
   // The sides down to its base, with corners of their own so that edges stay sharp.
   const rim: [number, number][] = [];
-  for (let c = 0; c < columns; c++) rim.push([0, c]);
-  for (let r = 1; r < rows; r++) rim.push([r, columns - 1]);
-  for (let c = columns - 2; c >= 0; c--) rim.push([rows - 1, c]);
-  for (let r = rows - 2; r >= 0; r--) rim.push([r, 0]);
+  for (let c = 0; c < columns; c++) {
+    rim.push([0, c]);
+  }
+  for (let r = 1; r < rows; r++) {
+    rim.push([r, columns - 1]);
+  }
+  for (let c = columns - 2; c >= 0; c--) {
+    rim.push([rows - 1, c]);
+  }
+  for (let r = rows - 2; r >= 0; r--) {
+    rim.push([r, 0]);
+  }
   for (let k = 0; k + 1 < rim.length; k++) {
     const first = corners.length / 3;
     for (const [r, c] of [rim[k], rim[k + 1]]) {
@@ -126,27 +140,27 @@ function heights(model: Model, field: HeightField): BufferGeometry {
   return geometry;
 }
 
-const MAPPED = 1,
-  FLAT = 2,
-  PLANES = 8;
+const MAPPED = 1;
+const FLAT = 2;
+const PLANES = 8;
 
 /** A surface without normals is flat: each triangle has its own. */
 export function surface(blob: ArrayBuffer): BufferGeometry {
   const [count, triangles, flags] = new Uint32Array(blob, 0, 3);
-  const range = new Float32Array(blob, 12, 6),
-    bytes = new Uint8Array(blob),
-    geometry = new BufferGeometry();
+  const range = new Float32Array(blob, 12, 6);
+  const bytes = new Uint8Array(blob);
+  const geometry = new BufferGeometry();
   let at = 36;
   if (flags & MAPPED) {
     geometry.setAttribute("uv", new BufferAttribute(new Float32Array(blob.slice(at, at + 8 * count)), 2));
     at += 8 * count;
   }
-  const corners = new Float32Array(3 * count),
-    steps: Uint16Array[] = [];
+  const corners = new Float32Array(3 * count);
+  const steps: Uint16Array[] = [];
   for (let axis = 0; axis < 3; axis++, at += 2 * count) {
-    const low = range[axis],
-      step = range[3 + axis],
-      list = new Uint16Array(count);
+    const low = range[axis];
+    const step = range[3 + axis];
+    const list = new Uint16Array(count);
     for (let k = 0, whole = 0; k < count; k++) {
       const z = bytes[at + k] | (bytes[at + count + k] << 8);
       whole = (whole + ((z >> 1) ^ -(z & 1))) & 0xffff;
@@ -160,8 +174,8 @@ export function surface(blob: ArrayBuffer): BufferGeometry {
     geometry.setAttribute("normal", new BufferAttribute(normals(bytes, at, count), 3));
     at += 2 * count;
   }
-  const index = count <= 1 << 16 ? new Uint16Array(3 * triangles) : new Uint32Array(3 * triangles),
-    planes = flags >> PLANES;
+  const index = count <= 1 << 16 ? new Uint16Array(3 * triangles) : new Uint32Array(3 * triangles);
+  const planes = flags >> PLANES;
   for (let k = 0, first = 0; k < 3 * triangles; k += 3) {
     let [a, b, c] = [0, 0, 0];
     for (let plane = planes - 1; plane >= 0; plane--) {
@@ -181,18 +195,20 @@ export function surface(blob: ArrayBuffer): BufferGeometry {
 
 /** Directions whose sphere is folded into a square. */
 function normals(bytes: Uint8Array, at: number, count: number): Float32Array {
-  const found = new Float32Array(3 * count);
+  const directions = new Float32Array(3 * count);
   for (let k = 0, u = 0, v = 0; k < count; k++) {
     u = (u + bytes[at + k]) & 255;
     v = (v + bytes[at + count + k]) & 255;
-    let x = ((u << 24) >> 24) / 127,
-      y = ((v << 24) >> 24) / 127;
+    let x = ((u << 24) >> 24) / 127;
+    let y = ((v << 24) >> 24) / 127;
     const z = 1 - Math.abs(x) - Math.abs(y);
-    if (z < 0) [x, y] = [(1 - Math.abs(y)) * Math.sign(x || 1), (1 - Math.abs(x)) * Math.sign(y || 1)];
+    if (z < 0) {
+      [x, y] = [(1 - Math.abs(y)) * Math.sign(x || 1), (1 - Math.abs(x)) * Math.sign(y || 1)];
+    }
     const length = Math.hypot(x, y, z);
-    found[3 * k] = x / length;
-    found[3 * k + 1] = y / length;
-    found[3 * k + 2] = z / length;
+    directions[3 * k] = x / length;
+    directions[3 * k + 1] = y / length;
+    directions[3 * k + 2] = z / length;
   }
-  return found;
+  return directions;
 }

@@ -1,8 +1,8 @@
 // Sliders for joints and controls, and the pose as a keyframe of a recipe.
-import { row, type Model } from "./data";
+import { type Model, row } from "./data";
 import { copy, h } from "./dom";
 import { degrees, JOINT_NAMES, neat } from "./info";
-import { FREE, HINGE, SLIDE, WIDTHS, type Pose } from "./kinematics";
+import { FREE, HINGE, type Pose, SLIDE, WIDTHS } from "./kinematics";
 
 interface Slider {
   set: () => void;
@@ -25,18 +25,22 @@ export class Sliders {
     this.ctrl = new Array(counts).fill(0);
     scene.joint.name.forEach((name, j) => this.joint(name || `joint#${j}`, j));
     scene.actuator.name.forEach((name, a) => this.control(name || `actuator#${a}`, a));
-    if (!scene.joint.name.length) this.joints.append(h("p", { className: "hint" }, "The model has no joints."));
-    if (!scene.actuator.name.length) this.controls.append(h("p", { className: "hint" }, "The model has no actuators."));
+    if (!scene.joint.name.length) {
+      this.joints.append(h("p", { className: "hint" }, "The model has no joints."));
+    }
+    if (!scene.actuator.name.length) {
+      this.controls.append(h("p", { className: "hint" }, "The model has no actuators."));
+    }
   }
 
   private joint(name: string, j: number): void {
-    const { joint, look, qpos0 } = this.model.scene,
-      type = joint.type[j],
-      q = joint.qpos[j],
-      { qpos } = this.pose;
+    const { joint, look, qpos0 } = this.model.scene;
+    const type = joint.type[j];
+    const q = joint.qpos[j];
+    const { qpos } = this.pose;
     if (type >= SLIDE) {
-      const limited = joint.limited[j],
-        far = type === HINGE ? Math.PI : Math.max(look.extent, 0.1);
+      const limited = joint.limited[j];
+      const far = type === HINGE ? Math.PI : Math.max(look.extent, 0.1);
       const range = limited ? row(joint.range, j, 2) : [qpos0[q] - far, qpos0[q] + far];
       const shown = (value: number) => (type === HINGE ? degrees(value) : `${neat(value)} m`);
       this.joints.append(
@@ -83,9 +87,9 @@ export class Sliders {
           degrees,
           () => angles(qpos, first)[k],
           (value) => {
-            const found = angles(qpos, first);
-            found[k] = value;
-            turn(qpos, first, found);
+            const turns = angles(qpos, first);
+            turns[k] = value;
+            turn(qpos, first, turns);
           },
           false,
           180 / Math.PI,
@@ -103,15 +107,20 @@ export class Sliders {
   }
 
   private control(name: string, a: number): void {
-    const { actuator, joint, tendon } = this.model.scene,
-      at = actuator.control[a];
-    const target = actuator.target[2 * a],
-      kind = actuator.transmission[a];
-    const moves = kind <= 1 ? joint.name[target] : kind === 3 ? tendon.name[target] : "";
+    const { actuator, joint, tendon } = this.model.scene;
+    const at = actuator.control[a];
+    const target = actuator.target[2 * a];
+    const kind = actuator.transmission[a];
+    let moves = "";
+    if (kind <= 1) {
+      moves = joint.name[target];
+    } else if (kind === 3) {
+      moves = tendon.name[target];
+    }
     const next = a + 1 < actuator.control.length ? actuator.control[a + 1] : this.ctrl.length;
     for (let k = at; k < Math.max(next, at + 1); k++) {
-      const limited = Boolean(actuator.limited[k]),
-        range = limited ? row(actuator.range, k, 2) : [-1, 1];
+      const limited = Boolean(actuator.limited[k]);
+      const range = limited ? row(actuator.range, k, 2) : [-1, 1];
       this.controls.append(
         this.slider(
           next - at > 1 ? `${name} ${k - at}` : name,
@@ -151,13 +160,17 @@ export class Sliders {
       const value = get();
       range.value = String(value);
       range.style.setProperty("--at", `${100 * Math.min(1, Math.max(0, (value - low) / (high - low || 1)))}%`);
-      if (document.activeElement !== number) number.value = shown(value);
+      if (document.activeElement !== number) {
+        number.value = shown(value);
+      }
       number.classList.toggle("outside", limited && (value < low - 1e-9 || value > high + 1e-9));
     };
     range.addEventListener("input", () => change(Number(range.value)));
     number.addEventListener("change", () => {
       const value = parseFloat(number.value.replaceAll("−", "-").replace(",", ".")) / factor;
-      if (Number.isFinite(value)) change(value);
+      if (Number.isFinite(value)) {
+        change(value);
+      }
       number.blur();
       show();
     });
@@ -176,7 +189,9 @@ export class Sliders {
 
   /** Show the pose as it is now. */
   refresh(): void {
-    for (const each of this.all) each.set();
+    for (const slider of this.all) {
+      slider.set();
+    }
   }
 
   setControls(values: number[]): void {
@@ -188,38 +203,56 @@ export class Sliders {
 
   /** The pose as an entry of `keyframe`, by name, as far as it is not the reference. */
   snippet(): string {
-    const { joint, actuator, qpos0, body } = this.model.scene,
-      { qpos, mpos, mquat } = this.pose;
-    const lines = ["keyframe:", "  pose:"],
-      moved: string[] = [],
-      controls: string[] = [],
-      mocap: string[] = [];
+    const { joint, actuator, qpos0, body } = this.model.scene;
+    const { qpos, mpos, mquat } = this.pose;
+    const lines = ["keyframe:", "  pose:"];
+    const moved: string[] = [];
+    const controls: string[] = [];
+    const mocap: string[] = [];
     joint.name.forEach((name, j) => {
-      const q = joint.qpos[j],
-        width = WIDTHS[joint.type[j]];
+      const q = joint.qpos[j];
+      const width = WIDTHS[joint.type[j]];
       const values = Array.from(qpos.slice(q, q + width));
-      if (values.every((value, k) => Math.abs(value - qpos0[q + k]) < 1e-9)) return;
-      if (!name) moved.push(`      # joint#${j} has no name: ${values.map(exact).join(" ")}`);
-      else if (joint.type[j] === HINGE) moved.push(`      ${name}: ${exact((values[0] * 180) / Math.PI)}deg`);
-      else moved.push(`      ${name}: ${width === 1 ? exact(values[0]) : `[${values.map(exact).join(", ")}]`}`);
+      if (values.every((value, k) => Math.abs(value - qpos0[q + k]) < 1e-9)) {
+        return;
+      }
+      if (!name) {
+        moved.push(`      # joint#${j} has no name: ${values.map(exact).join(" ")}`);
+      } else if (joint.type[j] === HINGE) {
+        moved.push(`      ${name}: ${exact((values[0] * 180) / Math.PI)}deg`);
+      } else {
+        moved.push(`      ${name}: ${width === 1 ? exact(values[0]) : `[${values.map(exact).join(", ")}]`}`);
+      }
     });
-    if (moved.length) lines.push("    qpos:", ...moved);
+    if (moved.length) {
+      lines.push("    qpos:", ...moved);
+    }
     actuator.name.forEach((name, a) => {
       const value = this.ctrl[actuator.control[a]];
-      if (name && value) controls.push(`      ${name}: ${exact(value)}${this.isAngle(a) ? "rad" : ""}`);
+      if (name && value) {
+        controls.push(`      ${name}: ${exact(value)}${this.isAngle(a) ? "rad" : ""}`);
+      }
     });
-    if (controls.length) lines.push("    ctrl:", ...controls);
+    if (controls.length) {
+      lines.push("    ctrl:", ...controls);
+    }
     body.mocap.forEach((number: number, b: number) => {
-      if (number < 0 || !body.name[b]) return;
+      if (number < 0 || !body.name[b]) {
+        return;
+      }
       const place = Array.from(mpos.slice(3 * number, 3 * number + 3));
       const turned = Array.from(mquat.slice(4 * number, 4 * number + 4));
-      if (place.some((value, k) => Math.abs(value - body.pos[3 * b + k]) > 1e-9))
+      if (place.some((value, k) => Math.abs(value - body.pos[3 * b + k]) > 1e-9)) {
         mocap.push(`    mpos: {${body.name[b]}: [${place.map(exact).join(", ")}]}`);
-      if (turned.some((value, k) => Math.abs(value - body.quat[4 * b + k]) > 1e-9))
+      }
+      if (turned.some((value, k) => Math.abs(value - body.quat[4 * b + k]) > 1e-9)) {
         mocap.push(`    mquat: {${body.name[b]}: [${turned.map(exact).join(", ")}]}`);
+      }
     });
     lines.push(...mocap);
-    if (lines.length === 2) lines[1] = "  pose: {}";
+    if (lines.length === 2) {
+      lines[1] = "  pose: {}";
+    }
     return `${lines.join("\n")}\n`;
   }
 

@@ -10,8 +10,8 @@ import {
   InstancedMesh,
   Matrix4,
   Mesh,
-  MeshPhongMaterial,
-  Object3D,
+  type MeshPhongMaterial,
+  type Object3D,
   Quaternion,
   SphereGeometry,
   Vector3,
@@ -29,9 +29,9 @@ interface Soft {
   members?: number[];
 }
 
-const SITE = 3,
-  PULLEY = 2,
-  JOINT = 1;
+const SITE = 3;
+const PULLEY = 2;
+const JOINT = 1;
 
 export class Softs {
   readonly root = new Group();
@@ -73,36 +73,38 @@ export class Softs {
 
   private paint(material: number, rgba: number[], mapped: boolean): MeshPhongMaterial {
     const [r, g, b, a] = colourOf(this.model, rgba, material);
-    const found = this.painter.material(material, a, mapped ? null : [1, 1, 1], false);
-    found.color = new Color().setRGB(r, g, b);
-    found.side = DoubleSide;
-    return found;
+    const paint = this.painter.material(material, a, mapped ? null : [1, 1, 1], false);
+    paint.color = new Color().setRGB(r, g, b);
+    paint.side = DoubleSide;
+    return paint;
   }
 
   private skin(skin: Skin): { object: Object3D; update: () => void } {
-    const blob = this.model.blobs.get(skin.blob)!,
-      { count, bones } = skin;
+    const blob = this.model.blobs.get(skin.blob)!;
+    const { count, bones } = skin;
     let at = 0;
     const floats = (n: number) => {
-      const found = new Float32Array(blob, at, n);
+      const numbers = new Float32Array(blob, at, n);
       at += 4 * n;
-      return found;
+      return numbers;
     };
     const whole = (n: number) => {
-      const found = new Uint32Array(blob, at, n);
+      const numbers = new Uint32Array(blob, at, n);
       at += 4 * n;
-      return found;
+      return numbers;
     };
-    const rest = floats(3 * count),
-      faces = whole(3 * skin.triangles);
+    const rest = floats(3 * count);
+    const faces = whole(3 * skin.triangles);
     const flat = skin.mapped ? floats(2 * count) : null;
     const total = skin.moved.reduce((sum, each) => sum + each, 0);
-    const moved = whole(total),
-      weights = floats(total);
-    const geometry = new BufferGeometry(),
-      corners = new Float32Array(3 * count);
+    const moved = whole(total);
+    const weights = floats(total);
+    const geometry = new BufferGeometry();
+    const corners = new Float32Array(3 * count);
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
-    if (flat) geometry.setAttribute("uv", new BufferAttribute(flat.slice(), 2));
+    if (flat) {
+      geometry.setAttribute("uv", new BufferAttribute(flat.slice(), 2));
+    }
     geometry.setIndex(new BufferAttribute(faces.slice(), 1));
     const mesh = new Mesh(geometry, this.paint(skin.material, skin.rgba, skin.mapped));
     mesh.castShadow = mesh.receiveShadow = true;
@@ -119,11 +121,11 @@ export class Softs {
           .sub(new Vector3().fromArray(skin.pos, 3 * bone).applyQuaternion(turn));
         const e = new Matrix4().compose(place, turn, new Vector3(1, 1, 1)).elements;
         for (let k = first; k < first + skin.moved[bone]; k++) {
-          const v = 3 * moved[k],
-            w = weights[k],
-            x = rest[v],
-            y = rest[v + 1],
-            z = rest[v + 2];
+          const v = 3 * moved[k];
+          const w = weights[k];
+          const x = rest[v];
+          const y = rest[v + 1];
+          const z = rest[v + 2];
           corners[v] += w * (e[0] * x + e[4] * y + e[8] * z + e[12]);
           corners[v + 1] += w * (e[1] * x + e[5] * y + e[9] * z + e[13]);
           corners[v + 2] += w * (e[2] * x + e[6] * y + e[10] * z + e[14]);
@@ -133,7 +135,9 @@ export class Softs {
       geometry.computeVertexNormals();
       if (skin.inflate) {
         const normals = geometry.getAttribute("normal").array;
-        for (let k = 0; k < corners.length; k++) corners[k] += skin.inflate * normals[k];
+        for (let k = 0; k < corners.length; k++) {
+          corners[k] += skin.inflate * normals[k];
+        }
       }
       geometry.getAttribute("position").needsUpdate = true;
       geometry.computeBoundingSphere();
@@ -142,16 +146,16 @@ export class Softs {
   }
 
   private flex(flex: Flex): { shell: Uint32Array; edges: Uint32Array; place: (into: Float32Array) => void } {
-    const blob = this.model.blobs.get(flex.blob)!,
-      { count } = flex;
-    const local = new Float32Array(blob, 0, 3 * count),
-      bodies = new Uint32Array(blob, 12 * count, count);
+    const blob = this.model.blobs.get(flex.blob)!;
+    const { count } = flex;
+    const local = new Float32Array(blob, 0, 3 * count);
+    const bodies = new Uint32Array(blob, 12 * count, count);
     const shell = new Uint32Array(blob, 16 * count, 3 * flex.triangles);
     const edges = new Uint32Array(blob, 16 * count + 12 * flex.triangles, 2 * flex.edges);
     const place = (into: Float32Array) => {
       for (let k = 0; k < count; k++) {
-        const b = bodies[k],
-          [x, y, z] = rotated(this.pose.quat, 4 * b, local as any, 3 * k);
+        const b = bodies[k];
+        const [x, y, z] = rotated(this.pose.quat, 4 * b, local as any, 3 * k);
         into[3 * k] = this.pose.pos[3 * b] + x;
         into[3 * k + 1] = this.pose.pos[3 * b + 1] + y;
         into[3 * k + 2] = this.pose.pos[3 * b + 2] + z;
@@ -162,18 +166,20 @@ export class Softs {
 
   /** A flex with a surface, which is as far from its corners as its radius says. */
   private cloth(flex: Flex): { object: Object3D; update: () => void } {
-    const { shell, place } = this.flex(flex),
-      { count, radius } = flex;
-    const plain = new BufferGeometry(),
-      middle = new Float32Array(3 * count);
+    const { shell, place } = this.flex(flex);
+    const { count, radius } = flex;
+    const plain = new BufferGeometry();
+    const middle = new Float32Array(3 * count);
     plain.setAttribute("position", new BufferAttribute(middle, 3));
     plain.setIndex(new BufferAttribute(shell.slice(), 1));
     const both = flex.dimensions === 2;
     const corners = new Float32Array((both ? 2 : 1) * 3 * count);
     const index = [...shell];
-    if (both)
-      for (let k = 0; k < shell.length; k += 3)
+    if (both) {
+      for (let k = 0; k < shell.length; k += 3) {
         index.push(shell[k] + count, shell[k + 2] + count, shell[k + 1] + count);
+      }
+    }
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(corners, 3));
     geometry.setIndex(index);
@@ -186,7 +192,9 @@ export class Softs {
       const normals = plain.getAttribute("normal").array;
       for (let k = 0; k < middle.length; k++) {
         corners[k] = middle[k] + radius * normals[k];
-        if (both) corners[middle.length + k] = middle[k] - radius * normals[k];
+        if (both) {
+          corners[middle.length + k] = middle[k] - radius * normals[k];
+        }
       }
       geometry.getAttribute("position").needsUpdate = true;
       geometry.computeVertexNormals();
@@ -196,8 +204,8 @@ export class Softs {
   }
 
   private rope(flex: Flex): { object: Object3D; update: () => void } {
-    const { edges, place } = this.flex(flex),
-      corners = new Float32Array(3 * flex.count);
+    const { edges, place } = this.flex(flex);
+    const corners = new Float32Array(3 * flex.count);
     const rods = new Rods(this.paint(flex.material, flex.rgba, false), flex.edges, false);
     return {
       object: rods.root,
@@ -221,62 +229,95 @@ export class Softs {
     return { object: rods.root, update: () => rods.place(this.way(index), tendon.width[index]) };
   }
 
-  /** The straight pieces of a tendon; away from a known pose, the pieces from site to site, without the geoms that it wraps around. */
+  /**
+   * The straight pieces of a tendon; away from a known pose, the pieces from site to site, without the geoms that it
+   * wraps around.
+   */
   private way(index: number): number[] {
-    const { scene } = this.model,
-      { tendon, wrap, site } = scene;
-    if (this.seen) return this.seen.tendons[index];
-    const found: number[] = [];
+    const { scene } = this.model;
+    const { tendon, wrap, site } = scene;
+    if (this.seen) {
+      return this.seen.tendons[index];
+    }
+    const pieces: number[] = [];
     let last: number[] | null = null;
     for (let k = tendon.first[index]; k < tendon.first[index] + tendon.count[index]; k++) {
-      if (wrap.type[k] === PULLEY) last = null;
-      if (wrap.type[k] !== SITE) continue;
-      const number = wrap.object[k],
-        b = site.body[number];
+      if (wrap.type[k] === PULLEY) {
+        last = null;
+      }
+      if (wrap.type[k] !== SITE) {
+        continue;
+      }
+      const number = wrap.object[k];
+      const b = site.body[number];
       const moved = rotated(this.pose.quat, 4 * b, site.pos, 3 * number);
       const here = moved.map((each, axis) => each + this.pose.pos[3 * b + axis]);
-      if (last) found.push(...last, ...here);
+      if (last) {
+        pieces.push(...last, ...here);
+      }
       last = here;
     }
-    return found;
+    return pieces;
   }
 
   update(): void {
-    for (const each of this.all) if (each.object.visible) each.update();
+    for (const soft of this.all) {
+      if (soft.object.visible) {
+        soft.update();
+      }
+    }
   }
 
   show(kind: string, visible: (group: number) => boolean): void {
-    for (const each of this.all) if (each.kind === kind) each.object.visible = visible(each.group);
+    for (const soft of this.all) {
+      if (soft.kind === kind) {
+        soft.object.visible = visible(soft.group);
+      }
+    }
   }
 
   targets(): Object3D[] {
-    const found: Object3D[] = [];
-    for (const each of this.all)
-      if (each.object.visible)
-        each.object.traverse((part) => {
-          if (part instanceof Mesh) found.push(part);
+    const meshes: Object3D[] = [];
+    for (const soft of this.all) {
+      if (soft.object.visible) {
+        soft.object.traverse((part) => {
+          if (part instanceof Mesh) {
+            meshes.push(part);
+          }
         });
-    return found;
+      }
+    }
+    return meshes;
   }
 
   element(object: Object3D, _instance?: number): Element | null {
     for (const { object: root, kind, index } of this.all) {
       let up: Object3D | null = object;
-      while (up && up !== root) up = up.parent;
-      if (up) return { kind, index };
+      while (up && up !== root) {
+        up = up.parent;
+      }
+      if (up) {
+        return { kind, index };
+      }
     }
     return null;
   }
 
   box(): Box3 {
-    const found = new Box3();
-    for (const { object, kind } of this.all) if (object.visible && kind !== "tendon") found.expandByObject(object);
-    return found;
+    const bounds = new Box3();
+    for (const { object, kind } of this.all) {
+      if (object.visible && kind !== "tendon") {
+        bounds.expandByObject(object);
+      }
+    }
+    return bounds;
   }
 
   dispose(): void {
     this.root.traverse((each) => {
-      if (each instanceof Mesh) each.geometry.dispose();
+      if (each instanceof Mesh) {
+        each.geometry.dispose();
+      }
     });
   }
 }
@@ -291,26 +332,28 @@ class Rods {
   constructor(paint: MeshPhongMaterial, most: number, round = true) {
     this.rods = new InstancedMesh(new CylinderGeometry(1, 1, 1, 16).rotateX(Math.PI / 2), paint, most);
     this.balls = new InstancedMesh(new SphereGeometry(1, 16, 10), paint, 2 * most);
-    for (const each of [this.rods, this.balls]) {
-      each.frustumCulled = false;
-      each.castShadow = true;
+    for (const mesh of [this.rods, this.balls]) {
+      mesh.frustumCulled = false;
+      mesh.castShadow = true;
     }
     this.root.add(this.rods);
-    if (round) this.root.add(this.balls);
+    if (round) {
+      this.root.add(this.balls);
+    }
   }
 
-  place(ends: number[], radius: number): void {
-    const a = new Vector3(),
-      b = new Vector3(),
-      along = new Vector3(),
-      turn = new Quaternion(),
-      matrix = new Matrix4();
-    const up = new Vector3(0, 0, 1),
-      still = new Quaternion();
-    const count = Math.min(ends.length / 6, this.rods.instanceMatrix.count);
+  place(corners: number[], radius: number): void {
+    const a = new Vector3();
+    const b = new Vector3();
+    const along = new Vector3();
+    const turn = new Quaternion();
+    const matrix = new Matrix4();
+    const up = new Vector3(0, 0, 1);
+    const still = new Quaternion();
+    const count = Math.min(corners.length / 6, this.rods.instanceMatrix.count);
     for (let k = 0; k < count; k++) {
-      a.fromArray(ends, 6 * k);
-      b.fromArray(ends, 6 * k + 3);
+      a.fromArray(corners, 6 * k);
+      b.fromArray(corners, 6 * k + 3);
       along.subVectors(b, a);
       const length = along.length();
       turn.setFromUnitVectors(up, length > 1e-12 ? along.divideScalar(length) : up);
@@ -323,17 +366,21 @@ class Rods {
     }
     this.rods.count = count;
     this.balls.count = 2 * count;
-    for (const each of [this.rods, this.balls]) {
-      each.instanceMatrix.needsUpdate = true;
-      each.boundingSphere = null;
+    for (const mesh of [this.rods, this.balls]) {
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
     }
   }
 }
 
 const ends = (corners: Float32Array, edges: Uint32Array): number[] => {
-  const found = new Array<number>(3 * edges.length);
-  for (let k = 0; k < edges.length; k++) for (let a = 0; a < 3; a++) found[3 * k + a] = corners[3 * edges[k] + a];
-  return found;
+  const points = new Array<number>(3 * edges.length);
+  for (let k = 0; k < edges.length; k++) {
+    for (let a = 0; a < 3; a++) {
+      points[3 * k + a] = corners[3 * edges[k] + a];
+    }
+  }
+  return points;
 };
 
 const xyzw = (q: ArrayLike<number>, i: number): [number, number, number, number] => [

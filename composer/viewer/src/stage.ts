@@ -1,6 +1,6 @@
 // The canvas: camera, controls, drawing when something has changed, the picture as an image, and the compass.
 import {
-  Box3,
+  type Box3,
   Color,
   ColorManagement,
   LinearSRGBColorSpace,
@@ -21,16 +21,27 @@ import { rotated } from "./kinematics";
 import type { World } from "./world";
 
 /** How long the page counts as moving after a change, and the time that a picture may take then, in milliseconds. */
-const STILL = 180,
-  SLOW = 33,
-  QUICK = 14;
+const STILL = 180;
+const SLOW = 33;
+const QUICK = 14;
 /** Cells of a surface for each pixel, and pixels of the picture for each of the screen, at rest and at their least. */
-const FINE = 1.5,
-  LEAST_FINE = 0.06,
-  LEAST_RATIO = 0.4;
+const FINE = 1.5;
+const LEAST_FINE = 0.06;
+const LEAST_RATIO = 0.4;
 
 // Colors go to the screen as MuJoCo has them.
 ColorManagement.enabled = false;
+
+/** How much more or less detail the next picture gets, after one that took this many milliseconds. */
+function easing(took: number): number {
+  if (took > 3 * SLOW) {
+    return -0.3;
+  }
+  if (took > SLOW) {
+    return -0.1;
+  }
+  return took < QUICK ? 0.05 : 0;
+}
 
 export class Stage {
   readonly renderer: WebGLRenderer;
@@ -78,35 +89,48 @@ export class Stage {
   show(world: World): void {
     const first = this.world === null;
     const before = this.world;
-    if (before) this.scene.remove(before.root, before.headlight);
+    if (before) {
+      this.scene.remove(before.root, before.headlight);
+    }
     this.world = world;
     this.scene.add(world.root, world.headlight);
     const sky = world.painter.sky();
     this.scene.background = sky;
     // The up of three.js is y.
     this.scene.backgroundRotation.set(Math.PI / 2, 0, 0);
-    if (first) this.fit();
-    if (first) this.move();
-    if (before) this.left.push(before);
+    if (first) {
+      this.fit();
+    }
+    if (first) {
+      this.move();
+    }
+    if (before) {
+      this.left.push(before);
+    }
     this.draw();
   }
 
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement!;
-    if (!width || !height) return;
+    if (!width || !height) {
+      return;
+    }
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.draw();
   }
 
-  /** Fit the whole model or a part of it into the picture, seen from the present side or from the side that its author chose. */
+  /**
+   * Fit the whole model or a part of it into the picture, seen from the present side or from the side that its author
+   * chose.
+   */
   fit(box?: Box3): void {
-    const { look } = this.world!.model.scene,
-      whole = !box;
-    const wanted = box && !box.isEmpty() ? box : this.world!.box();
-    const asked = look.azimuth === 90 && look.elevation === -45 ? [135, -22] : [look.azimuth, look.elevation];
-    const [azimuth, elevation] = asked.map((each) => (each * Math.PI) / 180);
+    const { look } = this.world!.model.scene;
+    const whole = !box;
+    const bounds = box && !box.isEmpty() ? box : this.world!.box();
+    const angles = look.azimuth === 90 && look.elevation === -45 ? [135, -22] : [look.azimuth, look.elevation];
+    const [azimuth, elevation] = angles.map((each) => (each * Math.PI) / 180);
     const forward = whole
       ? new Vector3(
           Math.cos(elevation) * Math.cos(azimuth),
@@ -117,15 +141,15 @@ export class Stage {
     this.camera.fov = look.fovy > 1 && look.fovy < 150 ? look.fovy : 45;
     const right = new Vector3().crossVectors(forward, this.camera.up).normalize();
     const up = new Vector3().crossVectors(right, forward);
-    const high = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12,
-      wide = high * this.camera.aspect;
-    const target = wanted.getCenter(new Vector3());
+    const high = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12;
+    const wide = high * this.camera.aspect;
+    const target = bounds.getCenter(new Vector3());
     let distance = 0;
     for (let k = 0; k < 8; k++) {
       const corner = new Vector3(
-        k & 1 ? wanted.max.x : wanted.min.x,
-        k & 2 ? wanted.max.y : wanted.min.y,
-        k & 4 ? wanted.max.z : wanted.min.z,
+        k & 1 ? bounds.max.x : bounds.min.x,
+        k & 2 ? bounds.max.y : bounds.min.y,
+        k & 4 ? bounds.max.z : bounds.min.z,
       ).sub(target);
       const depth = corner.dot(forward);
       distance = Math.max(
@@ -145,8 +169,8 @@ export class Stage {
 
   private clip(): void {
     const { extent } = this.world!.model.scene.look;
-    const reach = this.world!.box(true),
-      size = reach.getSize(new Vector3()).length();
+    const reach = this.world!.box(true);
+    const size = reach.getSize(new Vector3()).length();
     const away = this.camera.position.distanceTo(reach.getCenter(new Vector3())) + size + 15 * extent;
     this.camera.near = Math.max(0.002 * extent, 1e-5);
     this.camera.far = Math.max(60 * extent, 4 * away);
@@ -161,10 +185,12 @@ export class Stage {
   }
 
   private follow(): void {
-    if (this.through === null || !this.world) return;
-    const { camera, look } = this.world.model.scene,
-      { pose } = this.world,
-      index = this.through;
+    if (this.through === null || !this.world) {
+      return;
+    }
+    const { camera, look } = this.world.model.scene;
+    const { pose } = this.world;
+    const index = this.through;
     const b = camera.body[index];
     const place = rotated(pose.quat, 4 * b, camera.pos, 3 * index).map((each, k) => each + pose.pos[3 * b + k]);
     const turned = (v: number[]) => {
@@ -172,14 +198,15 @@ export class Stage {
       return new Vector3(...rotated(pose.quat, 4 * b, own, 0));
     };
     this.camera.position.fromArray(place);
-    const forward = turned([0, 0, -1]),
-      up = turned([0, 1, 0]);
+    const forward = turned([0, 0, -1]);
+    const up = turned([0, 1, 0]);
     const target = camera.target[index];
-    if (camera.mode[index] >= 3 && target >= 0)
+    if (camera.mode[index] >= 3 && target >= 0) {
       forward
         .fromArray(pose.pos, 3 * target)
         .sub(this.camera.position)
         .normalize();
+    }
     this.camera.up.copy(camera.mode[index] >= 3 ? new Vector3(0, 0, 1) : up);
     this.camera.fov = camera.fovy[index];
     this.camera.lookAt(this.camera.position.clone().add(forward));
@@ -207,8 +234,8 @@ export class Stage {
 
   /** Look at the same point from a direction. */
   lookFrom(way: Vector3): void {
-    const { target } = this.controls,
-      distance = this.camera.position.distanceTo(target);
+    const { target } = this.controls;
+    const distance = this.camera.position.distanceTo(target);
     this.through = null;
     this.camera.position.copy(target).addScaledVector(way, distance);
     this.controls.update();
@@ -242,30 +269,40 @@ export class Stage {
 
   /** Nothing moves any more. */
   rest(): void {
-    if (!this.isMoving) return;
+    if (!this.isMoving) {
+      return;
+    }
     clearTimeout(this.settling);
     this.isMoving = false;
     this.draw();
   }
 
   draw(): void {
-    if (this.due) return;
+    if (this.due) {
+      return;
+    }
     this.due = true;
     requestAnimationFrame(() => {
-      if (this.due) this.now();
+      if (this.due) {
+        this.now();
+      }
     });
   }
 
   now(): void {
     this.due = false;
-    if (!this.world) return;
+    if (!this.world) {
+      return;
+    }
     this.beforeFrame?.();
     this.follow();
     this.world.headlight.position.copy(this.camera.position);
     this.suit(performance.now());
     this.renderer.render(this.scene, this.camera);
     // Only now, because the new model uses the common data again, such as programs of the GPU.
-    for (const world of this.left.splice(0)) world.dispose();
+    for (const world of this.left.splice(0)) {
+      world.dispose();
+    }
     this.frames++;
     document.documentElement.dataset.frames = String(this.frames);
   }
@@ -273,16 +310,15 @@ export class Stage {
   /** Choose the detail of the next picture by how long the ones before took. */
   private suit(now: number): void {
     if (this.isMoving && this.drawnAt) {
-      const took = (this.took = Math.min(now - this.drawnAt, 1000));
-      this.ease = Math.min(
-        1,
-        Math.max(0, this.ease + (took > 3 * SLOW ? -0.3 : took > SLOW ? -0.1 : took < QUICK ? 0.05 : 0)),
-      );
+      this.took = Math.min(now - this.drawnAt, 1000);
+      this.ease = Math.min(1, Math.max(0, this.ease + easing(this.took)));
     }
     this.drawnAt = this.isMoving ? now : 0;
-    const share = this.isMoving ? this.ease : 1,
-      ratio = this.ratio * Math.max(LEAST_RATIO, share);
-    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    const share = this.isMoving ? this.ease : 1;
+    const ratio = this.ratio * Math.max(LEAST_RATIO, share);
+    if (this.renderer.getPixelRatio() !== ratio) {
+      this.renderer.setPixelRatio(ratio);
+    }
     this.world!.suit(this.camera, this.canvas.clientHeight * this.ratio, FINE * (LEAST_FINE / FINE) ** (1 - share));
     this.renderer.shadowMap.needsUpdate ||= this.world!.isShadowOld;
     this.world!.isShadowOld = false;
@@ -305,10 +341,10 @@ export async function copyPicture(stage: Stage, name: string): Promise<void> {
 /** The canvas on the page's background, which it does not have itself. */
 export function picture(stage: Stage): Promise<Blob> {
   stage.sharp();
-  const { canvas } = stage,
-    made = h("canvas", { width: canvas.width, height: canvas.height }),
-    pen = made.getContext("2d")!,
-    style = getComputedStyle(document.documentElement);
+  const { canvas } = stage;
+  const made = h("canvas", { width: canvas.width, height: canvas.height });
+  const pen = made.getContext("2d")!;
+  const style = getComputedStyle(document.documentElement);
   const ground = pen.createRadialGradient(
     0.5 * made.width,
     0.35 * made.height,
@@ -332,9 +368,9 @@ const AXES = [
   ["Y", [0, 1, 0], "#30a46c"],
   ["Z", [0, 0, 1], "#3b82f6"],
 ] as const;
-const SIZE = 76,
-  REACH = 26,
-  SPACE = "http://www.w3.org/2000/svg";
+const SIZE = 76;
+const REACH = 26;
+const SPACE = "http://www.w3.org/2000/svg";
 
 export class Compass {
   readonly root = document.createElementNS(SPACE, "svg");
@@ -343,8 +379,11 @@ export class Compass {
   constructor(private readonly stage: Stage) {
     this.root.setAttribute("class", "compass");
     this.root.setAttribute("viewBox", `${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`);
-    for (const [name, way, color] of AXES)
-      for (const sign of [1, -1]) this.end(name, new Vector3(...way).multiplyScalar(sign), color, sign > 0);
+    for (const [name, way, color] of AXES) {
+      for (const sign of [1, -1]) {
+        this.end(name, new Vector3(...way).multiplyScalar(sign), color, sign > 0);
+      }
+    }
   }
 
   private end(name: string, way: Vector3, color: string, positive: boolean): void {
@@ -353,11 +392,13 @@ export class Compass {
       set: Record<string, string>,
     ): SVGElementTagNameMap[K] => {
       const made = document.createElementNS(SPACE, tag);
-      for (const [key, value] of Object.entries(set)) made.setAttribute(key, value);
+      for (const [key, value] of Object.entries(set)) {
+        made.setAttribute(key, value);
+      }
       return made;
     };
-    const words = `look from ${positive ? "+" : "−"}${name}`,
-      group = make("g", { role: "button", tabindex: "0", "aria-label": words });
+    const words = `look from ${positive ? "+" : "−"}${name}`;
+    const group = make("g", { role: "button", tabindex: "0", "aria-label": words });
     const line = make("line", { stroke: color, "stroke-width": positive ? "2" : "0" });
     const title = make("title", {});
     title.textContent = words;
@@ -404,9 +445,10 @@ export class Compass {
       line.setAttribute("y2", (-at.y * REACH).toFixed(1));
     }
     // Only if the order changes: moving an element takes the focus away.
-    const order = seen.sort((a, b) => a.at.z - b.at.z).map((each) => each.group),
-      now = [...this.root.querySelectorAll("g")];
-    if (order.some((each, k) => each !== now[k]) && !this.root.contains(document.activeElement))
+    const order = seen.sort((a, b) => a.at.z - b.at.z).map((each) => each.group);
+    const now = [...this.root.querySelectorAll("g")];
+    if (order.some((each, k) => each !== now[k]) && !this.root.contains(document.activeElement)) {
       this.root.append(...order);
+    }
   }
 }

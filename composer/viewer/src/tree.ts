@@ -1,4 +1,5 @@
-// The composition as a tree: parts, their bodies, and the elements of the bodies; and the places to which a part can be attached.
+// The composition as a tree: parts, their bodies, and the elements of the bodies; and the places to which a part can be
+// attached.
 import type { Element, Model } from "./data";
 import { copy, h, icon } from "./dom";
 import { MESH, SDF, SHAPE_NAMES } from "./shapes";
@@ -38,29 +39,40 @@ export class Tree {
     const { scene } = model;
     this.children = scene.body.name.map(() => []);
     scene.body.parent.forEach((parent: number, b: number) => {
-      if (b > 0) this.children[parent].push(b);
+      if (b > 0) {
+        this.children[parent].push(b);
+      }
     });
     const hang = (b: number, element: Element) => {
-      if (!this.on.has(b)) this.on.set(b, []);
+      if (!this.on.has(b)) {
+        this.on.set(b, []);
+      }
       this.on.get(b)!.push(element);
     };
-    for (const kind of LEAVES) scene[kind].body.forEach((b: number, index: number) => hang(b, { kind, index }));
-    for (const kind of SOFT) scene[kind].forEach((each, index) => hang(each.body, { kind, index }));
+    for (const kind of LEAVES) {
+      scene[kind].body.forEach((b: number, index: number) => hang(b, { kind, index }));
+    }
+    for (const kind of SOFT) {
+      scene[kind].forEach((each, index) => hang(each.body, { kind, index }));
+    }
     const origins = scene.origins.of.body ?? [];
     this.partOf = [-1];
     // A body that MuJoCo made, such as one for a corner of a cloth, belongs to the part of its parent.
-    for (let b = 1; b < scene.body.name.length; b++)
+    for (let b = 1; b < scene.body.name.length; b++) {
       this.partOf[b] = origins[b]?.[1] ?? this.partOf[scene.body.parent[b]];
+    }
     this.fill();
   }
 
   private fill(): void {
-    const { scene } = this.model,
-      roots = new Map<number, number[]>();
+    const { scene } = this.model;
+    const roots = new Map<number, number[]>();
     scene.body.name.forEach((_, b) => {
       if (b > 0 && (scene.body.parent[b] === 0 || this.partOf[b] !== this.partOf[scene.body.parent[b]])) {
         const part = this.partOf[b];
-        if (!roots.has(part)) roots.set(part, []);
+        if (!roots.has(part)) {
+          roots.set(part, []);
+        }
         roots.get(part)!.push(b);
       }
     });
@@ -77,8 +89,9 @@ export class Tree {
     );
     for (const part of [...roots.keys()].sort((a, b) => a - b)) {
       const rows = () => roots.get(part)!.map((b) => this.body(b));
-      if (part < 0 && roots.size === 1) this.root.append(...rows());
-      else {
+      if (part < 0 && roots.size === 1) {
+        this.root.append(...rows());
+      } else {
         const words = part < 0 ? "base" : scene.origins.parts[part][0].replaceAll("`", "");
         const name = words.split(" ")[0];
         this.root.append(this.fold("part", name, null, roots.get(part)!.length, rows, true, words.slice(name.length)));
@@ -86,7 +99,7 @@ export class Tree {
     }
     for (const kind of ["tendon", "actuator"] as const) {
       const count = scene[kind].name.length;
-      if (count)
+      if (count) {
         this.root.append(
           this.fold(
             kind,
@@ -97,9 +110,12 @@ export class Tree {
             false,
           ),
         );
+      }
     }
     const pairs = scene.exclude.body1.length;
-    if (pairs) this.root.append(this.fold("exclude", "excluded contacts", null, pairs, () => this.excludes(), false));
+    if (pairs) {
+      this.root.append(this.fold("exclude", "excluded contacts", null, pairs, () => this.excludes(), false));
+    }
   }
 
   /** The pairs of bodies that do not touch, each with the reason, if it has one. */
@@ -115,15 +131,17 @@ export class Tree {
       line.title += ` ${why ?? words}`;
       line.addEventListener("click", () => this.choose({ kind: "body", index: one }));
       line.addEventListener("keydown", (event) => {
-        if (event.key === "Enter") line.click();
+        if (event.key === "Enter") {
+          line.click();
+        }
       });
       return line;
     });
   }
 
   private body(b: number): HTMLElement {
-    const inside = this.on.get(b) ?? [],
-      below = this.children[b].filter((each) => this.partOf[each] === this.partOf[b]);
+    const inside = this.on.get(b) ?? [];
+    const below = this.children[b].filter((each) => this.partOf[each] === this.partOf[b]);
     const rows = () => [...inside.map((each) => this.leaf(each)), ...below.map((each) => this.body(each))];
     return this.fold(
       "body",
@@ -161,18 +179,26 @@ export class Tree {
     const line = this.line(kind, name, element, toggle, more);
     const whole = h("div", { className: "fold", role: "treeitem", ariaExpanded: "false" }, line, list);
     const flip = (to = !whole.classList.contains("open")) => {
-      if (to && !list.hasChildNodes()) list.append(...rows());
+      if (to && !list.hasChildNodes()) {
+        list.append(...rows());
+      }
       whole.classList.toggle("open", to);
       whole.ariaExpanded = String(to);
     };
     (whole as any).flip = flip;
     line.addEventListener("keydown", (event) => {
-      if (event.key === "ArrowRight" || event.key === "ArrowLeft" || (!element && event.key === "Enter"))
+      if (event.key === "ArrowRight" || event.key === "ArrowLeft" || (!element && event.key === "Enter")) {
         flip(event.key === "Enter" ? undefined : event.key === "ArrowRight");
+      }
     });
-    if (!element) line.addEventListener("click", () => flip());
-    else line.addEventListener("dblclick", () => flip());
-    if (open) flip(true);
+    if (!element) {
+      line.addEventListener("click", () => flip());
+    } else {
+      line.addEventListener("dblclick", () => flip());
+    }
+    if (open) {
+      flip(true);
+    }
     return whole;
   }
 
@@ -199,7 +225,9 @@ export class Tree {
       this.rows.set(`${element.kind} ${element.index}`, line);
       line.addEventListener("click", () => this.choose(element));
       line.addEventListener("keydown", (event) => {
-        if (event.key === "Enter") this.choose(element);
+        if (event.key === "Enter") {
+          this.choose(element);
+        }
       });
       line.addEventListener("focus", () => this.hover(element));
       line.addEventListener("pointerenter", () => this.hover(element));
@@ -212,16 +240,28 @@ export class Tree {
   select(element: Element | null): void {
     this.selected?.classList.remove("selected");
     this.selected = null;
-    if (!element) return;
+    if (!element) {
+      return;
+    }
     const { scene } = this.model;
     const list: number[] = [];
     let b = element.kind === "body" ? scene.body.parent[element.index] : bodyOf(this.model, element);
-    if (element.kind === "body" && element.index === 0) b = -1;
-    for (; b > 0; b = scene.body.parent[b]) list.unshift(b);
-    if (b === 0 && element.kind !== "body" && !list.length) list.unshift(0);
-    for (const each of list) (this.rows.get(`body ${each}`)?.parentElement as any)?.flip?.(true);
+    if (element.kind === "body" && element.index === 0) {
+      b = -1;
+    }
+    for (; b > 0; b = scene.body.parent[b]) {
+      list.unshift(b);
+    }
+    if (b === 0 && element.kind !== "body" && !list.length) {
+      list.unshift(0);
+    }
+    for (const item of list) {
+      (this.rows.get(`body ${item}`)?.parentElement as any)?.flip?.(true);
+    }
     const line = this.rows.get(`${element.kind} ${element.index}`);
-    if (!line) return;
+    if (!line) {
+      return;
+    }
     line.classList.add("selected");
     line.scrollIntoView({ block: "nearest" });
     this.selected = line;
@@ -229,30 +269,32 @@ export class Tree {
 
   /** The arrows go from row to row. */
   private step(event: KeyboardEvent): void {
-    const way = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0,
-      rows = [...this.root.querySelectorAll<HTMLElement>(".row")].filter((row) => row.offsetParent);
+    const way = { ArrowDown: 1, ArrowUp: -1 }[event.key] ?? 0;
+    const rows = [...this.root.querySelectorAll<HTMLElement>(".row")].filter((row) => row.offsetParent);
     const next = rows[rows.indexOf(event.target as HTMLElement) + way];
-    if (!way || !next) return;
+    if (!way || !next) {
+      return;
+    }
     event.preventDefault();
     next.focus();
   }
 
   /** Show only items with a text in their names. */
   search(text: string): HTMLElement[] {
-    const found: HTMLElement[] = [],
-      wanted = text.toLowerCase();
+    const lines: HTMLElement[] = [];
+    const query = text.toLowerCase();
     for (const kind of ["body", ...LEAVES, ...SOFT, "tendon", "actuator"] as const) {
-      const columns = this.model.scene[kind],
-        count = Array.isArray(columns) ? columns.length : columns.name.length;
+      const columns = this.model.scene[kind];
+      const count = Array.isArray(columns) ? columns.length : columns.name.length;
       Array.from({ length: count }, (_, index) => nameOf(this.model, { kind, index })).forEach((name, index) => {
-        if (found.length < 200 && name.toLowerCase().includes(wanted)) {
+        if (lines.length < 200 && name.toLowerCase().includes(query)) {
           const line = this.line(kind, name, null, null);
           line.addEventListener("click", () => this.choose({ kind, index }));
-          found.push(line);
+          lines.push(line);
         }
       });
     }
-    return found;
+    return lines;
   }
 }
 
@@ -264,11 +306,13 @@ export function bodyOf({ scene }: Model, { kind, index }: Element): number {
 
 /** An element's name; a geom without one is called by its mesh or type, anything else by its kind and number. */
 export function nameOf(model: Model, { kind, index }: Element): string {
-  const columns = (model.scene as any)[kind],
-    name = Array.isArray(columns) ? columns[index].name : columns.name[index];
-  if (name || kind !== "geom") return name || (kind === "body" && index === 0 ? "world" : `${kind}#${index}`);
-  const { type, data } = model.scene.geom,
-    mesh = type[index] === MESH || type[index] === SDF ? model.scene.meshes?.[data[index]] : null;
+  const columns = (model.scene as any)[kind];
+  const name = Array.isArray(columns) ? columns[index].name : columns.name[index];
+  if (name || kind !== "geom") {
+    return name || (kind === "body" && index === 0 ? "world" : `${kind}#${index}`);
+  }
+  const { type, data } = model.scene.geom;
+  const mesh = type[index] === MESH || type[index] === SDF ? model.scene.meshes?.[data[index]] : null;
   return mesh ? `mesh ${mesh}` : (SHAPE_NAMES[type[index]] ?? "geom");
 }
 
@@ -292,7 +336,9 @@ export function places(
         className: "place-row",
         tabIndex: 0,
         onkeydown: (event: KeyboardEvent) => {
-          if (event.key === "Enter" && event.target === event.currentTarget) choose({ kind, index });
+          if (event.key === "Enter" && event.target === event.currentTarget) {
+            choose({ kind, index });
+          }
         },
         onclick: () => choose({ kind, index }),
         onpointerenter: () => hover({ kind, index }),
@@ -329,8 +375,8 @@ export function places(
     scene[kind].name.flatMap((name, index) =>
       name && !(kind === "body" && index === 0) ? [entry(kind, index, name)] : [],
     );
-  const sites = named("site"),
-    bodies = named("body");
+  const sites = named("site");
+  const bodies = named("body");
   return h(
     "div",
     { className: "places" },

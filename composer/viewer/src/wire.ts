@@ -1,4 +1,5 @@
-// How a live page reaches its server: by itself, or through the editor that shows it; and which element the lines around the cursor mean.
+// How a live page reaches its server: by itself, or through the editor that shows it; and which element the lines
+// around the cursor mean.
 import type { Element, Place, Scene } from "./data";
 
 export interface Wire {
@@ -14,7 +15,9 @@ export interface Wire {
 export interface Host extends Wire {
   theme: string;
   open(file: string, line: number, column: number): void;
-  /** Calls `theme` when the editor looks different, and `reveal` with the places around the cursor, the innermost first. */
+  /**
+   * Calls `theme` when the editor looks different, and `reveal` with the places around the cursor, the innermost first.
+   */
   follow(
     theme: (name: string) => void,
     reveal: (files: string[], places: [line: number, column: number][]) => void,
@@ -28,7 +31,9 @@ const EVENTS = ["model", "fault", "state"];
 export class Http implements Wire {
   async get(path: string): Promise<ArrayBuffer> {
     const answer = await fetch(path);
-    if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+    if (!answer.ok) {
+      throw new Error(`${path}: ${answer.status}`);
+    }
     return answer.arrayBuffer();
   }
 
@@ -42,14 +47,17 @@ export class Http implements Wire {
       headers: { "content-type": "application/json" },
       body: JSON.stringify(data),
     });
-    if (!answer.ok) throw new Error(answer.statusText);
+    if (!answer.ok) {
+      throw new Error(answer.statusText);
+    }
     return answer.json();
   }
 
   listen(event: (name: string, data: any) => void, lost: () => void): void {
     const events = new EventSource("events");
-    for (const name of EVENTS)
-      events.addEventListener(name, (said) => event(name, JSON.parse((said as MessageEvent).data)));
+    for (const name of EVENTS) {
+      events.addEventListener(name, (message) => event(name, JSON.parse((message as MessageEvent).data)));
+    }
     events.addEventListener("error", lost);
   }
 }
@@ -65,15 +73,16 @@ export function elementAt(
   places: [line: number, column: number][],
   selected: Element | null,
 ): Element | null {
-  const paths = new Set(files.map(folded)),
-    known = scene.editor?.files ?? {};
+  const paths = new Set(files.map(folded));
+  const known = scene.editor?.files ?? {};
   const isThere = scene.origins.files.map((name) => known[name] !== undefined && paths.has(folded(known[name])));
   for (const [line, column] of places) {
     const before = (place: Place | null): number =>
       place && isThere[place[0]] && place[1] === line && place[2] <= column ? place[2] : 0;
-    const found = written(scene, before);
-    if (found.length)
-      return found.find((each) => each.kind === selected?.kind && each.index === selected.index) ?? found[0];
+    const elements = written(scene, before);
+    if (elements.length) {
+      return elements.find((each) => each.kind === selected?.kind && each.index === selected.index) ?? elements[0];
+    }
   }
   return null;
 }
@@ -83,24 +92,33 @@ const folded = (path: string): string => path.replace(/^[A-Z]:/, (drive) => driv
 
 function written(scene: Scene, before: (place: Place | null) => number): Element[] {
   const { of, parts } = scene.origins;
-  let own: Element[] = [],
-    nearest = 0;
-  const ofPart: Element[] = [],
-    changed: Element[] = [],
-    taken = new Set<number>();
+  let own: Element[] = [];
+  let nearest = 0;
+  const ofPart: Element[] = [];
+  const changed: Element[] = [];
+  const taken = new Set<number>();
   for (const [kind, origins] of Object.entries(of)) {
     origins.forEach((origin, index) => {
-      if (!origin) return;
-      const [place, part, , changes] = origin,
-        at = before(place);
-      if (at > nearest) [own, nearest] = [[], at];
-      if (at && at === nearest) own.push({ kind, index });
+      if (!origin) {
+        return;
+      }
+      const [place, part, , changes] = origin;
+      const at = before(place);
+      if (at > nearest) {
+        own = [];
+        nearest = at;
+      }
+      if (at && at === nearest) {
+        own.push({ kind, index });
+      }
       if (part >= 0 && !taken.has(part) && before(parts[part][1])) {
         taken.add(part);
         ofPart.push({ kind, index });
       }
-      if (changes.some((each) => before(each[4]))) changed.push({ kind, index });
+      if (changes.some((each) => before(each[4]))) {
+        changed.push({ kind, index });
+      }
     });
   }
-  return own.length ? own : ofPart.length ? ofPart : changed;
+  return [own, ofPart].find((elements) => elements.length) ?? changed;
 }

@@ -2,26 +2,26 @@
 import {
   AmbientLight,
   Box3,
-  BufferGeometry,
+  type BufferGeometry,
   Color,
   DirectionalLight,
   DynamicDrawUsage,
   Group,
   InstancedMesh,
+  type Material,
   Matrix4,
   Mesh,
   MeshBasicMaterial,
-  Object3D,
-  PerspectiveCamera,
+  type Object3D,
+  type PerspectiveCamera,
   PointLight,
   Quaternion,
-  Raycaster,
+  type Raycaster,
   SpotLight,
   Vector3,
-  type Material,
 } from "three";
+import { type Columns, type Element, type Model, row } from "./data";
 import { shade, suit } from "./detail";
-import { row, type Columns, type Element, type Model } from "./data";
 import { Pose } from "./kinematics";
 import { colourOf, Painter } from "./paint";
 import { HFIELD, PLANE, shapeOf } from "./shapes";
@@ -39,6 +39,17 @@ interface Batch {
 
 /** Models with more geoms have rounder things drawn with fewer corners. */
 const MANY = 1500;
+
+/** A light of three.js for one of MuJoCo, whose cutoff is in degrees. */
+function lamp(type: number, color: Color, cutoff: number, exponent: number): DirectionalLight | SpotLight | PointLight {
+  if (type === 1) {
+    return new DirectionalLight(color, Math.PI);
+  }
+  if (type === 0 && cutoff < 90) {
+    return new SpotLight(color, Math.PI, 0, (cutoff * Math.PI) / 180, Math.min(1, exponent / 20 + 0.15), 0);
+  }
+  return new PointLight(color, Math.PI, 0, 0);
+}
 
 export class World {
   readonly root = new Group();
@@ -84,16 +95,16 @@ export class World {
   }
 
   private batch(kind: Drawn, columns: Columns): void {
-    const { scene } = this.model,
-      fine = columns.name.length < MANY;
-    const found = new Map<
+    const { scene } = this.model;
+    const fine = columns.name.length < MANY;
+    const groups = new Map<
       string,
       { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }
     >();
     const colors: Color[] = [];
     columns.type.forEach((type: number, index: number) => {
-      const size = row(columns.size, index, 3),
-        material = columns.material[index];
+      const size = row(columns.size, index, 3);
+      const material = columns.material[index];
       const data = kind === "geom" ? columns.data[index] : -1;
       const shape = shapeOf(this.model, type, size, data, this.far, fine);
       const rgba = colourOf(this.model, row(columns.rgba, index, 4), material);
@@ -110,24 +121,23 @@ export class World {
       const endless = shape.key === "endless";
       const mapped = data >= 0 && textured && this.form(shape).hasAttribute("uv");
       // The values on which a texture depends if the surface has no coordinates of its own.
-      const measure = endless
-        ? [0, 0, this.far]
-        : !textured || mapped
-          ? null
-          : data >= 0
-            ? meshSize(this.form(shape))
-            : size;
+      let measure: number[] | null = null;
+      if (endless) {
+        measure = [0, 0, this.far];
+      } else if (textured && !mapped) {
+        measure = data >= 0 ? meshSize(this.form(shape)) : size;
+      }
       const collides = kind === "geom" && (columns.contype[index] > 0 || columns.conaffinity[index] > 0);
       const batch = { kind, group: columns.group[index], collides };
       const key = [shape.key, material, rgba[3], measure, ...Object.values(batch)].join("|");
-      if (!found.has(key)) {
-        found.set(key, {
+      if (!groups.has(key)) {
+        groups.set(key, {
           members: [],
           batch,
           make: () => {
             const paint = this.painter.material(material, rgba[3], measure, endless);
             paint.flatShading = !this.form(shape).hasAttribute("normal");
-            const mesh = new InstancedMesh(this.form(shape), paint, found.get(key)!.members.length);
+            const mesh = new InstancedMesh(this.form(shape), paint, groups.get(key)!.members.length);
             mesh.castShadow = rgba[3] >= 1 && type !== PLANE;
             mesh.receiveShadow = true;
             shade(mesh);
@@ -137,9 +147,9 @@ export class World {
           },
         });
       }
-      found.get(key)!.members.push(index);
+      groups.get(key)!.members.push(index);
     });
-    for (const { members, make, batch } of found.values()) {
+    for (const { members, make, batch } of groups.values()) {
       const mesh = make();
       mesh.instanceMatrix.setUsage(DynamicDrawUsage);
       mesh.frustumCulled = false;
@@ -150,44 +160,41 @@ export class World {
   }
 
   private form(shape: { key: string; make: () => BufferGeometry }): BufferGeometry {
-    let found = this.forms.get(shape.key);
-    if (!found) this.forms.set(shape.key, (found = this.before?.give(shape.key) ?? shape.make()));
-    return found;
+    let form = this.forms.get(shape.key);
+    if (!form) {
+      form = this.before?.give(shape.key) ?? shape.make();
+      this.forms.set(shape.key, form);
+    }
+    return form;
   }
 
   /** Only of a mesh the key says all, the hash of its bytes. */
   private give(key: string): BufferGeometry | undefined {
-    const found = key.startsWith("mesh ") ? this.forms.get(key) : undefined;
-    if (found) this.forms.delete(key);
-    return found;
+    const form = key.startsWith("mesh ") ? this.forms.get(key) : undefined;
+    if (form) {
+      this.forms.delete(key);
+    }
+    return form;
   }
 
   /** Lights of the model and the light at the camera, which is bright enough alone. */
   private light(): void {
     const { light, look } = this.model.scene;
     const ambient = new Color(0, 0, 0);
-    let shadows = 0,
-      lit = false;
+    let shadows = 0;
+    let lit = false;
     light.type.forEach((type: number, index: number) => {
-      if (!light.active[index]) return;
+      if (!light.active[index]) {
+        return;
+      }
       const three = (name: string) => row(light[name], index, 3) as [number, number, number];
       ambient.add(new Color().setRGB(...three("ambient")));
       const color = new Color().setRGB(...three("diffuse"));
-      if (color.r + color.g + color.b === 0) return;
+      if (color.r + color.g + color.b === 0) {
+        return;
+      }
       lit = true;
-      const made =
-        type === 1
-          ? new DirectionalLight(color, Math.PI)
-          : type === 0 && light.cutoff[index] < 90
-            ? new SpotLight(
-                color,
-                Math.PI,
-                0,
-                (light.cutoff[index] * Math.PI) / 180,
-                Math.min(1, light.exponent[index] / 20 + 0.15),
-                0,
-              )
-            : new PointLight(color, Math.PI, 0, 0);
+      const made = lamp(type, color, light.cutoff[index], light.exponent[index]);
       if (light.shadow[index] && shadows < 2 && !(made instanceof PointLight)) {
         shadows++;
         made.castShadow = true;
@@ -195,8 +202,8 @@ export class World {
         made.shadow.bias = -0.0005;
         made.shadow.normalBias = 0.02 * look.meansize;
         if (made instanceof DirectionalLight) {
-          const r = 1.5 * look.extent,
-            lens = made.shadow.camera;
+          const r = 1.5 * look.extent;
+          const lens = made.shadow.camera;
           lens.left = lens.bottom = -r;
           lens.right = lens.top = r;
           lens.near = 0.01 * look.extent;
@@ -208,12 +215,16 @@ export class World {
       }
       this.followers.push({ light: made, index });
       this.root.add(made);
-      if (!(made instanceof PointLight)) this.root.add(made.target);
+      if (!(made instanceof PointLight)) {
+        this.root.add(made.target);
+      }
     });
     const { headlight } = look;
     const color = new Color().setRGB(...(headlight.diffuse as [number, number, number]));
     const around = new Color().setRGB(...(headlight.ambient as [number, number, number]));
-    if (headlight.active) ambient.add(around);
+    if (headlight.active) {
+      ambient.add(around);
+    }
     this.headlight.intensity = headlight.active ? Math.PI : 0;
     if (!lit) {
       color.setRGB(Math.max(color.r, 0.6), Math.max(color.g, 0.6), Math.max(color.b, 0.6));
@@ -226,14 +237,14 @@ export class World {
 
   /** Put everything where the pose has it. */
   update(): void {
-    const { pose } = this,
-      place = new Vector3(),
-      turn = new Quaternion(),
-      one = new Vector3(1, 1, 1);
-    this.bodies.forEach((matrix, b) => {
+    const { pose } = this;
+    const place = new Vector3();
+    const turn = new Quaternion();
+    const one = new Vector3(1, 1, 1);
+    this.bodies.forEach((body, b) => {
       place.fromArray(pose.pos, 3 * b);
       turn.set(pose.quat[4 * b + 1], pose.quat[4 * b + 2], pose.quat[4 * b + 3], pose.quat[4 * b]);
-      matrix.compose(place, turn, one);
+      body.compose(place, turn, one);
     });
     const matrix = new Matrix4();
     for (const { mesh, members, kind } of this.batches) {
@@ -244,31 +255,39 @@ export class World {
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
-    for (const { mesh, kind, index } of [...this.marked, ...this.tinted]) this.matrixOf(kind, index, mesh.matrix);
-    for (const { light, index } of this.followers) this.follow(light, index);
+    for (const { mesh, kind, index } of [...this.marked, ...this.tinted]) {
+      this.matrixOf(kind, index, mesh.matrix);
+    }
+    for (const { light, index } of this.followers) {
+      this.follow(light, index);
+    }
     this.softs.update();
     this.isShadowOld = true;
   }
 
   private follow(light: PointLight | SpotLight | DirectionalLight, index: number): void {
-    const { light: columns, look } = this.model.scene,
-      on = this.bodies[columns.body[index]];
+    const { light: columns, look } = this.model.scene;
+    const on = this.bodies[columns.body[index]];
     light.position.fromArray(columns.pos, 3 * index).applyMatrix4(on);
-    if (light instanceof PointLight) return;
+    if (light instanceof PointLight) {
+      return;
+    }
     const along = new Vector3().fromArray(columns.dir, 3 * index).transformDirection(on);
     if (light instanceof DirectionalLight) {
       // It comes from everywhere: its shadows shall be where the model is.
       const middle = new Vector3().fromArray(look.center);
       light.position.copy(middle).addScaledVector(along, -4 * look.extent);
       light.target.position.copy(middle);
-    } else light.target.position.copy(light.position).add(along);
+    } else {
+      light.target.position.copy(light.position).add(along);
+    }
   }
 
   /** A geom or a site has another place in its body. */
   place(kind: Drawn, index: number): void {
-    const { pos, quat } = this.model.scene[kind],
-      [w, x, y, z] = row(quat, index, 4),
-      size = new Vector3();
+    const { pos, quat } = this.model.scene[kind];
+    const [w, x, y, z] = row(quat, index, 4);
+    const size = new Vector3();
     this.local[kind][index].decompose(new Vector3(), new Quaternion(), size);
     this.local[kind][index].compose(new Vector3().fromArray(pos, 3 * index), new Quaternion(x, y, z, w), size);
   }
@@ -281,53 +300,69 @@ export class World {
     return into.multiplyMatrices(this.bodies[this.model.scene[kind].body[index]], this.local[kind][index]);
   }
 
-  /** The box around all geoms, or also all sites; the ground, planes and height fields, counts only if all is ground. */
+  /**
+   * The box around all geoms, or also all sites; the ground, planes and height fields, counts only if all is ground.
+   */
   box(sites = false): Box3 {
-    const found = new Box3(),
-      planes = new Box3();
+    const bounds = new Box3();
+    const planes = new Box3();
     for (const { mesh, members, kind } of this.batches) {
-      if (!mesh.visible || (kind !== "geom" && !sites)) continue;
+      if (!mesh.visible || (kind !== "geom" && !sites)) {
+        continue;
+      }
       mesh.geometry.computeBoundingBox();
       members.forEach((index) => {
         const box = mesh.geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index));
         const type = kind === "geom" ? this.model.scene.geom.type[index] : -1;
-        if (type !== PLANE && type !== HFIELD) found.union(box);
-        else if (type === HFIELD || this.model.scene.geom.size[3 * index] > 0) planes.union(box);
+        if (type !== PLANE && type !== HFIELD) {
+          bounds.union(box);
+        } else if (type === HFIELD || this.model.scene.geom.size[3 * index] > 0) {
+          planes.union(box);
+        }
       });
     }
-    found.union(this.softs.box());
-    if (!found.isEmpty()) return found;
+    bounds.union(this.softs.box());
+    if (!bounds.isEmpty()) {
+      return bounds;
+    }
     return planes.isEmpty() ? new Box3(new Vector3(-1, -1, 0), new Vector3(1, 1, 1)) : planes;
   }
 
   boxOf(element: Element): Box3 {
-    const found = new Box3();
+    const bounds = new Box3();
     const drawn = this.drawnOf(element);
     for (const { kind, index } of drawn) {
       const geometry = this.geometryOf(kind, index);
       geometry.computeBoundingBox();
-      found.union(geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index)));
+      bounds.union(geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index)));
     }
-    return found;
+    return bounds;
   }
 
   /** Leave out triangles that nobody sees. */
   suit(camera: PerspectiveCamera, pixels: number, fine: number): void {
-    for (const { mesh } of this.batches) if (mesh.visible) suit(mesh, camera, pixels, fine);
+    for (const { mesh } of this.batches) {
+      if (mesh.visible) {
+        suit(mesh, camera, pixels, fine);
+      }
+    }
   }
 
   show(visible: (kind: Drawn, group: number, collides: boolean) => boolean): void {
-    for (const each of this.batches) {
-      const material = each.mesh.material as Material;
-      each.mesh.visible = material.opacity > 0 && visible(each.kind, each.group, each.collides);
+    for (const batch of this.batches) {
+      const material = batch.mesh.material as Material;
+      batch.mesh.visible = material.opacity > 0 && visible(batch.kind, batch.group, batch.collides);
     }
     this.isShadowOld = true;
   }
 
   /** The geoms that are drawn at once, with their places on their bodies. */
   *surfaces(): Generator<{ mesh: InstancedMesh; members: number[]; matrices: Matrix4[] }> {
-    for (const { mesh, members, kind } of this.batches)
-      if (kind === "geom") yield { mesh, members, matrices: this.local.geom };
+    for (const { mesh, members, kind } of this.batches) {
+      if (kind === "geom") {
+        yield { mesh, members, matrices: this.local.geom };
+      }
+    }
   }
 
   hit(ray: Raycaster): { element: Element; point: Vector3 } | null {
@@ -336,7 +371,9 @@ export class World {
       false,
     );
     const hit = hits[0];
-    if (!hit) return null;
+    if (!hit) {
+      return null;
+    }
     const batch = this.batches.find(({ mesh }) => mesh === hit.object);
     const element = batch
       ? { kind: batch.kind, index: batch.members[hit.instanceId!] }
@@ -347,30 +384,40 @@ export class World {
   /** Color elements in another way than the model does. The color is drawn over a texture. */
   recolour(colors: (kind: string, index: number) => Color | null): void {
     this.uncover(this.tinted);
-    const { scene } = this.model,
-      paints = new Map<number, MeshBasicMaterial>();
+    const { scene } = this.model;
+    const paints = new Map<number, MeshBasicMaterial>();
     for (const { mesh, members, kind } of this.batches) {
       const columns = scene[kind];
       members.forEach((index, at) => {
         const color = colors(kind, index);
-        if (!color) return;
+        if (!color) {
+          return;
+        }
         mesh.setColorAt(at, color);
         const material = columns.material[index];
-        if (material < 0 || scene.material.texture[material] < 0) return;
+        if (material < 0 || scene.material.texture[material] < 0) {
+          return;
+        }
         const paint = paints.get(color.getHex()) ?? overlay(color.getHex(), 0.6);
         paints.set(color.getHex(), paint);
         this.cover(this.tinted, kind, index, paint);
       });
-      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+      if (mesh.instanceColor) {
+        mesh.instanceColor.needsUpdate = true;
+      }
     }
   }
 
   /** Mark what is selected. */
   mark(element: Element | null, color: number): void {
     this.uncover(this.marked);
-    if (!element) return;
+    if (!element) {
+      return;
+    }
     const paint = overlay(color, 0.42);
-    for (const { kind, index } of this.drawnOf(element)) this.cover(this.marked, kind, index, paint);
+    for (const { kind, index } of this.drawnOf(element)) {
+      this.cover(this.marked, kind, index, paint);
+    }
   }
 
   private cover(list: typeof this.marked, kind: Drawn, index: number, paint: MeshBasicMaterial): void {
@@ -383,21 +430,38 @@ export class World {
   }
 
   private uncover(list: typeof this.marked): void {
-    for (const { mesh } of list) this.marks.remove(mesh);
+    for (const { mesh } of list) {
+      this.marks.remove(mesh);
+    }
     list.length = 0;
   }
 
   private drawnOf({ kind, index }: Element): { kind: Drawn; index: number }[] {
     const { scene } = this.model;
-    if (kind === "geom" || kind === "site") return [{ kind, index }];
-    const body = kind === "body" ? index : kind === "joint" ? scene.joint.body[index] : -1;
-    if (body <= 0) return [];
-    const found: { kind: Drawn; index: number }[] = [];
-    for (const { mesh, members, kind: drawn } of this.batches) {
-      if (!mesh.visible || drawn !== "geom") continue;
-      for (const geom of members) if (scene.geom.body[geom] === body) found.push({ kind: drawn, index: geom });
+    if (kind === "geom" || kind === "site") {
+      return [{ kind, index }];
     }
-    return found;
+    let body = -1;
+    if (kind === "body") {
+      body = index;
+    } else if (kind === "joint") {
+      body = scene.joint.body[index];
+    }
+    if (body <= 0) {
+      return [];
+    }
+    const geoms: { kind: Drawn; index: number }[] = [];
+    for (const { mesh, members, kind: drawn } of this.batches) {
+      if (!mesh.visible || drawn !== "geom") {
+        continue;
+      }
+      for (const geom of members) {
+        if (scene.geom.body[geom] === body) {
+          geoms.push({ kind: drawn, index: geom });
+        }
+      }
+    }
+    return geoms;
   }
 
   private geometryOf(kind: Drawn, index: number): BufferGeometry {
@@ -405,7 +469,9 @@ export class World {
   }
 
   dispose(): void {
-    for (const form of this.forms.values()) form.dispose();
+    for (const form of this.forms.values()) {
+      form.dispose();
+    }
     for (const { mesh } of this.batches) {
       (mesh.material as Material).dispose();
       mesh.dispose();
@@ -413,7 +479,9 @@ export class World {
     this.softs.dispose();
     this.painter.dispose();
     this.root.traverse((each) => {
-      if (each instanceof SpotLight || each instanceof DirectionalLight) each.shadow.map?.dispose();
+      if (each instanceof SpotLight || each instanceof DirectionalLight) {
+        each.shadow.map?.dispose();
+      }
     });
   }
 }

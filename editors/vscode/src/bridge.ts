@@ -14,16 +14,24 @@ let theme: (name: string) => void = () => {};
 let reveal: (files: string[], places: Place[]) => void = () => {};
 
 addEventListener("message", ({ data }: MessageEvent<ToPage>) => {
-  if (data.kind === "event") event(data.name, data.data);
-  else if (data.kind === "lost") lost();
-  else if (data.kind === "theme") theme(data.name);
-  else if (data.kind === "reveal") reveal(data.files, data.places);
-  else {
-    const asked = waiting.get(data.id);
+  if (data.kind === "event") {
+    event(data.name, data.data);
+  } else if (data.kind === "lost") {
+    lost();
+  } else if (data.kind === "theme") {
+    theme(data.name);
+  } else if (data.kind === "reveal") {
+    reveal(data.files, data.places);
+  } else {
+    const request = waiting.get(data.id);
     waiting.delete(data.id);
-    if (data.kind === "got") asked?.done(data.bytes);
-    else if (data.kind === "told") asked?.done(data.data);
-    else asked?.failed(new Error(data.words));
+    if (data.kind === "got") {
+      request?.done(data.bytes);
+    } else if (data.kind === "told") {
+      request?.done(data.data);
+    } else {
+      request?.failed(new Error(data.words));
+    }
   }
 });
 
@@ -42,12 +50,14 @@ Object.assign(window, {
       }),
     post: async (path: string, data: unknown) => code.postMessage({ kind: "post", path, data }),
     listen: (onEvent: typeof event, onLost: typeof lost) => {
-      [event, lost] = [onEvent, onLost];
+      event = onEvent;
+      lost = onLost;
       code.postMessage({ kind: "listen" });
     },
     open: (file: string, line: number, column: number) => code.postMessage({ kind: "open", file, line, column }),
     follow: (onTheme: typeof theme, onReveal: typeof reveal) => {
-      [theme, reveal] = [onTheme, onReveal];
+      theme = onTheme;
+      reveal = onReveal;
     },
   },
 });

@@ -10,11 +10,11 @@ export class Events {
     const blocks = (this.rest + piece).split("\n\n");
     this.rest = blocks.pop() ?? "";
     return blocks.flatMap((block) => {
-      const field = (name: string) =>
+      const field = (key: string) =>
         block
           .split("\n")
-          .filter((line) => line.startsWith(`${name}: `))
-          .map((line) => line.slice(name.length + 2))
+          .filter((line) => line.startsWith(`${key}: `))
+          .map((line) => line.slice(key.length + 2))
           .join("\n");
       const name = field("event");
       return name ? [{ name, data: JSON.parse(field("data")) }] : [];

@@ -18,7 +18,9 @@ export function activate(context: vscode.ExtensionContext): void {
   };
   const run = async (command: string, [target, cell]: unknown[]): Promise<void> => {
     const file = await saved(target);
-    if (file) await acts[command](file, typeof cell === "string" && cell ? cell : undefined);
+    if (file) {
+      await acts[command](file, typeof cell === "string" && cell ? cell : undefined);
+    }
   };
   server = new Server();
   context.subscriptions.push(
@@ -27,10 +29,14 @@ export function activate(context: vscode.ExtensionContext): void {
     vscode.commands.registerCommand("mjcompose.restart", () => server?.restart()),
     vscode.workspace.onDidOpenTextDocument((document) => void meet(document)),
     vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
-      if (contentChanges.some((each) => each.range.start.line <= MOST_LINES_ABOVE)) void meet(document);
+      if (contentChanges.some((each) => each.range.start.line <= MOST_LINES_ABOVE)) {
+        void meet(document);
+      }
     }),
     vscode.workspace.onDidChangeConfiguration((event) => {
-      if (event.affectsConfiguration("mjcompose.command")) void server?.restart();
+      if (event.affectsConfiguration("mjcompose.command")) {
+        void server?.restart();
+      }
     }),
     vscode.window.onDidChangeActiveColorTheme(() => panels.retheme()),
     following(panels),
@@ -45,40 +51,55 @@ export async function deactivate(): Promise<void> {
 }
 
 async function withCommand(act: (command: string[]) => void | Promise<void>): Promise<void> {
-  const found = await server?.command();
-  if (found) await act(found.words);
+  const command = await server?.command();
+  if (command) {
+    await act(command.words);
+  }
 }
 
 const changed = new Set<string>();
 
-/** A recipe gets its language, once: who chooses another one afterwards keeps it. The first recipe or MJCF model starts the server. */
+/**
+ * A recipe gets its language, once: who chooses another one afterwards keeps it. The first recipe or MJCF model starts
+ * the server.
+ */
 async function meet(document: vscode.TextDocument): Promise<void> {
-  if (document.languageId === LANGUAGE || (document.languageId === "xml" && isModel(document.getText())))
+  if (document.languageId === LANGUAGE || (document.languageId === "xml" && isModel(document.getText()))) {
     return server?.start();
+  }
   const key = document.uri.toString();
-  if (document.languageId !== "yaml" || !["file", "untitled"].includes(document.uri.scheme) || changed.has(key)) return;
+  if (document.languageId !== "yaml" || !["file", "untitled"].includes(document.uri.scheme) || changed.has(key)) {
+    return;
+  }
   if (
     !vscode.workspace.getConfiguration("mjcompose", document).get("recognizeRecipes") ||
     !isRecipe(document.getText())
-  )
+  ) {
     return;
+  }
   changed.add(key);
   await vscode.languages.setTextDocumentLanguage(document, LANGUAGE);
 }
 
-/** The file of a command, from its argument, an address or a path, or from the editor. An unsaved text is saved first. */
+function uriOf(target: unknown): vscode.Uri | undefined {
+  if (target instanceof vscode.Uri) {
+    return target;
+  }
+  if (typeof target !== "string" || !target) {
+    return undefined;
+  }
+  return /^\w{2,}:/.test(target) ? vscode.Uri.parse(target) : vscode.Uri.file(target);
+}
+
+/**
+ * The file of a command, from its argument, an address or a path, or from the editor. An unsaved text is saved first.
+ */
 async function saved(target: unknown): Promise<string | undefined> {
-  const given =
-    target instanceof vscode.Uri
-      ? target
-      : typeof target === "string" && target
-        ? /^\w{2,}:/.test(target)
-          ? vscode.Uri.parse(target)
-          : vscode.Uri.file(target)
-        : undefined;
-  const uri = given ?? vscode.window.activeTextEditor?.document.uri;
+  const uri = uriOf(target) ?? vscode.window.activeTextEditor?.document.uri;
   const document = vscode.workspace.textDocuments.find((each) => each.uri.toString() === uri?.toString());
-  if (!uri) return void vscode.window.showInformationMessage("No recipe is open.");
+  if (!uri) {
+    return void vscode.window.showInformationMessage("No recipe is open.");
+  }
   const file = document?.isDirty || document?.isUntitled ? await vscode.workspace.save(uri) : uri;
   return file?.fsPath;
 }
@@ -89,7 +110,9 @@ function following(panels: Panels): vscode.Disposable {
   return vscode.window.onDidChangeTextEditorSelection(({ textEditor }) => {
     clearTimeout(due);
     due = setTimeout(() => {
-      if (vscode.workspace.getConfiguration("mjcompose").get("followCursor")) panels.follow(textEditor);
+      if (vscode.workspace.getConfiguration("mjcompose").get("followCursor")) {
+        panels.follow(textEditor);
+      }
     }, PAUSE);
   });
 }

@@ -1,6 +1,6 @@
 // Which mjcompose is used.
 import { execFile } from "node:child_process";
-import { candidates, versionIn, type Candidate, type Places } from "./command";
+import { type Candidate, candidates, type Places, versionIn } from "./command";
 
 export interface Found extends Candidate {
   version: string;
@@ -15,9 +15,11 @@ const PATIENCE = 60_000;
 /** The first candidate that is mjcompose. */
 export async function find(places: Places, cwd?: string): Promise<Search> {
   const tried = candidates(places);
-  for (const each of tried) {
-    const version = await versionOf(each.words, cwd);
-    if (version !== null) return { found: { ...each, version }, tried };
+  for (const candidate of tried) {
+    const version = await versionOf(candidate.words, cwd);
+    if (version !== null) {
+      return { found: { ...candidate, version }, tried };
+    }
   }
   return { found: null, tried };
 }

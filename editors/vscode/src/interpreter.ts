@@ -9,10 +9,12 @@ interface Environments {
 
 export async function interpreter(resource?: vscode.Uri): Promise<string | undefined> {
   const environments = await api();
-  if (!environments) return undefined;
+  if (!environments) {
+    return undefined;
+  }
   try {
-    const found = await environments.resolveEnvironment(environments.getActiveEnvironmentPath(resource));
-    return found?.executable.uri?.fsPath;
+    const environment = await environments.resolveEnvironment(environments.getActiveEnvironmentPath(resource));
+    return environment?.executable.uri?.fsPath;
   } catch {
     return undefined;
   }
@@ -25,7 +27,9 @@ export async function onInterpreter(act: () => void): Promise<vscode.Disposable 
 
 async function api(): Promise<Environments | undefined> {
   const extension = vscode.extensions.getExtension("ms-python.python");
-  if (!extension) return undefined;
+  if (!extension) {
+    return undefined;
+  }
   try {
     return (await extension.activate())?.environments;
   } catch {

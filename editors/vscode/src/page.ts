@@ -19,7 +19,16 @@ export function words(text: string, theme: string): string {
 
 function shell(head: string, body: string, theme: string, allowed = ""): string {
   const policy = `default-src 'none'; ${allowed}style-src 'unsafe-inline'; form-action 'none'; base-uri 'none'`;
-  return `<!doctype html>\n<html lang=en data-live data-theme=${theme}>\n<meta charset=utf-8>\n<meta http-equiv="Content-Security-Policy" content="${policy}">\n${head}\n<body>${body}</body>\n</html>\n`;
+  const lines = [
+    "<!doctype html>",
+    `<html lang=en data-live data-theme=${theme}>`,
+    "<meta charset=utf-8>",
+    `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
+    head,
+    `<body>${body}</body>`,
+    "</html>",
+  ];
+  return `${lines.join("\n")}\n`;
 }
 
 const escaped = (text: string): string =>

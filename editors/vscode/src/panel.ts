@@ -22,21 +22,30 @@ export class Panels implements vscode.Disposable {
   /** Show a file, one panel for each; `cell` is a cell of its matrix or a sample. */
   open(command: string[], file: string, cell?: string): void {
     const standing = this.panels.get(file);
-    if (standing) standing.again(cell);
-    else this.panels.set(file, new Panel(command, file, cell, this.bridge, () => this.panels.delete(file)));
+    if (standing) {
+      standing.again(cell);
+    } else {
+      this.panels.set(file, new Panel(command, file, cell, this.bridge, () => this.panels.delete(file)));
+    }
   }
 
   /** The cursor of an editor has moved. */
   follow(editor: vscode.TextEditor): void {
-    for (const each of this.panels.values()) each.follow(editor);
+    for (const panel of this.panels.values()) {
+      panel.follow(editor);
+    }
   }
 
   retheme(): void {
-    for (const each of this.panels.values()) each.say({ kind: "theme", name: theme() });
+    for (const panel of this.panels.values()) {
+      panel.say({ kind: "theme", name: theme() });
+    }
   }
 
   dispose(): void {
-    for (const each of [...this.panels.values()]) each.panel.dispose();
+    for (const panel of [...this.panels.values()]) {
+      panel.panel.dispose();
+    }
   }
 }
 
@@ -73,8 +82,11 @@ class Panel {
 
   again(cell?: string): void {
     this.panel.reveal(undefined, true);
-    if (!this.service) void this.begin();
-    else if (cell !== this.cell) void this.service.post("choose", { name: CELL, value: cell ?? "(no cell)" });
+    if (!this.service) {
+      void this.begin();
+    } else if (cell !== this.cell) {
+      void this.service.post("choose", { name: CELL, value: cell ?? "(no cell)" });
+    }
     this.cell = cell;
   }
 
@@ -82,10 +94,12 @@ class Panel {
     void this.panel.webview.postMessage(message);
   }
 
-  /** Select the element that is written at the cursor. The lines of an edited text differ from the lines of the model. */
+  /**
+   * Select the element that is written at the cursor. The lines of an edited text differ from the lines of the model.
+   */
   follow(editor: vscode.TextEditor): void {
-    const { document, selection } = editor,
-      at = selection.active;
+    const { document, selection } = editor;
+    const at = selection.active;
     const jumped = this.jumped;
     this.jumped = undefined;
     if (
@@ -93,8 +107,9 @@ class Panel {
       document.uri.scheme !== "file" ||
       document.isDirty ||
       jumped === mark(document.uri.fsPath, at.line)
-    )
+    ) {
       return;
+    }
     const around = /\.(ya?ml)$/.test(document.fileName) ? aroundInYaml : aroundInXml;
     const places = around(document.getText(), at.line + 1, at.character + 1);
     void realpath(document.fileName)
@@ -117,19 +132,22 @@ class Panel {
       service = await Service.start(
         line,
         folder,
-        (said) => this.end(said || "`mjcompose view` has ended."),
+        (message) => this.end(message || "`mjcompose view` has ended."),
         (stop) => {
           this.stop = stop;
         },
       );
-      if (this.ended) return service.close();
+      if (this.ended) {
+        return service.close();
+      }
       const [program, style, bridge] = await Promise.all([
         service.get("page.js"),
         service.get("page.css"),
         readFile(this.bridge, "utf8"),
       ]);
-      if (!program.includes(HOST))
+      if (!program.includes(HOST)) {
         throw new Error("This mjcompose is older than the extension: an editor cannot show its page.");
+      }
       this.service = service;
       this.panel.webview.html = page(
         program.toString(),
@@ -144,25 +162,30 @@ class Panel {
     }
   }
 
-  private end(said: string): void {
+  private end(message: string): void {
     this.service = undefined;
     this.stop();
-    if (!this.ended) this.panel.webview.html = words(said, theme());
+    if (!this.ended) {
+      this.panel.webview.html = words(message, theme());
+    }
   }
 
   private async hear(message: FromPage): Promise<void> {
     const { service } = this;
-    if (message.kind === "open") await this.jump(message.file, message.line, message.column);
-    else if (message.kind === "listen")
+    if (message.kind === "open") {
+      await this.jump(message.file, message.line, message.column);
+    } else if (message.kind === "listen") {
       service?.listen(
         (event) => this.say({ kind: "event", ...event }),
         () => this.say({ kind: "lost" }),
       );
-    else if (message.kind === "post") await service?.post(message.path, message.data).catch(() => {});
-    else {
+    } else if (message.kind === "post") {
+      await service?.post(message.path, message.data).catch(() => {});
+    } else {
       try {
-        if (message.kind === "ask")
+        if (message.kind === "ask") {
           return this.say({ kind: "told", id: message.id, data: await this.write(message.data) });
+        }
         const bytes = await service!.get(message.path);
         this.say({
           kind: "got",
@@ -176,26 +199,26 @@ class Panel {
   }
 
   /** Change a recipe as the page asks. */
-  private async write(said: object): Promise<unknown> {
-    const open = vscode.workspace.textDocuments.filter(
+  private async write(request: object): Promise<unknown> {
+    const recipes = vscode.workspace.textDocuments.filter(
       ({ uri }) => uri.scheme === "file" && /\.ya?ml$/i.test(uri.fsPath),
     );
     const documents = await Promise.all(
-      open.map(async (document) => ({
+      recipes.map(async (document) => ({
         document,
         path: await realpath(document.uri.fsPath).catch(() => document.uri.fsPath),
       })),
     );
     const unsaved = documents
       .filter(({ document }) => document.isDirty)
-      .map(({ document, path }) => ({ path, text: document.getText() }));
+      .map((dirty) => ({ path: dirty.path, text: dirty.document.getText() }));
     return write(
-      said,
+      request,
       unsaved,
-      (path, data) => this.service!.ask(path, data),
+      (address, data) => this.service!.ask(address, data),
       async ({ file, range, text }, saves) => {
         const document =
-          documents.find(({ path }) => path === file)?.document ??
+          documents.find((open) => open.path === file)?.document ??
           (await vscode.workspace.openTextDocument(vscode.Uri.file(file)));
         const edit = new vscode.WorkspaceEdit();
         edit.replace(document.uri, new vscode.Range(...range), text);
@@ -206,8 +229,8 @@ class Panel {
 
   /** Go to a line in the editor next to the page; the selection there stays. */
   private async jump(file: string, line: number, column: number): Promise<void> {
-    const at = new vscode.Position(line - 1, column - 1),
-      uri = vscode.Uri.file(file);
+    const at = new vscode.Position(line - 1, column - 1);
+    const uri = vscode.Uri.file(file);
     this.jumped = mark(uri.fsPath, at.line);
     const shown = vscode.window.visibleTextEditors.find((each) => each.document.uri.fsPath === uri.fsPath);
     const beside = vscode.window.visibleTextEditors.find((each) => each.viewColumn !== this.panel.viewColumn);

@@ -8,7 +8,8 @@ const NOTHING = /^\s*(#.*)?$|^---\s*(#.*)?$|^%\w+/;
 // With its number: other formats begin with `recipe:` too.
 const VERSION = /^(["']?)recipe\1\s*:\s+\d+\s*(#.*)?$/;
 
-const MODEL = /^\uFEFF?\s*(?:(?:<\?[^]*?\?>|<!--[^]*?-->|<!DOCTYPE[^>]*>)\s*)*<(?:mujoco|mujocoinclude)(?=[\s/>]|$)/;
+const MODEL =
+  /^\uFEFF?\s*(?:(?:<\?[\s\S]*?\?>|<!--[\s\S]*?-->|<!DOCTYPE[^>]*>)\s*)*<(?:mujoco|mujocoinclude)(?=[\s/>]|$)/;
 
 /** Whether the root of an XML text is `<mujoco>` or `<mujocoinclude>`. */
 export const isModel = (text: string): boolean => MODEL.test(text);

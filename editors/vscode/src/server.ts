@@ -3,16 +3,16 @@ import { spawn } from "node:child_process";
 import * as vscode from "vscode";
 import {
   CloseAction,
-  LanguageClient,
-  State,
   type ErrorHandler,
   type Executable,
+  LanguageClient,
   type LanguageClientOptions,
   type ServerOptions,
+  State,
   type StaticFeature,
 } from "vscode-languageclient/node";
 import { INSTALL, missing, reason } from "./command";
-import { find, type Found } from "./find";
+import { type Found, find } from "./find";
 import { interpreter } from "./interpreter";
 import { OWN_COMMANDS, SELECTOR, serverWords, WATCHED } from "./options";
 import { LANGUAGE } from "./recipes";
@@ -20,7 +20,9 @@ import { LANGUAGE } from "./recipes";
 /** Commands of the server that the extension carries out itself are not offered twice, which VS Code refuses. */
 const OWN: StaticFeature = {
   preInitialize: ({ executeCommandProvider: offered }) => {
-    if (offered) offered.commands = offered.commands.filter((each) => !OWN_COMMANDS.includes(each));
+    if (offered) {
+      offered.commands = offered.commands.filter((each) => !OWN_COMMANDS.includes(each));
+    }
   },
   fillClientCapabilities: () => {},
   initialize: () => {},
@@ -44,37 +46,45 @@ export class Server implements vscode.Disposable {
 
   /** Start it, unless it runs. */
   start(): Promise<void> {
-    return (this.starting ??= this.after(() => this.begin()));
+    this.starting ??= this.after(() => this.begin());
+    return this.starting;
   }
 
   /** Stop it and start it again, with the command that is mjcompose now. */
   restart(): Promise<void> {
-    return (this.starting = this.after(async () => {
+    this.starting = this.after(async () => {
       await this.stop();
       this.finding = undefined;
       await this.begin();
-    }));
+    });
+    return this.starting;
   }
 
   /** The command that is mjcompose here; that there is none is said. */
   command(): Promise<Found | null> {
-    return (this.finding ??= this.look());
+    this.finding ??= this.look();
+    return this.finding;
   }
 
   async dispose(): Promise<void> {
     await this.after(() => this.stop());
-    for (const each of [this.output, this.status, this.watcher]) each.dispose();
+    for (const resource of [this.output, this.status, this.watcher]) {
+      resource.dispose();
+    }
   }
 
   /** Each action starts after the one before has ended. */
   private after(act: () => Promise<void>): Promise<void> {
-    return (this.last = this.last.then(act, act));
+    this.last = this.last.then(act, act);
+    return this.last;
   }
 
   private async stop(): Promise<void> {
     const { client } = this;
     this.client = undefined;
-    if (client?.state === State.Running) await client.stop();
+    if (client?.state === State.Running) {
+      await client.stop();
+    }
     // One that did not start cannot be disposed of.
     await client?.dispose().catch(() => {});
   }
@@ -100,19 +110,21 @@ export class Server implements vscode.Disposable {
 
   private async begin(): Promise<void> {
     const found = await this.command();
-    if (!found) return;
-    let said = "",
-      began = false;
-    const [program, ...words] = serverWords(found.words);
-    const executable: Executable = { command: program, args: words };
+    if (!found) {
+      return;
+    }
+    let stderr = "";
+    let began = false;
+    const [program, ...options] = serverWords(found.words);
+    const executable: Executable = { command: program, args: options };
     const serverOptions: ServerOptions = async () => {
       const child = spawn(executable.command, executable.args!, {
         cwd: vscode.workspace.workspaceFolders?.[0]?.uri.fsPath,
         windowsHide: true,
       });
-      said = "";
+      stderr = "";
       child.stderr.setEncoding("utf8").on("data", (piece: string) => {
-        said = (said + piece).slice(-20_000);
+        stderr = (stderr + piece).slice(-20_000);
       });
       return child;
     };
@@ -132,8 +144,8 @@ export class Server implements vscode.Disposable {
       await client.start();
       began = true;
     } catch (error) {
-      const words = reason(said) || (error instanceof Error ? error.message : String(error));
-      this.output.error(said.trim() || words);
+      const words = reason(stderr) || (error instanceof Error ? error.message : String(error));
+      this.output.error(stderr.trim() || words);
       this.tell("the server did not start", words, vscode.LanguageStatusSeverity.Error);
       void this.complain(
         `mjcompose ${found.version} (${found.from}) started no language server: ${words}`,
@@ -159,9 +171,12 @@ export class Server implements vscode.Disposable {
   private async complain(message: string, run: string): Promise<void> {
     const [copy, settings, again] = ["Copy the command", "Open the setting", "Try again"];
     const chosen = await vscode.window.showErrorMessage(message, copy, settings, again);
-    if (chosen === copy) await vscode.env.clipboard.writeText(run);
-    else if (chosen === settings)
+    if (chosen === copy) {
+      await vscode.env.clipboard.writeText(run);
+    } else if (chosen === settings) {
       await vscode.commands.executeCommand("workbench.action.openSettings", "mjcompose.command");
-    else if (chosen === again) await this.restart();
+    } else if (chosen === again) {
+      await this.restart();
+    }
   }
 }

@@ -1,11 +1,11 @@
-// `mjcompose view` as a process, and the requests to it. The extension carries the requests of the page: the server answers only
-// who knows its address, no other page may show it in a frame, and over SSH it needs no forwarded port.
-import { spawn, type ChildProcess } from "node:child_process";
+// `mjcompose view` as a process, and the requests to it. The extension carries the requests of the page: the server answers
+// only who knows its address, no other page may show it in a frame, and over SSH it needs no forwarded port.
+import { type ChildProcess, spawn } from "node:child_process";
 import * as http from "node:http";
-import { Events, type Event } from "./events";
+import { type Event, Events } from "./events";
 
-const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/,
-  POSTS = /^(play|pose|choose|shown|change)$/;
+const GETS = /^(model\/-?\d+|blob\/[\w.-]+|page\.(js|css)|events)$/;
+const POSTS = /^(play|pose|choose|shown|change)$/;
 const PATIENCE = 3000;
 
 export class Service {
@@ -20,53 +20,66 @@ export class Service {
   static start(
     [program, ...words]: string[],
     cwd: string,
-    ended: (said: string) => void,
+    ended: (output: string) => void,
     began: (stop: () => void) => void,
   ): Promise<Service> {
     return new Promise((done, failed) => {
       const child = spawn(program, words, { cwd, stdio: ["ignore", "pipe", "pipe"], windowsHide: true });
-      let out = "",
-        said = "",
-        serves = false;
+      let out = "";
+      let output = "";
+      let serves = false;
       began(() => stop(child));
       child.stderr!.setEncoding("utf8").on("data", (piece: string) => {
-        said = (said + piece).slice(-20_000);
+        output = (output + piece).slice(-20_000);
       });
       child.stdout!.setEncoding("utf8").on("data", (piece: string) => {
-        if (serves) return;
+        if (serves) {
+          return;
+        }
         out += piece;
         const address = /^http:\/\/\S+\/$/m.exec(out)?.[0];
-        if (!address) return;
+        if (!address) {
+          return;
+        }
         serves = true;
         done(new Service(child, address));
       });
       child.on("error", (error) => failed(error));
       child.on("exit", () => {
-        if (serves) ended(said.trim());
-        else failed(new Error(said.trim() || `${program} ended`));
+        if (serves) {
+          ended(output.trim());
+        } else {
+          failed(new Error(output.trim() || `${program} ended`));
+        }
       });
     });
   }
 
   get(path: string): Promise<Buffer> {
-    if (!GETS.test(path)) return Promise.reject(new Error(`no such path: ${path}`));
+    if (!GETS.test(path)) {
+      return Promise.reject(new Error(`no such path: ${path}`));
+    }
     return this.request(path, "GET");
   }
 
   async post(path: string, data: unknown): Promise<void> {
-    if (!POSTS.test(path)) throw new Error(`no such path: ${path}`);
+    if (!POSTS.test(path)) {
+      throw new Error(`no such path: ${path}`);
+    }
     await this.request(path, "POST", JSON.stringify(data));
   }
 
   /** Post, and give the answer. */
   async ask(path: string, data: unknown): Promise<any> {
-    if (!POSTS.test(path)) throw new Error(`no such path: ${path}`);
+    if (!POSTS.test(path)) {
+      throw new Error(`no such path: ${path}`);
+    }
     return JSON.parse((await this.request(path, "POST", JSON.stringify(data))).toString());
   }
 
   /** Calls `take` with each event until the server is gone, and then `lost`. */
   listen(take: (event: Event) => void, lost: () => void): void {
-    const asked = http.get(new URL("events", this.address), (answer) => {
+    const request = http.get(new URL("events", this.address), (answer) => {
       const events = new Events();
       answer
         .setEncoding("utf8")
@@ -74,12 +87,14 @@ export class Service {
         .on("close", lost)
         .on("error", () => {});
     });
-    asked.on("error", lost);
-    this.streams.add(asked);
+    request.on("error", lost);
+    this.streams.add(request);
   }
 
   close(): void {
-    for (const each of this.streams) each.destroy();
+    for (const stream of this.streams) {
+      stream.destroy();
+    }
     stop(this.child);
   }
 
@@ -93,24 +108,29 @@ export class Service {
               "content-length": Buffer.byteLength(body),
               origin: new URL(this.address).origin,
             };
-      const asked = http.request(new URL(path, this.address), { method, headers }, (answer) => {
+      const request = http.request(new URL(path, this.address), { method, headers }, (answer) => {
         const pieces: Buffer[] = [];
         answer.on("data", (piece: Buffer) => pieces.push(piece));
         answer.on("error", failed);
         answer.on("end", () => {
-          if (answer.statusCode! < 300) done(Buffer.concat(pieces));
-          else failed(new Error(`${path}: ${answer.statusCode} ${answer.statusMessage}`));
+          if (answer.statusCode! < 300) {
+            done(Buffer.concat(pieces));
+          } else {
+            failed(new Error(`${path}: ${answer.statusCode} ${answer.statusMessage}`));
+          }
         });
       });
-      asked.on("error", failed);
-      asked.end(body);
+      request.on("error", failed);
+      request.end(body);
     });
   }
 }
 
 /** End it like Ctrl-C, and kill it if it does not listen. */
 function stop(child: ChildProcess): void {
-  if (child.exitCode !== null || child.signalCode !== null) return;
+  if (child.exitCode !== null || child.signalCode !== null) {
+    return;
+  }
   child.kill("SIGINT");
   const killing = setTimeout(() => child.kill("SIGKILL"), PATIENCE);
   child.once("exit", () => clearTimeout(killing));

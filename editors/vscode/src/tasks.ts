@@ -15,8 +15,8 @@ export function named(file: string, folder: string): string {
 
 /** Run a verb on a cell of a recipe, or on all of them without a cell. */
 export async function runTask(verb: "build" | "check", command: string[], file: string, cell?: string): Promise<void> {
-  const folder = folderOf(file),
-    [program, ...words] = command;
+  const folder = folderOf(file);
+  const [program, ...words] = command;
   const args = [...words, verb, named(file, folder), ...(cell ? ["--pick", cell] : ["--all"])];
   const scope = vscode.workspace.getWorkspaceFolder(vscode.Uri.file(file)) ?? vscode.TaskScope.Workspace;
   const task = new vscode.Task(

@@ -5,22 +5,22 @@ import { candidates, missing, reason, versionIn } from "../src/command";
 const NOTHING = { setting: [], folders: [], windows: false };
 
 test("the setting is the only candidate", () => {
-  const found = candidates({
+  const commands = candidates({
     ...NOTHING,
     setting: ["uv", "run", "mjcompose"],
     interpreter: "/usr/bin/python3",
     folders: ["/lab"],
   });
   assert.deepEqual(
-    found.map((each) => each.words),
+    commands.map((each) => each.words),
     [["uv", "run", "mjcompose"]],
   );
 });
 
 test("the interpreter comes first, then the folders' environments, then the PATH", () => {
-  const found = candidates({ ...NOTHING, interpreter: "/env/bin/python", folders: ["/lab"] });
+  const commands = candidates({ ...NOTHING, interpreter: "/env/bin/python", folders: ["/lab"] });
   assert.deepEqual(
-    found.map((each) => each.words),
+    commands.map((each) => each.words),
     [
       ["/env/bin/python", "-P", "-m", "mjcompose"],
       ["/lab/.venv/bin/mjcompose"],

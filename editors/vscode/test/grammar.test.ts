@@ -30,10 +30,10 @@ async function grammar(): Promise<textmate.IGrammar> {
 }
 
 test("expressions and angles stand out, in plain words and between quotes, and not in comments", async () => {
-  const found = await grammar();
+  const tokenizer = await grammar();
   const scopes = (line: string, word: string): string => {
-    const at = line.indexOf(word),
-      { tokens } = found.tokenizeLine(line, null);
+    const at = line.indexOf(word);
+    const { tokens } = tokenizer.tokenizeLine(line, null);
     return tokens
       .find((each) => each.startIndex <= at && at < each.endIndex)!
       .scopes.at(-1)!

@@ -9,9 +9,9 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import {
   createProtocolConnection,
+  type ProtocolConnection,
   StreamMessageReader,
   StreamMessageWriter,
-  type ProtocolConnection,
 } from "vscode-languageserver-protocol/node";
 import type { Candidate } from "../src/command";
 import { find } from "../src/find";
@@ -22,16 +22,19 @@ import { write } from "../src/writing";
 
 const ROOT = resolve("../..");
 const RECIPES = join(ROOT, "recipes");
-const wanted: string[] = JSON.parse(process.env.MJCOMPOSE_COMMAND ?? "[]");
+const setting: string[] = JSON.parse(process.env.MJCOMPOSE_COMMAND ?? "[]");
 
 let command: string[] = [];
 let skipped: string | false = false;
 let folder = "";
 
 before(async () => {
-  const { found, tried } = await find({ setting: wanted, folders: [ROOT], windows: process.platform === "win32" });
-  if (found) command = found.words;
-  else skipped = `no mjcompose: ${tried.map((each: Candidate) => each.words.join(" ")).join(", ")}`;
+  const { found, tried } = await find({ setting, folders: [ROOT], windows: process.platform === "win32" });
+  if (found) {
+    command = found.words;
+  } else {
+    skipped = `no mjcompose: ${tried.map((each: Candidate) => each.words.join(" ")).join(", ")}`;
+  }
   folder = await mkdtemp(join(tmpdir(), "mjcompose-"));
   await cp(RECIPES, folder, { recursive: true });
 });
@@ -78,7 +81,9 @@ async function client(
 }
 
 test("the server reports a fault of an unsaved text, and what completes it", { timeout: 120_000 }, async (context) => {
-  if (skipped) return context.skip(skipped);
+  if (skipped) {
+    return context.skip(skipped);
+  }
   const text = (await readFile(join(folder, "demo.yaml"), "utf8")).replace(
     "site: arm/attachment_site\n",
     "site: arm/attachment_sit\n",
@@ -105,9 +110,11 @@ test("the server reports a fault of an unsaved text, and what completes it", { t
 });
 
 test("what the page moves is changed in the editor's own text", { timeout: 120_000 }, async (context) => {
-  if (skipped) return context.skip(skipped);
-  const file = join(await realpath(folder), "moved.yaml"),
-    text = "recipe: 1\nattach:\n  cube: {model: ./models/props/cube.xml, pos: [0, 0, 1]}  # mine\n";
+  if (skipped) {
+    return context.skip(skipped);
+  }
+  const file = join(await realpath(folder), "moved.yaml");
+  const text = "recipe: 1\nattach:\n  cube: {model: ./models/props/cube.xml, pos: [0, 0, 1]}  # mine\n";
   await writeFile(file, text);
   const service = await Service.start(
     [...command, "view", "moved.yaml", "--no-open"],
@@ -119,13 +126,15 @@ test("what the page moves is changed in the editor's own text", { timeout: 120_0
     await new Promise<void>((done) =>
       service.listen(
         ({ name }) => {
-          if (name === "model") done();
+          if (name === "model") {
+            done();
+          }
         },
         () => {},
       ),
     );
     const { move } = JSON.parse((await service.get("model/0")).toString());
-    const said = {
+    const request = {
       kind: "place",
       version: move.version,
       at: ["moved.yaml", 3, 3],
@@ -134,7 +143,7 @@ test("what the page moves is changed in the editor's own text", { timeout: 120_0
     };
     const edits: unknown[] = [];
     const answer = await write(
-      said,
+      request,
       [{ path: file, text: `# unsaved\n${text}` }],
       (path, data) => service.ask(path, data),
       async (...each) => {
@@ -150,7 +159,9 @@ test("what the page moves is changed in the editor's own text", { timeout: 120_0
 });
 
 test("the view serves its page, builds what is saved, and ends", { timeout: 120_000 }, async (context) => {
-  if (skipped) return context.skip(skipped);
+  if (skipped) {
+    return context.skip(skipped);
+  }
   let over = () => {};
   const ended = new Promise<void>((done) => {
     over = done;
@@ -162,11 +173,15 @@ test("the view serves its page, builds what is saved, and ends", { timeout: 120_
     await new Promise<void>((done, failed) =>
       service.listen(
         ({ name, data }) => {
-          if (name !== "model") return;
+          if (name !== "model") {
+            return;
+          }
           versions.push((data as { version: number }).version);
-          if (versions.length === 1)
+          if (versions.length === 1) {
             void writeFile(join(folder, "demo.yaml"), "recipe: 1\nname: demo\nbase: ./models/table/table.xml\n");
-          else done();
+          } else {
+            done();
+          }
         },
         () => failed(new Error("lost")),
       ),

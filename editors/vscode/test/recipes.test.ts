@@ -8,8 +8,9 @@ test("a text whose first key is `recipe` with a number is a recipe", () => {
     "\uFEFF# words\r\n\r\n%YAML 1.2\r\n---\r\nrecipe: 1   # version\r\nbase: ./arm.xml",
     '"recipe": 1',
     "recipe:  2",
-  ])
+  ]) {
     assert.ok(isRecipe(text), text);
+  }
 });
 
 test("others are not", () => {
@@ -21,9 +22,10 @@ test("others are not", () => {
     " recipe: 1\n",
     "recipes: 1\n",
     "recipe: 1.5.0\n",
-    "#\n".repeat(MOST_LINES_ABOVE + 1) + "recipe: 1",
-  ])
+    `${"#\n".repeat(MOST_LINES_ABOVE + 1)}recipe: 1`,
+  ]) {
     assert.ok(!isRecipe(text), text);
+  }
 });
 
 test("a model is XML whose root is that of MJCF", () => {
@@ -32,8 +34,10 @@ test("a model is XML whose root is that of MJCF", () => {
     "\uFEFF<?xml version='1.0'?>\r\n<!-- <robot/> -->\n<mujoco model='arm'>",
     "<mujocoinclude/>",
     "<mujoco",
-  ])
+  ]) {
     assert.ok(isModel(text), text);
-  for (const text of ["", "<robot name='arm'/>", "<!-- <mujoco> --><project/>", "<mujocos/>", "words <mujoco/>"])
+  }
+  for (const text of ["", "<robot name='arm'/>", "<!-- <mujoco> --><project/>", "<mujocos/>", "words <mujoco/>"]) {
     assert.ok(!isModel(text), text);
+  }
 });

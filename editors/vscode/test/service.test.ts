@@ -12,14 +12,17 @@ const server = http.createServer((request, answer) => {
   const parts = [];
   request.on("data", (part) => parts.push(part)).on("end", () => {
     if (request.url.endsWith("/events")) answer.write('event: model\\ndata: {"version": 0}\\n\\n');
-    else if (request.method === "POST") { answer.statusCode = Buffer.concat(parts).toString() === '{"name":"cell"}' ? 204 : 400; answer.end(); }
+    else if (request.method === "POST") {
+      answer.statusCode = Buffer.concat(parts).toString() === '{"name":"cell"}' ? 204 : 400;
+      answer.end();
+    }
     else answer.end(JSON.stringify([request.url, request.headers.origin ?? null, request.headers.host]));
   });
 });
 server.listen(0, "127.0.0.1", () => console.log("http://127.0.0.1:" + server.address().port + "/token/"));
 `;
 
-async function started(program: string, ended: (said: string) => void = () => {}): Promise<Service> {
+async function started(program: string, ended: (output: string) => void = () => {}): Promise<Service> {
   const file = join(await mkdtemp(join(tmpdir(), "mjcompose-")), "view.cjs");
   await writeFile(file, program);
   return Service.start([process.execPath, file], tmpdir(), ended, () => {});
@@ -35,8 +38,9 @@ test("requests go to the address with the token, and only those of the page", as
   assert.deepEqual([url, origin, `http://${host}/token/`], ["/token/model/3", null, service.address]);
   await service.post("choose", { name: "cell" });
   await assert.rejects(service.post("choose", {}), /400/);
-  for (const path of ["../secret", "http://evil.example/", "model/../../x", "play"])
+  for (const path of ["../secret", "http://evil.example/", "model/../../x", "play"]) {
     await assert.rejects(service.get(path), /no such path/);
+  }
   await assert.rejects(service.post("model/1", {}), /no such path/);
   const lost = new Promise<void>((done) => {
     service.listen((event) => {

@@ -1,26 +1,26 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { write, type Edit } from "../src/writing";
+import { type Edit, write } from "../src/writing";
 
 const EDIT: Edit = { file: "/a.yaml", range: [1, 2, 1, 3], text: "5" };
 
 async function written(unsaved: { path: string; text: string }[], applies = true): Promise<[any, any, unknown[]]> {
-  let asked: any;
+  let request: any;
   const applied: unknown[] = [];
   const ask = async (path: string, data: unknown) => {
-    asked = [path, data];
+    request = [path, data];
     return { said: "moved", edits: [EDIT] };
   };
   const answer = await write({ kind: "place" }, unsaved, ask, async (...each) => {
     applied.push(each);
     return applies;
   });
-  return [answer, asked, applied];
+  return [answer, request, applied];
 }
 
 test("a saved recipe is changed and saved, an unsaved one is changed and says so", async () => {
-  const [answer, asked, applied] = await written([{ path: "/b.yaml", text: "b" }]);
-  assert.deepEqual(asked, ["change", { kind: "place", texts: { "/b.yaml": "b" } }]);
+  const [answer, request, applied] = await written([{ path: "/b.yaml", text: "b" }]);
+  assert.deepEqual(request, ["change", { kind: "place", texts: { "/b.yaml": "b" } }]);
   assert.deepEqual(applied, [[EDIT, true]]);
   assert.equal(answer.said, "moved");
   const [unsaved, , kept] = await written([{ path: "/a.yaml", text: "a" }]);

@@ -10,7 +10,8 @@ async function main(): Promise<void> {
     vscodeExecutablePath ??= await downloadAndUnzipVSCode();
   } catch (error) {
     console.log(
-      `skipped: VS Code cannot be downloaded (${error instanceof Error ? error.message : error}); MJCOMPOSE_VSCODE may name an installed one`,
+      `skipped: VS Code cannot be downloaded (${error instanceof Error ? error.message : error}); ` +
+        "MJCOMPOSE_VSCODE may name an installed one",
     );
     return;
   }

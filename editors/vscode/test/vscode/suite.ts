@@ -15,8 +15,8 @@ const tests: Record<string, () => Promise<void>> = {
   },
 
   async "the server reports faults of what is typed, and completes names"() {
-    const editor = await opened("demo.yaml"),
-      { document } = editor;
+    const editor = await opened("demo.yaml");
+    const { document } = editor;
     const at = document.positionAt(
       document.getText().indexOf("site: arm/attachment_site") + "site: arm/attachment_sit".length,
     );
@@ -65,11 +65,11 @@ const tests: Record<string, () => Promise<void>> = {
   async "the server starts again"() {
     const { document } = await opened("demo.yaml");
     await vscode.commands.executeCommand("mjcompose.restart");
-    const found = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>(
+    const symbols = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>(
       "vscode.executeDocumentSymbolProvider",
       document.uri,
     );
-    assert.ok(found.some((each) => each.name === "attach"));
+    assert.ok(symbols.some((each) => each.name === "attach"));
   },
 };
 
@@ -85,10 +85,12 @@ export async function run(): Promise<void> {
     }
   }
   console.log(`suite: ${failed.length} failed of ${Object.keys(tests).length}`);
-  if (failed.length) throw new Error(failed.join(", "));
+  if (failed.length) {
+    throw new Error(failed.join(", "));
+  }
 }
 
-const label = ({ label }: vscode.CompletionItem): string => (typeof label === "string" ? label : label.label);
+const label = (item: vscode.CompletionItem): string => (typeof item.label === "string" ? item.label : item.label.label);
 const tabs = (): vscode.Tab[] => vscode.window.tabGroups.all.flatMap((each) => each.tabs);
 
 async function opened(name: string): Promise<vscode.TextEditor> {
@@ -99,6 +101,9 @@ async function opened(name: string): Promise<vscode.TextEditor> {
 }
 
 async function until(holds: () => boolean): Promise<void> {
-  for (const start = Date.now(); !holds(); await new Promise((done) => setTimeout(done, 50)))
-    if (Date.now() - start > WAIT) throw new Error(`still not: ${holds}`);
+  for (const start = Date.now(); !holds(); await new Promise((done) => setTimeout(done, 50))) {
+    if (Date.now() - start > WAIT) {
+      throw new Error(`still not: ${holds}`);
+    }
+  }
 }
