@@ -11,6 +11,7 @@ from mjcompose.tools.migrate.changes import ORDERED
 from mjcompose.tools.migrate.editing import later
 from mjcompose.tools.migrate.migrate import bounds
 from mjcompose.tree.history import RELEASED, place, release, spans, unread
+from tools.migrate.survey import extended, history
 
 
 def model(text: str) -> etree._Element:
@@ -58,6 +59,24 @@ def test_the_history_knows_the_releases() -> None:
     assert versions <= set(RELEASED)
     assert release("3") == "3.17.0" and release("4.1") is None and release("x") is None
     assert later("3.10.0", "3.9.0")
+
+
+def test_a_new_version_needs_the_schemas_of_the_last_two_alone() -> None:
+    earlier = {"geom": {"size", "old"}, "lamp": {"glow"}}
+    later = {"geom": {"size", "new"}, "sun": {"glow", "heat"}}
+    known = {"geom@old": ["3.5.0", None], "lamp": ["3.2.0", None], "geom@older": [None, "3.1.0"]}
+    assert extended(known, {"3.9.0": earlier, "3.10.0": later})["spans"] == {
+        "geom@new": ["3.10.0", None],
+        "geom@old": ["3.5.0", "3.9.0"],
+        "geom@older": [None, "3.1.0"],
+        "lamp": ["3.2.0", "3.9.0"],
+        "sun": ["3.10.0", None],
+    }
+    whole = history({"3.4.0": {"geom": {"size"}}, "3.9.0": earlier, "3.10.0": later})["spans"]
+    first = history({"3.4.0": {"geom": {"size"}}, "3.9.0": earlier})["spans"]
+    assert extended(first, {"3.9.0": earlier, "3.10.0": later})["spans"] == whole
+    with pytest.raises(AssertionError, match=r"\['geom@older'\] came back"):
+        extended(known, {"3.9.0": earlier, "3.10.0": {**later, "geom": {"size", "older"}}})
 
 
 def test_the_page_describes_every_change() -> None:
