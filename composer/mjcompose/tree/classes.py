@@ -110,10 +110,11 @@ class Classes:
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
         """Return the effective value of `attribute`, the element's own first; `childclass` is in force around it."""
-        if (value := written(element, attribute)) is not None:
+        value = written(element, attribute)
+        if value is not None:
             return value
-        found = self.get(element.get("class") or childclass).lookup(default_tag(element), attribute)
-        return found[0] if found else None
+        setting = self.get(element.get("class") or childclass).lookup(default_tag(element), attribute)
+        return setting[0] if setting else None
 
 
 def _read(section: Node, into: DefaultClass, found: dict[str, DefaultClass]) -> None:
@@ -196,11 +197,13 @@ class InForce(Struct):
 
 def class_in_force(element: Node) -> InForce:
     """Return its own class, else the childclass around it, else the top class."""
-    if own := element.get("class"):
+    own = element.get("class")
+    if own:
         return InForce(str(own), "class", element)
-    if (around := childclass_of(element)) is None:
+    around = childclass_of(element)
+    if around is None:
         return InForce(MAIN)
-    holder = next(each for each in element.iterancestors() if each.get("childclass") == around)
+    holder = next(ancestor for ancestor in element.iterancestors() if ancestor.get("childclass") == around)
     return InForce(around, "childclass", holder)
 
 
@@ -229,7 +232,8 @@ def value(steps: list[Level]) -> str | None:
 
 def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes) -> str | None:
     """Return the effective text of an attribute, or None if the element has no such attribute or nothing sets it."""
-    if (attribute := kind.attributes.get(name)) is None:
+    attribute = kind.attributes.get(name)
+    if attribute is None:
         return None
     words = (written(element, name) or "").split()
     if words and not _may_go_on(attribute, len(words)):
@@ -289,6 +293,7 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
     tag = default_tag(element)
     if parent is None or parent.tag != "actuator":
         return step.elements.get(tag, [])
+    # MuJoCo 4.0 has one default for all actuators of a class: `<motor ctrlrange="…"/>` also reaches each `<general>`.
     common = attribute is None or attribute.name in _common()
     tags = [path.rpartition("/")[2] for path in GRAMMAR.families["actuator"]] if common else [tag]
     return sorted((each for name in tags for each in step.elements.get(name, ())), key=position)

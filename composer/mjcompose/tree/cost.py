@@ -6,7 +6,7 @@ import math
 import operator
 import re
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple, cast
 
 from lxml.etree import XPath, _Element as Node
@@ -234,32 +234,44 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
     for limit, count, words in _COUNTS:
         most = getattr(in_force(), limit.replace("-", "_"))
         needed = getattr(total, count)
-        if needed <= most:
-            continue
-        sizes = {node: getattr(weight, count) for node, weight in made.items()}
-        # An inner one is reported before the one around it, which it may make too large.
-        place = next((node for node in reversed(made) if sizes[node] > most), None)
-        needed = needed if place is None else sizes[place]
-        shown = str(needed) if needed < 10**18 else f"more than {10**18}"
-        notes: list[Note] = []
-        if place is not None:
-            message = f"`<{place.tag}>` makes {shown} {words}"
-        else:
-            is_made = limit == "expansion"
-            message = f"the model has {shown} {words}"
-            if is_made:
-                message = f"the model makes {shown} {words} of what is written"
-            largest = max(made, key=sizes.__getitem__, default=None)
-            if largest is not None and (is_made or sizes[largest] > needed // 2):
-                place = largest
-                notes = [Note(f"most of them, {sizes[largest]}, here", unit.origins.span(largest, unit.file))]
-        attribute = None
-        if place is not None:
-            attribute = "model" if place.tag == "attach" else "file" if place.get("file") else "count"
-        span = unit.origins.span(unit.root if place is None else place, unit.file, attribute)
-        sink.error(CODE, f"{message}; {most} are allowed", span, notes=notes, help=advice(limit, needed))
-        return False
+        if needed > most:
+            sizes = {node: getattr(weight, count) for node, weight in made.items()}
+            _report_largest(unit, needed, most, sizes=sizes, limit=limit, words=words, sink=sink)
+            return False
     return True
+
+
+def _report_largest(
+    unit: Unit, needed: int, most: int, sizes: Mapping[Node, int], limit: str, words: str, sink: Sink
+) -> None:
+    """Report the element that is too large by itself, or else the whole model, with its largest element in a note."""
+    # An inner one is reported before the one around it, which it may make too large.
+    place = next((node for node in reversed(sizes) if sizes[node] > most), None)
+    notes: list[Note] = []
+    if place is not None:
+        message = f"`<{place.tag}>` makes {_count(sizes[place])} {words}"
+        help = advice(limit, sizes[place])
+    else:
+        is_made = limit == "expansion"
+        made = " of what is written" if is_made else ""
+        message = f"the model {'makes' if is_made else 'has'} {_count(needed)} {words}{made}"
+        help = advice(limit, needed)
+        largest = max(sizes, key=sizes.__getitem__, default=None)
+        if largest is not None and (is_made or sizes[largest] > needed // 2):
+            place = largest
+            notes = [Note(f"most of them, {sizes[largest]}, here", unit.origins.span(largest, unit.file))]
+    span = unit.origins.span(unit.root, unit.file) if place is None else _span_of_copies(place, unit)
+    sink.error(CODE, f"{message}; {most} are allowed", span, notes=notes, help=help)
+
+
+def _count(number: int) -> str:
+    return str(number) if number < 10**18 else f"more than {10**18}"
+
+
+def _span_of_copies(element: Node, unit: Unit) -> Span:
+    """Return the place of the attribute that makes the elements: the model, the file, or their number."""
+    attribute = "model" if element.tag == "attach" else "file" if element.get("file") else "count"
+    return unit.origins.span(element, unit.file, attribute)
 
 
 def expanded(

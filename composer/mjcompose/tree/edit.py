@@ -49,7 +49,8 @@ def skins(root: Node) -> Iterator[Skin]:
     settings = None
     for section in root.iterchildren("asset", "deformable"):
         for element in section.iterchildren("skin"):
-            if written := element.get("file"):
+            written = element.get("file")
+            if written:
                 settings = settings or read_settings(root)
                 yield Skin(element, written_path(settings, element, written), str(written))
 
@@ -392,16 +393,16 @@ class Removal(Struct, Generic[M]):
     def of(cls, nodes: Iterable[tuple[M, Node]]) -> Removal[M]:
         """Return the removal of these elements alone."""
         going = _outermost(nodes)
-        inside = {each for _, node in going for each in node.iter("*")}
-        found = dict.fromkeys(
-            reference
-            for model, node in going
-            for namespace, name in model.names_of(node)
-            if (there := model.names.find(namespace, name)) is None or there in inside
-            for reference in referrers(model, namespace, name)
-            if reference.node not in inside
-        )
-        return cls(going, tuple(found))
+        inside = {element for _, node in going for element in node.iter("*")}
+        references: dict[NameReference[M], None] = {}
+        for model, node in going:
+            for namespace, name in model.names_of(node):
+                owner = model.names.find(namespace, name)
+                if owner is None or owner in inside:  # else another element of that name keeps its references
+                    references |= dict.fromkeys(
+                        reference for reference in referrers(model, namespace, name) if reference.node not in inside
+                    )
+        return cls(going, tuple(references))
 
     def with_referrers(self) -> Removal[M]:
         """Return the removal with all elements that depend on removed ones; the remaining references can be dropped."""

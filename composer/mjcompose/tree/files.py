@@ -94,7 +94,8 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
         tags = NAMED_AFTER_FILE if section.tag == "asset" else ("skin",)
         for element in section.iter("flexcomp") if section.tag == "worldbody" else section.iterchildren(*tags):
             for attribute in ("file", *CUBE) if element.tag == "texture" else ("file",):
-                if name := element.get(attribute):
+                name = element.get(attribute)
+                if name:
                     yield element, attribute, name
 
 

@@ -251,7 +251,8 @@ class Grammar:
         The path is canonical (`geom`, `equality/joint`), a walk from parent to child (`asset/mesh`,
         `worldbody/body/geom`, `mujoco/sensor/force`), or a tag with a single place (`framepos`).
         """
-        if (known := self._elements.get(path)) is not None:
+        known = self._elements.get(path)
+        if known is not None:
             return known
         if path in self._data["elements"]:
             return self._build(path)
@@ -261,13 +262,13 @@ class Grammar:
             if len(places) != 1:
                 raise KeyError(path)
             return self.element(places[0])
-        found = self.element(first)
+        kind = self.element(first)
         try:
             for tag in rest.split("/"):
-                found = found.children[tag]
+                kind = kind.children[tag]
         except KeyError:
             raise KeyError(path) from None
-        return found
+        return kind
 
     def section(self, tag: str) -> ElementType:
         """Return a child of the root: `worldbody`, `asset`, `option`, … Raises `KeyError` if there is none of that
@@ -281,7 +282,8 @@ class Grammar:
         If a tag has several meanings, the one nearest to the section is used: `geom` within `worldbody` is the geom
         of a body, not of a composite.
         """
-        if (known := self._within.get(section)) is None:
+        known = self._within.get(section)
+        if known is None:
             known = {}
             waiting = [self.section(section)]
             for parent in waiting:  # which grows
@@ -296,7 +298,8 @@ class Grammar:
         """Paths of the elements that share a namespace: `joint` is `joint` and `freejoint`."""
         members: dict[str, tuple[str, ...]] = {}
         for path, raw in self._data["elements"].items():
-            if (family := self._family(raw)) is not None:
+            family = self._family(raw)
+            if family is not None:
                 members[family] = *members.get(family, ()), path
         return members
 
@@ -331,7 +334,8 @@ class Grammar:
 
     def _build(self, path: str) -> ElementType:
         raw = self._data["elements"][path]
-        if (rows_of := raw.get("rows_of")) is None:
+        rows_of = raw.get("rows_of")
+        if rows_of is None:
             rows = self._rows(path, raw)
             has_default = "default" in raw
             attributes = {name: self._attribute(place, name, row, has_default=has_default) for place, name, row in rows}
@@ -378,7 +382,8 @@ class Grammar:
 
     def _attribute(self, place: str, name: str, row: dict[str, Any], has_default: bool) -> Attribute:
         key = (place, name, has_default)
-        if (known := self._attributes.get(key)) is not None:
+        known = self._attributes.get(key)
+        if known is not None:
             return known
         kind = row["type"]
         words, versions, ordered = self._keywords(row.get("keywords"))

@@ -208,13 +208,14 @@ def mesh_points(unit: Unit) -> int:
 
 def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
     """Return an upper bound of the points of all meshes and of `attached` points, from file sizes or a quick look."""
-    by_size = [_points(each, unit, most_points) for each in meshes]
+    by_size = [_points(mesh, unit, most_points) for mesh in meshes]
     if None not in by_size and (total := attached + sum(filter(None, by_size))) <= in_force().mesh_points:
         return total
     total = attached
     hulled = _hulled(unit.root)
     for mesh, known in zip(meshes, by_size, strict=True):
-        if (points := _points(mesh, unit, most_points_in) if known is None else known) is None:
+        points = _points(mesh, unit, most_points_in) if known is None else known
+        if points is None:
             return math.inf
         total += _weighed(points, mesh, hulled)
     return total

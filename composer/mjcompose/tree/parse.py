@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from lxml import etree
 from lxml.etree import _Comment as Comment, _Element as Node
@@ -101,25 +101,36 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
     """
     if unit.settings.strippath == "true":
         return
-    directory = str(unit.directory)
-    places: list[tuple[Node, str, str, str]] = []
-    for element, attribute, name, usual in _files_named(unit):
-        folder = included.get(element)
-        if folder is None or not name or is_absolute(name) or name in unit.contents:
-            continue
-        there = join(directory, usual)
-        beside = join(str(folder), name)
-        if there != beside and usual not in unit.contents:
-            places.append((element, attribute, there, beside))
-    found = {path for _, paths in files_among(there for _, _, there, _ in places) for path in paths}
+    rivals = list(_rivals(unit, included))
+    existing = {path for _, paths in files_among(rival.usual for rival in rivals) for path in paths}
     inner = {"model": "", "texture": unit.settings.texture_folder}
-    for element, attribute, there, beside in places:
-        wins = element.tag in _BESIDE_FIRST or not (there in found or os.path.exists(there))
+    for element, attribute, usual, beside in rivals:
+        wins = element.tag in _BESIDE_FIRST or not (usual in existing or os.path.exists(usual))
         if wins and os.path.exists(beside):
-            start = join(directory, inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
+            start = join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
             with suppress(ValueError):  # on another drive
                 beside = Path(os.path.relpath(beside, start)).as_posix()
             element.set(attribute, beside)
+
+
+class _Rival(NamedTuple):
+    """Two paths that a file name in an included element can mean: in the usual folder, and next to its own file."""
+
+    element: Node
+    attribute: str
+    usual: str
+    beside: str
+
+
+def _rivals(unit: Unit, included: Mapping[Node, Path]) -> Iterator[_Rival]:
+    for element, attribute, name, written in _files_named(unit):
+        folder = included.get(element)
+        if folder is None or not name or is_absolute(name) or name in unit.contents:
+            continue
+        usual = join(str(unit.directory), written)
+        beside = join(str(folder), name)
+        if usual != beside and written not in unit.contents:
+            yield _Rival(element, attribute, usual, beside)
 
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
@@ -152,7 +163,8 @@ def parse_file(
     """
     shown = file or str(path)
     door = door or own_door(path)
-    if (data := read_file(path, sink, door, file=shown, span=span)) is None:
+    data = read_file(path, sink, door, file=shown, span=span)
+    if data is None:
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door, assumed=assumed)
     if unit is not None:
@@ -200,7 +212,8 @@ def parse_text(
     the same as for `parse_file`.
     """
     before = sink.error_count
-    if (root := parse_xml(data, file, sink)) is None:
+    root = parse_xml(data, file, sink)
+    if root is None:
         return None
     unit = Unit(root, file, directory, label=label, contents=contents or {}, header=take_header_in(root))
     read_from(unit, data, door)
@@ -323,61 +336,91 @@ class _Includes:
             self._replace(element, file, folder, depth=depth + 1)
 
     def _replace(self, element: Node, file: str, folder: Path, depth: int) -> None:
-        origins = self.unit.origins
-
-        def refuse(
-            message: str, help: str | None = None, notes: tuple[Note, ...] = (), code: str = "xml-include"
-        ) -> None:
-            self.sink.error(code, message, origins.span(element, file, "file"), notes=notes, help=help)
-
-        if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
-            refuse("`<include>` is not empty, which MuJoCo refuses", 'write `<include file="…"/>`')
-            return
-        if depth > in_force().nesting:
-            allowed = f"{in_force().nesting} files in one another are allowed"
-            refuse(f"files include one another too deeply; {allowed}", advice("nesting"), code=CODE)
-            return
-        name = str(element.get("file") or "")
-        if not name:
-            refuse("`<include>` does not say which `file`", 'write `<include file="…"/>`')
+        name = self._name(element, file, depth)
+        if name is None:
             return
         path = self._find(name, folder)
         shown = self._shown(path)
-        if shown in (file, self.unit.file):
-            refuse(f"`{shown}` includes itself", "remove this `<include>`")
+        if not self._is_first(element, file, name, shown=shown):
             return
-        if shown in self.seen:
-            first = Note("it is included here first", origins.span(*self.seen[shown], "file"))
-            refuse(f"`{name}` is included twice, which MuJoCo refuses", "remove one of the two", (first,))
-            return
-        self.seen[shown] = element, file
-        try:
-            content = self.unit.contents.get(name)
-            data = content if isinstance(content, bytes) else self.unit.door.read(path, in_force().xml_size)
-            origins.count(len(data), in_force().xml_size)
-        except Refused as refused:
-            refused.report(self.sink, origins.span(element, file, "file"))
-            return
-        except OSError as error:
-            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error=error)
-            refuse(message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
-            return
-        if (included := parse_xml(data, shown, self.sink)) is None:
-            return
-        origins.texts[shown] = FileText(None if isinstance(content, bytes) else path, data)
-        if included.tag not in ("mujoco", "mujocoinclude"):
-            refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
+        included = self._read(element, file, name, path=path, shown=shown)
+        if included is None:
             return
         take_header_in(included)
         self.expand(included, shown, path.parent, depth=depth)
-        for each in included.iter("*"):
-            self.folders.setdefault(each, path.parent)
+        for node in included.iter("*"):
+            self.folders.setdefault(node, path.parent)
         parent = element.getparent()
         children = list(included)
         assert parent is not None
         at = parent.index(element)
         parent[at : at + 1] = children
-        origins.own_all((child for child in children if isinstance(child.tag, str)), shown)
+        self.unit.origins.own_all((child for child in children if isinstance(child.tag, str)), shown)
+
+    def _refuse(
+        self,
+        element: Node,
+        file: str,
+        message: str,
+        help: str | None = None,
+        *,
+        notes: tuple[Note, ...] = (),
+        code: str = "xml-include",
+    ) -> None:
+        self.sink.error(code, message, self.unit.origins.span(element, file, "file"), notes=notes, help=help)
+
+    def _name(self, element: Node, file: str, depth: int) -> str | None:
+        """Return the name of the file that an `<include>` includes, or None after an error."""
+        name = str(element.get("file") or "")
+        if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
+            message = "`<include>` is not empty, which MuJoCo refuses"
+            self._refuse(element, file, message, 'write `<include file="…"/>`')
+        elif depth > in_force().nesting:
+            message = f"files include one another too deeply; {in_force().nesting} files in one another are allowed"
+            self._refuse(element, file, message, advice("nesting"), code=CODE)
+        elif not name:
+            message = "`<include>` does not say which `file`"
+            self._refuse(element, file, message, 'write `<include file="…"/>`')
+        else:
+            return name
+        return None
+
+    def _is_first(self, element: Node, file: str, name: str, shown: str) -> bool:
+        """Return whether a file is included for the first time, and remember where; if not, report it."""
+        if shown in (file, self.unit.file):
+            self._refuse(element, file, f"`{shown}` includes itself", "remove this `<include>`")
+            return False
+        if shown in self.seen:
+            first = Note("it is included here first", self.unit.origins.span(*self.seen[shown], "file"))
+            message = f"`{name}` is included twice, which MuJoCo refuses"
+            self._refuse(element, file, message, "remove one of the two", notes=(first,))
+            return False
+        self.seen[shown] = element, file
+        return True
+
+    def _read(self, element: Node, file: str, name: str, path: Path, shown: str) -> Node | None:
+        """Return the root of the included file, or None after an error."""
+        origins = self.unit.origins
+        content = self.unit.contents.get(name)
+        try:
+            data = content if isinstance(content, bytes) else self.unit.door.read(path, in_force().xml_size)
+            origins.count(len(data), in_force().xml_size)
+        except Refused as refused:
+            refused.report(self.sink, origins.span(element, file, "file"))
+            return None
+        except OSError as error:
+            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error=error)
+            self._refuse(element, file, message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
+            return None
+        included = parse_xml(data, shown, self.sink)
+        if included is None:
+            return None
+        origins.texts[shown] = FileText(None if isinstance(content, bytes) else path, data)
+        if included.tag not in ("mujoco", "mujocoinclude"):
+            message = f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`"
+            self._refuse(element, file, message)
+            return None
+        return included
 
     def _find(self, name: str, folder: Path) -> Path:
         """Look in the main file's folder, then in the including file's."""

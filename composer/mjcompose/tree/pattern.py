@@ -219,7 +219,8 @@ def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -
     >>> pads("left/pad1"), pads("pad1")
     (True, False)
     """
-    if (wrong := length_fault(pattern)) is not None:
+    wrong = length_fault(pattern)
+    if wrong is not None:
         raise BadPattern(wrong)
     return fitting(pattern[1:-1], names()).__contains__ if is_regular(pattern) else matcher(pattern, separator)
 
@@ -255,7 +256,8 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
     ['link1', 'link12', 'pad{e}']
     """
     called = f"the regular expression `/{pattern}/`"
-    if (wrong := fault_of(pattern)) is not None:
+    wrong = fault_of(pattern)
+    if wrong is not None:
         raise BadPattern(f"{called} is not valid: {wrong}")
     import regex  # takes 40 ms
 
@@ -322,7 +324,8 @@ def paths_of(tag: str) -> frozenset[str]:
     >>> sorted(paths_of("joint")), sorted(paths_of("equality/joint")), sorted(paths_of("weld"))
     (['freejoint', 'joint'], ['equality/joint'], ['equality/weld'])
     """
-    if (family := GRAMMAR.families.get(tag)) is not None:
+    family = GRAMMAR.families.get(tag)
+    if family is not None:
         return frozenset(path for path in family if not path.startswith("default/"))
     if "/" in tag:
         return frozenset({tag}) if tag in GRAMMAR.paths else frozenset()

@@ -33,7 +33,8 @@ def section_of(node: Node) -> str:
     """Return the top-level section of a node; the frame of an attachment belongs to the world."""
     above = node.getparent()
     while above is not None:
-        if (over := above.getparent()) is None:
+        over = above.getparent()
+        if over is None:
             return str(node.tag) if above.tag == ROOT else WORLD_SECTION
         node = above
         above = over
@@ -42,7 +43,8 @@ def section_of(node: Node) -> str:
 
 def kind_of(node: Node) -> ElementType:
     """Return the element type of a node in a valid tree."""
-    if (parent := node.getparent()) is None:
+    parent = node.getparent()
+    if parent is None:
         return GRAMMAR.element(str(node.tag))
     if parent.tag == ROOT:
         return GRAMMAR.section(str(node.tag))
@@ -378,7 +380,8 @@ class Selection:
 
     def number(self, node: Node) -> int:
         """Return the number of an element among the unnamed elements of its tag in its parent; -1 if it has a name."""
-        if (parent := parent_of(node)) is None:
+        parent = parent_of(node)
+        if parent is None:
             return -1
         place = parent, str(node.tag)
         if place not in self._numbers:
@@ -425,11 +428,12 @@ class Selection:
         return parent is not None and parent is not self.root and self._meant(parent, wanted)
 
     def _is_of(self, node: Node, pattern: str) -> bool:
-        if (part := self.parts.get(node)) is None:
+        part = self.parts.get(node)
+        if part is None:
             return pattern == BASE
         levels = part.split("/")
         paths = [levels[:depth] for depth in range(1, len(levels) + 1)]
-        return any(matcher(pattern, each)(each.join(path)) for each in {"/", self.separator} for path in paths)
+        return any(matcher(pattern, mark)(mark.join(path)) for mark in {"/", self.separator} for path in paths)
 
     def _has_class(self, node: Node, pattern: str) -> bool:
         kind = kind_of(node)

@@ -28,7 +28,7 @@ _LAST_LINE = 65535
 
 def line_of(element: Node) -> int | None:
     """Return the line on which the element's start tag ends in its file, or None if it was not read from a file."""
-    line: Any = element.sourceline
+    line: Any = element.sourceline  # in lxml 6.1 not the first line of a start tag that is on several
     return line if isinstance(line, int) else None
 
 
@@ -261,15 +261,16 @@ class Origins(Struct, frozen=False):
 
     def carried_to(self, pairs: Iterable[tuple[Node, Node]]) -> Origins:
         """Return the same data for copies; `pairs` has each node with its copy."""
-        found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
+        carried = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         names = ("owners", "settings", "renamed", "keys", "delays", "values")
-        tables = [(getattr(self, name), getattr(found, name)) for name in names]
+        tables = [(getattr(self, name), getattr(carried, name)) for name in names]
         if any(known for known, _ in tables):
             for node, twin in pairs:
                 for known, kept in tables:
-                    if (each := known.get(node)) is not None:
-                        kept[twin] = each.copy() if isinstance(each, dict | list) else each
-        return found
+                    entry = known.get(node)
+                    if entry is not None:
+                        kept[twin] = entry.copy() if isinstance(entry, dict | list) else entry
+        return carried
 
     def count(self, more: int, most: int) -> None:
         """Count the bytes of a file. Raises TooLarge if all files of the model have more than `most` together."""
@@ -418,10 +419,11 @@ class Unit:
 
     def section(self, tag: str) -> Node:
         """Return the last section of that tag, where new elements go; create it if there is none."""
-        if (found := next(self.root.iterchildren(tag, reversed=True), None)) is None:
-            found = self.root.makeelement(tag)
-            self.insert(found)
-        return found
+        last = next(self.root.iterchildren(tag, reversed=True), None)
+        if last is None:
+            last = self.root.makeelement(tag)
+            self.insert(last)
+        return last
 
     def insert(self, section: Node) -> None:
         """Insert a new section in its conventional place, below the header."""

@@ -261,9 +261,11 @@ def check_list(attribute: Attribute, value: object) -> Refusal | None:
 
 def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
     """Check several keywords: whether they are unknown, repeated, or out of order."""
-    if (unknown := next((word for word in words if word not in attribute.keywords), None)) is not None:
+    unknown = next((word for word in words if word not in attribute.keywords), None)
+    if unknown is not None:
         return unknown_keyword(attribute, unknown)
-    if (again := next((word for at, word in enumerate(words) if word in words[:at]), None)) is not None:
+    again = next((word for at, word in enumerate(words) if word in words[:at]), None)
+    if again is not None:
         return Refusal(f"has `{again}` twice")
     right = sorted(words, key=attribute.keywords.index)
     if attribute.ordered and right != list(words):

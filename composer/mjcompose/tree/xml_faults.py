@@ -131,7 +131,8 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
     message, help = next(explained, (plain, ""))
     message = f"`{file}` is not XML: {message}"
     notes = tuple[Note, ...]()
-    if opened := _OPENED.search(said):
+    opened = _OPENED.search(said)
+    if opened:
         lines = text.splitlines()
         at = int(opened["line"])
         tag = opened["tag"]

@@ -106,21 +106,16 @@ class _Layout:
 
     def start(self, piece: Piece, at: int) -> int:
         """Write a start tag, and the rest of its element if it has no children. Return the number of pieces."""
-        around = self.kinds[-1] if self.kinds else {"mujoco": GRAMMAR.root}
-        rest = (each for each in range(at + 1, len(self.parts)) if self.parts[each].kind not in ("text", "cdata"))
-        inner = next(rest, len(self.parts))
+        inner = self._next_tag(at)
         is_leaf = not piece.closed and inner < len(self.parts) and self.parts[inner].kind == "end"
         content = self.text[piece.end : self.parts[inner].start] if is_leaf else ""
-        content = content if content.strip() else ""
-        piece = piece._replace(closed=piece.closed or (is_leaf and not content))
+        is_empty = not content.strip()
+        piece = piece._replace(closed=piece.closed or (is_leaf and is_empty))
+        around = self.kinds[-1] if self.kinds else {"mujoco": GRAMMAR.root}
         kind = around.get(piece.tag)
-        before = self.before
-        is_section = len(self.kinds) == 1 and before is not None and before.kind != "comment"
-        is_section = is_section and piece.tag in GRAMMAR.root.children
-        alike = before is not None and before.closed and piece.closed and before.tag == piece.tag
-        self.line(self.tag(piece, kind), blank=is_section and not alike)
+        self.line(self.tag(piece, kind), blank=self._begins_section(piece))
         self.before = piece
-        if content:
+        if not is_empty:
             self.written.append(f"{content}</{piece.tag}>")
             self.before = self.parts[inner]
         elif piece.tag == "mujocoinclude" and not self.kinds and not piece.closed:
@@ -128,6 +123,19 @@ class _Layout:
         elif not piece.closed:
             self.kinds.append({} if kind is None else kind.children)
         return inner - at if is_leaf else 0
+
+    def _next_tag(self, at: int) -> int:
+        """Return the number of the next piece that is not text; the number of all pieces if there is none."""
+        rest = range(at + 1, len(self.parts))
+        return next((number for number in rest if self.parts[number].kind not in ("text", "cdata")), len(self.parts))
+
+    def _begins_section(self, piece: Piece) -> bool:
+        """Return whether a tag begins a section below another piece; empty sections of one tag belong together."""
+        before = self.before
+        if len(self.kinds) != 1 or before is None or before.kind == "comment":
+            return False
+        is_alike = before.closed and piece.closed and before.tag == piece.tag
+        return piece.tag in GRAMMAR.root.children and not is_alike
 
     def end(self, piece: Piece) -> None:
         self.kinds.pop()
@@ -181,7 +189,8 @@ def format_mjcf(source: bytes, file: str, sink: Sink) -> bytes | None:
     Attributes are sorted, and sections are separated by blank lines. Comments, the text of values, a byte order mark
     and the line breaks (as in the first line) are kept. The result is parsed again and compared. No I/O.
     """
-    if (tree := parse_xml(source, file, sink)) is None:
+    tree = parse_xml(source, file, sink)
+    if tree is None:
         return None
     mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
     text = source.decode("utf-8", "surrogateescape").removeprefix(mark)

@@ -71,27 +71,29 @@ def pieces(text: str) -> Iterator[Piece]:
     [('start', 'body'), ('start', 'geom'), ('end', 'body')]
     """
     at = 0
-    while found := _PIECE.match(text, at):
-        whole = found.group()
+    while match := _PIECE.match(text, at):
+        whole = match.group()
         kind: Kind = next((kind for mark, kind in _KINDS.items() if whole.startswith(mark)), "text")
         if kind == "start":
-            yield (piece := start_tag(text, at, whole[1:]))
-            at = piece.end
-            continue
-        yield Piece(kind, at, found.end(), tag=whole[2:].rstrip(">").strip() if kind == "end" else "")
-        at = found.end()
+            piece = start_tag(text, at, whole[1:])
+        else:
+            tag = whole[2:].rstrip(">").strip() if kind == "end" else ""
+            piece = Piece(kind, at, match.end(), tag=tag)
+        yield piece
+        at = piece.end
 
 
 def start_tag(text: str, start: int, tag: str) -> Piece:
     """Return the start tag of an element that begins at a character."""
     attributes = []
     at = start + 1 + len(tag)
-    while found := _ATTRIBUTE.match(text, at):
-        at = found.end()
-        group = next((each for each in (2, 3) if found[each] is not None), None)
-        value, (begin, end) = (None, (at, at)) if group is None else (found[group], found.span(group))
-        attributes.append(WrittenAttribute(found[1], found.start(1), value, start=begin, end=end))
-    if (closing := _TAG_END.match(text, at)) is not None:
+    while match := _ATTRIBUTE.match(text, at):
+        at = match.end()
+        group = next((quotes for quotes in (2, 3) if match[quotes] is not None), None)
+        value, (begin, end) = (None, (at, at)) if group is None else (match[group], match.span(group))
+        attributes.append(WrittenAttribute(match[1], match.start(1), value, start=begin, end=end))
+    closing = _TAG_END.match(text, at)
+    if closing is not None:
         return Piece("start", start, closing.end(), tag=tag, attributes=tuple(attributes), closed=bool(closing[1]))
     return Piece("start", start, _BLANK.match(text, at).end(), tag=tag, attributes=tuple(attributes), complete=False)  # type: ignore[union-attr]
 
@@ -171,18 +173,20 @@ class SourceText:
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
     ) -> Stretch | None:
         """Return an attribute's value without quotes, or its name with `key`; None if it is not on a single line."""
-        if (found := self._attribute(name, self._find(tag, line, attributes))) is None:
+        written = self._attribute(name, self._find(tag, line, attributes))
+        if written is None:
             return None
-        start, end = (found.at, found.at + len(name)) if key else (found.start, found.end)
+        start, end = (written.at, written.at + len(name)) if key else (written.start, written.end)
         return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
 
     def whole(self, tag: str, line: int, attributes: Mapping[str, str]) -> tuple[Stretch, Stretch] | None:
         """Return the ends of an element, of whole lines if it is alone on them; None if it has no end."""
-        if (found := self._find(tag, line, attributes)) is None:
+        piece = self._find(tag, line, attributes)
+        if piece is None:
             return None
-        start = found.start
-        last = found.end
-        depth = 0 if found.closed else 1
+        start = piece.start
+        last = piece.end
+        depth = 0 if piece.closed else 1
         ends = last
         for tags in re.finditer(rf"""<(/?){re.escape(tag)}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>""", self._bare[ends:]):
             if depth == 0:
@@ -218,16 +222,17 @@ class SourceText:
             return None
         if (tag, line) not in self._ending:
             candidates = self._ending_on(tag, line)
-            exact = {frozenset(_values(each)): each for each in reversed(candidates)}
+            exact = {frozenset(_values(candidate)): candidate for candidate in reversed(candidates)}
             self._ending[tag, line] = candidates, exact
         candidates, exact = self._ending[tag, line]
         # No other tag is more similar, and a program may write ten thousand elements on one line.
-        if (found := exact.get(frozenset(attributes.items()))) is not None:
-            return found
+        piece = exact.get(frozenset(attributes.items()))
+        if piece is not None:
+            return piece
         self._compared += len(candidates)
         if self._compared > _MOST_COMPARED:
             return None
-        return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
+        return max(candidates, key=lambda candidate: self._likeness(candidate, attributes), default=None)
 
     def _ending_on(self, tag: str, line: int) -> list[Piece]:
         first = self._starts[line - 1]
