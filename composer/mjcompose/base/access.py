@@ -48,9 +48,11 @@ class Door(Struct):
         help: str | None = None,
         start: str | None = None,
     ) -> Door:
+        """Return a door to some folders, whose paths may contain links."""
         return cls(tuple(dict.fromkeys(real_folder(os.fspath(each)) for each in folders)), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
+        """Return the same door with more folders."""
         if not folders:
             return self
         return replace(self, roots=tuple(dict.fromkeys((*self.roots, *map(os.path.realpath, folders)))), _folders={})
@@ -61,6 +63,7 @@ class Door(Struct):
         return self.sees_all or self._is_seen(text, _mode(text))
 
     def exists(self, path: str | os.PathLike[str]) -> bool:
+        """Return whether a path exists and may be seen."""
         return self.sees(path) and os.path.exists(path)
 
     def admit(self, path: str | os.PathLike[str]) -> Passed:
@@ -86,6 +89,7 @@ class Door(Struct):
         return passed
 
     def read(self, path: str | os.PathLike[str], most: int | None = None) -> bytes:
+        """Return the bytes of a file. Raises Refused, and OSError as `read_regular` does."""
         return read_regular(self.admit(path), most)
 
     def search(self, pattern: str, looks: Iterator[int] | None = None) -> list[str]:
@@ -168,6 +172,7 @@ SERVED = os.environ.get("MJCOMPOSE_SERVED")
 
 
 def door_of_user() -> Door:
+    """Return the door of the user's own recipes."""
     return ALL if SERVED is None else Door.of([SERVED], f"`{SERVED}`, the only folder that `mjcompose mcp` reads")
 
 
@@ -190,6 +195,7 @@ NOTHING = Door()
 
 
 def held(path: str | os.PathLike[str]) -> Passed:
+    """Return a path that passed a door before, such as those in `Unit.contents`."""
     return Passed(os.fspath(path))
 
 
@@ -243,7 +249,8 @@ def own_door(
     """Return the door of the user's own model. `also` has more folders, and `recipe` is the folder of its recipe."""
     if SERVED is not None:
         also = ()
-        if (served := door_of_user()).sees(model):
+        served = door_of_user()
+        if served.sees(model):
             return served
     folders = folders_of_model(model)
     whose = f"`{folders[0]}`, the only folder that this model may read"

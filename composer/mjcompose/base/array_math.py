@@ -25,6 +25,7 @@ def bits(seed: int, samples: Iterable[int], field: str, element: str, component:
 
 
 def overflowing() -> np.errstate:
+    """Return a context in which infinite numbers cause no warnings, as with single numbers."""
     return np.errstate(all="ignore")
 
 

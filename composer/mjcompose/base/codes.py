@@ -261,7 +261,8 @@ def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
     text = ""
     indent = ""
     for line in block:
-        if (item := _ITEM.match(line)) is not None:
+        item = _ITEM.match(line)
+        if item is not None:
             if text:
                 yield text, indent
             text = line

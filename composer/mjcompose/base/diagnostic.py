@@ -128,6 +128,7 @@ def caller() -> FrameType:
 
 
 def call_site() -> Span:
+    """Return the innermost line of the call stack outside of this package."""
     frame = caller()
     return Span(frame.f_code.co_filename, frame.f_lineno, 1)
 
@@ -271,6 +272,7 @@ class Fault(Struct):
     fix: Fix | None = None
 
     def all_notes(self) -> list[Note]:
+        """Return the notes, followed by the related ones without their places."""
         return [*self.notes, *(Note(message) for message, _ in self.related)]
 
 

@@ -35,6 +35,7 @@ def below(bits: int, count: int) -> int:
 
 
 def within(value: float, low: float, high: float) -> float:
+    """Limit a value to the bounds, which rounding might exceed."""
     return min(max(value, low), high)
 
 
@@ -43,6 +44,7 @@ _EXACT_DIGITS = Context(prec=40, Emin=-999_999, Emax=999_999)
 
 
 def exp(x: float) -> float:
+    """Return e to the power of x; infinity if that is too large."""
     if x > 1000:  # far too large for a double or this context
         return math.inf
     return float(Decimal(x).exp(_EXACT_DIGITS))

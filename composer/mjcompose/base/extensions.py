@@ -58,6 +58,7 @@ def names(group: str) -> dict[str, str]:
 
 
 def is_registered(group: str, word: str) -> bool:
+    """Return whether an installed package registers the word. Nothing is imported."""
     return word in _installed(group)
 
 
@@ -154,10 +155,12 @@ class ExtensionTable(dict[str, Row]):
 
 
 def versions(words: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the packages that brought the rows for words of groups, with their versions, sorted."""
     return dict(sorted({(each.package, each.version) for word in words if (each := LOADED.get(word))}))
 
 
 def refuse(group: str, word: str, origin: str) -> DiagnosticError:
+    """Return the error for a word of another package in a recipe that was fetched with `origin`."""
     owner = names(group)[word]
     help = "a fetched recipe loads no code: copy the part that you need into your own recipe"
     message = f"the {GROUPS[group]} `{word}` is code of `{owner}`, and `{origin}`, whose recipe names it, was fetched"

@@ -74,6 +74,7 @@ Programs such as `cp -p` and `tar` set the first time of a file to any value, an
 
 
 def mark_of(path: str | os.PathLike[str]) -> Mark:
+    """Return the mark of a file; None if it does not exist."""
     try:
         found = os.stat(path)
     except OSError:
@@ -88,6 +89,7 @@ _real = Memory(os.path.realpath, os.path.realpath)
 
 
 def real_folder(folder: str) -> str:
+    """Return the real path of a folder, which need not exist."""
     return _real.ask(folder)
 
 
@@ -101,25 +103,26 @@ def parted(path: str) -> tuple[str, str]:
 
 def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
     """Yield folders with those paths in each that a fast listing shows as ordinary files; it misses links."""
-    wanted: dict[str, dict[str, str]] = {}
+    by_folder: dict[str, dict[str, str]] = {}
     for path in paths:
         folder, name = parted(path)
-        wanted.setdefault(folder, {})[name] = path
-    for folder, names in wanted.items():
+        by_folder.setdefault(folder, {})[name] = path
+    for folder, names in by_folder.items():
         if len(names) < _FEW:
             continue
-        found: list[str] = []
+        existing: list[str] = []
         try:
             with os.scandir(folder) as entries:
-                for each in islice(entries, _LISTED * len(names)):
-                    if (name := each.name) in names and each.is_file(follow_symlinks=False):
-                        found.append(names[name])
+                for entry in islice(entries, _LISTED * len(names)):
+                    if entry.name in names and entry.is_file(follow_symlinks=False):
+                        existing.append(names[entry.name])
         except (OSError, ValueError):
             continue
-        yield folder, found
+        yield folder, existing
 
 
 def real_path(path: str | os.PathLike[str]) -> str:
+    """Return the real path of a path, which need not exist."""
     text = os.fspath(path)
     folder, name = os.path.split(text)
     if name in ("", os.curdir, os.pardir) or os.path.islink(text):
@@ -214,7 +217,8 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
     for more than `most` bytes. By default `most` is the limit of a whole bundle.
     """
     most = in_force().output_size if most is None else most
-    if (kept := unsaved_text(path)) is not None:
+    kept = unsaved_text(path)
+    if kept is not None:
         _bound(len(kept), most, path)
         return kept
     file, size = _opened(path, most, is_source)
@@ -241,6 +245,7 @@ def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def open_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> BufferedReader:
+    """Open an ordinary file, as `read_regular` reads it."""
     file, _ = _opened(path, in_force().output_size if most is None else most, is_source)
     return os.fdopen(file, "rb")
 
@@ -249,12 +254,14 @@ def _opened(path: str | os.PathLike[str], most: int, is_source: bool) -> tuple[i
     text = os.fspath(path)
     if is_source:
         current().note((text,))
-    if (what := is_irregular(text)) is not None:
+    what = is_irregular(text)
+    if what is not None:
         raise Refused(text, what)
     file = os.open(text, _FLAGS)
     try:
         status = os.fstat(file)
-        if (what := _irregular(status.st_mode)) is not None:  # replaced since the first check
+        what = _irregular(status.st_mode)
+        if what is not None:  # replaced since the first check
             raise Refused(text, what)
         if stat.S_ISDIR(status.st_mode):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), text)
@@ -304,6 +311,7 @@ class RunSources:
         self._written: set[str] = set()
 
     def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
+        """Note files that are read."""
         for path in paths:
             text = os.fspath(path)
             if text not in self._noted and not is_scratch(text):
@@ -313,6 +321,7 @@ class RunSources:
         return tuple(self._noted)
 
     def wrote(self, path: str) -> None:
+        """Note a file or a folder that the run has written."""
         self._written.add(os.path.realpath(path))
 
     def taken(self, target: str, *, more: Iterable[str | os.PathLike[str]] = ()) -> str | None:
@@ -349,10 +358,11 @@ class RunSources:
         for path in list(self._noted)[self._resolved :]:
             self._resolved += 1
             real = real_path(path)
-            if any(each in self._written for each in _with_above(real)):
+            if any(path_above in self._written for path_above in _with_above(real)):
                 continue
             self._paths.add(os.path.normcase(real))
-            if (identity := _identity(real)) is not None:
+            identity = _identity(real)
+            if identity is not None:
                 self._files[identity] = path
                 if path.lower().endswith(RECIPES):
                     self._unscanned.append(path)
@@ -398,6 +408,7 @@ _runs: list[RunSources] = [_NoRun()]
 
 
 def current() -> RunSources:
+    """Return the run of this process that began last."""
     return _runs[-1]
 
 
@@ -479,6 +490,7 @@ def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
+    """Return the text to read instead of a file, or None."""
     if _piped and (kept := _piped.get(os.fspath(path))) is not None:
         return kept
     texts = _TEXTS.get()
@@ -523,4 +535,5 @@ _FORMATS = {**dict.fromkeys((".sdf", ".world"), SDF), **dict.fromkeys((".usd", "
 
 
 def foreign_format(path: PurePath) -> Foreign | None:
+    """Return the format of a file by its suffix, if it is one of these. No I/O."""
     return _FORMATS.get(path.suffix.lower())

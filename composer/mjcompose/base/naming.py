@@ -77,9 +77,10 @@ def odd_character(name: str) -> str | None:
     >>> odd_character("arm\n::error::"), odd_character("arm\u202e"), odd_character("bras_é")
     ('a line break', 'the character U+202E', None)
     """
-    if (found := _ODD.search(name)) is None:
+    match = _ODD.search(name)
+    if match is None:
         return None
-    character = found[0]
+    character = match[0]
     if character in _LINE_BREAKS:
         return "a line break"
     return "a tab" if character == "\t" else f"the character U+{ord(character):04X}"
@@ -87,8 +88,11 @@ def odd_character(name: str) -> str | None:
 
 def checked_name(name: str) -> str:
     """Return a name from a file that a program wrote, if it is one line. Raises ValueError. No I/O."""
-    if not name or (character := odd_character(name)) is not None:
-        raise ValueError("it is empty" if not name else f"it has {character} in it")
+    if not name:
+        raise ValueError("it is empty")
+    character = odd_character(name)
+    if character is not None:
+        raise ValueError(f"it has {character} in it")
     return name
 
 

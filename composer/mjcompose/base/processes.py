@@ -233,7 +233,8 @@ def empty_folder() -> Path:
         folder = _emptied.get(os.getpid())
         if folder is None or not os.path.isdir(folder) or os.listdir(folder):
             folder = _until_exit.enter_context(scratch("empty"))
-            if (why := untrusted(folder.parent.parent, is_temporary=True)) is not None:
+            why = untrusted(folder.parent.parent, is_temporary=True)
+            if why is not None:
                 raise PermissionError(
                     f"the folder for temporary files, `{folder.parent.parent}`, is not trusted: {why}"
                 )
@@ -360,6 +361,7 @@ class Helper:
         self.ends = False
 
     def start(self) -> None:
+        """Start the process unless it runs. Raises OSError."""
         with self._lock:
             if self._process is not None or self.ends:
                 return
@@ -404,6 +406,7 @@ class Helper:
             self._process.end()
 
     def close(self) -> None:
+        """Close the pipes to the process, once nobody waits for a result."""
         if self._process is not None:
             for pipe in (self._process.stdin, self._process.stdout):
                 if pipe is not None:
@@ -538,4 +541,5 @@ def _next(waiting: queue.SimpleQueue[_Item | None]) -> _Item | None:
 
 
 def cores() -> int:
+    """Return how many processes can run at once on the cores available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

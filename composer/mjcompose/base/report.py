@@ -66,23 +66,9 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     """
     spans = [diagnostic.span, *(note.span for note in diagnostic.notes)]
     excerpts = [_excerpt(span, read_source) for span in spans if span is not None]
-    margin = max((len(str(each.number)) for each in excerpts if each), default=1)
+    margin = max((len(str(excerpt.number)) for excerpt in excerpts if excerpt), default=1)
     paint = Paint(color)
-    edge = paint("gutter", " " * (margin + 1) + "|")
-
-    def shown(excerpt: _Excerpt | None, style: str, mark: str) -> list[str]:
-        if excerpt is None:
-            return []
-        number = paint("gutter", f"{excerpt.number:>{margin}} |")
-        underline = " " * excerpt.offset + paint(style, mark * excerpt.width)
-        return [edge, f"{number} {excerpt.text}".rstrip(), f"{edge} {underline}"]
-
-    def remark(kind: str, text: str) -> list[str]:
-        first, *rest = _printable_lines(text)
-        head = " " * (margin + 1) + "= "
-        indent = " " * (len(head) + len(kind) + 2)
-        return [f"{head}{paint(kind, kind)}: {first}", *(f"{indent}{line}".rstrip() for line in rest)]
-
+    block = _Block(paint, margin)
     kind = diagnostic.severity.value
     where = "" if diagnostic.span is None else _without_commands(_printable(f"{diagnostic.span}:"))
     place = f"{paint('bold', where)} " if where else ""
@@ -91,20 +77,43 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
 
     following = iter(excerpts)
     if diagnostic.span is not None:
-        lines += shown(next(following), kind, "^")
-    if cells := diagnostic.cells:
-        lines += remark("cell" if len(cells) == 1 else "cells", listed(cells))
-    if recipes := diagnostic.recipes:
-        lines += remark("recipe" if len(recipes) == 1 else "recipes", ", ".join(recipes))
+        lines += block.source(next(following), kind, "^")
+    if diagnostic.cells:
+        lines += block.remark("cell" if len(diagnostic.cells) == 1 else "cells", listed(diagnostic.cells))
+    if diagnostic.recipes:
+        lines += block.remark("recipe" if len(diagnostic.recipes) == 1 else "recipes", ", ".join(diagnostic.recipes))
     for note in diagnostic.listed():
         if note.span is None:
-            lines += remark("note", note.message)
+            lines += block.remark("note", note.message)
         else:
-            lines += remark("note", f"{note.span}: {note.message}")
-            lines += shown(next(following), "note", "-")
+            lines += block.remark("note", f"{note.span}: {note.message}")
+            lines += block.source(next(following), "note", "-")
     if diagnostic.help is not None:
-        lines += remark("help", diagnostic.help)
+        lines += block.remark("help", diagnostic.help)
     return "\n".join(lines)
+
+
+class _Block(Struct):
+    """Draws the parts of one diagnostic, to the right of its line numbers."""
+
+    paint: Paint
+    margin: int
+
+    def source(self, excerpt: _Excerpt | None, style: str, mark: str) -> list[str]:
+        """Return the line of a file, with marks under the place."""
+        if excerpt is None:
+            return []
+        edge = self.paint("gutter", " " * (self.margin + 1) + "|")
+        number = self.paint("gutter", f"{excerpt.number:>{self.margin}} |")
+        underline = " " * excerpt.offset + self.paint(style, mark * excerpt.width)
+        return [edge, f"{number} {excerpt.text}".rstrip(), f"{edge} {underline}"]
+
+    def remark(self, kind: str, text: str) -> list[str]:
+        """Return a note or a help, whose further lines are below the first."""
+        first, *rest = _printable_lines(text)
+        head = " " * (self.margin + 1) + "= "
+        indent = " " * (len(head) + len(kind) + 2)
+        return [f"{head}{self.paint(kind, kind)}: {first}", *(f"{indent}{line}".rstrip() for line in rest)]
 
 
 def with_rest(lines: Sequence[str], shown: int = 8, what: str = "more") -> list[str]:
@@ -271,6 +280,7 @@ _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 
 
 def render_github(diagnostic: Diagnostic) -> str:
+    """Return one workflow command on one line; notes and help follow the message."""
     span = diagnostic.span
     properties: dict[str, str | int] = {}
     if span is not None:

@@ -21,15 +21,16 @@ def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
     >>> json.loads(render_sarif([Diagnostic("bad-name", "no")]))["runs"][0]["results"][0]
     {'ruleId': 'bad-name', 'ruleIndex': 0, 'level': 'error', 'message': {'text': 'no'}, 'locations': []}
     """
-    codes = list(dict.fromkeys(each.code for each in diagnostics))
+    codes = list(dict.fromkeys(diagnostic.code for diagnostic in diagnostics))
     rules: list[dict[str, Any]] = [{"id": code, "shortDescription": {"text": CODES[code]}} for code in codes]
     for rule in rules:
-        if (url := address(rule["id"])) is not None:
+        url = address(rule["id"])
+        if url is not None:
             rule["helpUri"] = url
     run = {
         "tool": {"driver": {"name": "mjcompose", "version": __version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(each, codes.index(each.code)) for each in diagnostics],
+        "results": [_result(diagnostic, codes.index(diagnostic.code)) for diagnostic in diagnostics],
     }
     schema = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
     return json_text({"$schema": schema, "version": "2.1.0", "runs": [run]}, indent=2)

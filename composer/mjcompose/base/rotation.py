@@ -72,6 +72,7 @@ class Pose(Struct):
 
 
 def multiply(a: Quat, b: Quat) -> Quat:
+    """Return the Hamilton product: the rotation ``b`` followed by ``a``."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -86,6 +87,7 @@ def normalize(quat: Sequence[float]) -> Quat:
     norm = math.sqrt(w * w + x * x + y * y + z * z)
     if norm < _TINY:
         return IDENTITY_QUAT
+    # MuJoCo 3.12 to 4.0 leave such a quaternion alone: dividing it changes the last bits of three in ten.
     if abs(norm - 1.0) > _NEARLY_UNIT:
         return (w / norm, x / norm, y / norm, z / norm)
     return (w, x, y, z)
@@ -183,24 +185,28 @@ def euler_of(quat: Quat, sequence: str, near: Sequence[float] = (0.0, 0.0, 0.0))
     plus = math.atan2(b, a)
     minus = math.atan2(d, c)
     scale, shift = (1.0, 0.0) if is_proper else (sign, math.pi / 2)
-    wanted = [near[at] for at in reversed(order)]
+    target = [near[at] for at in reversed(order)]
     if math.sin(2 * half) < _PARALLEL:
-        first = wanted[0]
+        first = target[0]
         is_low = half < math.pi / 4
-        found = [(first, 2 * half - shift, scale * (2 * plus - first if is_low else 2 * minus + first))]
+        solutions = [(first, 2 * half - shift, scale * (2 * plus - first if is_low else 2 * minus + first))]
     else:
         first = plus - minus
         second = 2 * half - shift
         third = scale * (plus + minus)
         other = -second if is_proper else math.pi - second
-        found = [(first, second, third), (first + math.pi, other, third + math.pi)]
-    turn = 2 * math.pi
-    shifted = [[a + turn * round((b - a) / turn) for a, b in zip(one, wanted, strict=True)] for one in found]
-    best = min(shifted, key=lambda one: sum(abs(a - b) for a, b in zip(one, wanted, strict=True)))
+        solutions = [(first, second, third), (first + math.pi, other, third + math.pi)]
     angles = [0.0, 0.0, 0.0]
-    for at, each in zip(reversed(order), best, strict=True):
-        angles[at] = each
+    for at, angle in zip(reversed(order), _nearest_turns(solutions, target), strict=True):
+        angles[at] = angle
     return (angles[0], angles[1], angles[2])
+
+
+def _nearest_turns(solutions: list[Vec3], target: Sequence[float]) -> Sequence[float]:
+    """Return the solution that is nearest to `target`, with whole turns added to its angles."""
+    turn = 2 * math.pi
+    shifted = [[a + turn * round((b - a) / turn) for a, b in zip(angles, target, strict=True)] for angles in solutions]
+    return min(shifted, key=lambda angles: sum(abs(a - b) for a, b in zip(angles, target, strict=True)))
 
 
 def axisangle_of(quat: Quat, near: Sequence[float] = (0.0, 0.0, 1.0)) -> tuple[Vec3, float]:
@@ -217,6 +223,7 @@ def axisangle_of(quat: Quat, near: Sequence[float] = (0.0, 0.0, 1.0)) -> tuple[V
 
 
 def unit(vec: Sequence[float]) -> Vec3:
+    """Return `vec` at unit length; unchanged if it has that already."""
     x, y, z = vec
     norm = math.sqrt(x * x + y * y + z * z)
     if norm < _TINY:

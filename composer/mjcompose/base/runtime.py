@@ -25,7 +25,8 @@ def without_current_folder(environment: Mapping[str, str]) -> dict[str, str]:
     """
     result = {name: value for name, value in environment.items() if name not in _SEARCHED}
     for name in _SEARCHED:
-        if folders := absolute_folders(environment.get(name, "")):
+        folders = absolute_folders(environment.get(name, ""))
+        if folders:
             result[name] = os.pathsep.join(folders)
     result.setdefault("PATH", os.defpath)  # without it, some systems search the current folder
     return result
@@ -105,6 +106,7 @@ def interruptible() -> Iterator[None]:
 
 
 def hear_signals() -> None:
+    """Handle the deferred signal, if there is one."""
     with interruptible():
         pass
 

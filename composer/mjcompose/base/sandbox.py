@@ -310,10 +310,12 @@ def filter_program(machine: str) -> bytes | None:
     end = 0x06
     steps = [(load, 0, 0, 4), (equal, 1, 0, kind), (end, 0, 0, _KILL), (load, 0, 0, 0)]
     for numbers in _CALLS.values():
-        if (number := numbers[column]) is not None:
+        number = numbers[column]
+        if number is not None:
             steps += [(equal, 0, 1, number), (end, 0, 0, _ALLOW)]
     for numbers, argument in ((_OPEN, 1), (_OPENAT, 2)):
-        if (number := numbers[column]) is not None:
+        number = numbers[column]
+        if number is not None:
             steps += [(equal, 0, 4, number), (load, 0, 0, 16 + 8 * argument), (has, 1, 0, _WRITES)]
             steps += [(end, 0, 0, _ALLOW), (end, 0, 0, _REFUSE | errno.EACCES)]
     steps += [(equal, 0, 4, _IOCTL[column]), (load, 0, 0, 24), (equal, 1, 0, _TERMINAL)]

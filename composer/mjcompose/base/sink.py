@@ -71,6 +71,7 @@ class Sink:
         return lambda: vars(self).update(before)
 
     def fork(self) -> Sink:
+        """Return an empty `Sink` that suppresses the same names."""
         sink = Sink()
         sink.suppress_about(self._lost)
         sink._later = [*self._later]
@@ -152,6 +153,7 @@ class Sink:
             self._causes = {key: first for key, first in self._causes.items() if first is not found}
 
     def promote(self) -> None:
+        """Turn all warnings into errors."""
         found = self._found
         self._found = {}
         for diagnostic, others in found.items():
@@ -258,7 +260,8 @@ class Sink:
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
         others = self._found[diagnostic]
         cells = self._cells.get(diagnostic)
-        if recipes := self._recipes.get(diagnostic):
+        recipes = self._recipes.get(diagnostic)
+        if recipes:
             diagnostic = replace(diagnostic, recipes=tuple(recipes))
         if others:
             diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))

@@ -196,6 +196,23 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
 
 def _score(written: _Word, known: _Word) -> float | None:
     """Return how far a candidate is from the written name: 0 is equal; None is not similar."""
+    score = _score_of_same_word(written, known)
+    if score is not None:
+        return score
+    if len(written.folded) == len(known.folded) == 2:  # a different letter makes a different word
+        return 1.0 if written.folded == known.folded[::-1] else None
+    distance = _distance(written.folded, known.folded, _tolerance(written.folded))
+    if distance is not None:
+        return 1.0 + distance
+    if _is_prefixed(written, known) and written.bare and known.bare:
+        distance = _distance(written.bare, known.bare, _tolerance(written.bare))
+        if distance is not None:
+            return 1.5 + distance
+    return 6.0 if len(written.folded) > 3 and known.folded.startswith(written.folded) else None
+
+
+def _score_of_same_word(written: _Word, known: _Word) -> float | None:
+    """Return the score of two spellings of a word, with or without a prefix; None if the words are different."""
     if written.text == known.text:
         return 0.0
     if written.folded == known.folded:
@@ -205,23 +222,17 @@ def _score(written: _Word, known: _Word) -> float | None:
     meant = _meant(written)
     if known.folded in meant:
         return 0.3 + 0.01 * meant.index(known.folded)
-    is_prefixed = written.bare != written.folded or known.bare != known.folded
-    if written.bare and is_prefixed:
+    if written.bare and _is_prefixed(written, known):
         shorter, longer = sorted((written.folded, known.folded), key=len)
         if longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:.":
             return 0.3
         if written.bare == known.bare:
             return 0.5
-    if len(written.folded) == len(known.folded) == 2:  # a different letter makes a different word
-        return 1.0 if written.folded == known.folded[::-1] else None
-    distance = _distance(written.folded, known.folded, _tolerance(written.folded))
-    if distance is not None:
-        return 1.0 + distance
-    if is_prefixed and written.bare and known.bare:
-        distance = _distance(written.bare, known.bare, _tolerance(written.bare))
-        if distance is not None:
-            return 1.5 + distance
-    return 6.0 if len(written.folded) > 3 and known.folded.startswith(written.folded) else None
+    return None
+
+
+def _is_prefixed(written: _Word, known: _Word) -> bool:
+    return written.bare != written.folded or known.bare != known.folded
 
 
 def _folded(name: str) -> str:

@@ -62,6 +62,7 @@ class _Anchored(Struct):
     height: int
 
 
+# Not `yaml.compose`: the loader of PyYAML 6.0 that uses libyaml is recursive, and a million nested brackets end Python.
 class Builder:
     """Builds one tree. `text` is the text that the events' marks refer to; faults go to `sink`.
 

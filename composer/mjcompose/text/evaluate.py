@@ -367,7 +367,9 @@ class Template(Struct):
         0.5
         """
         # Most expressions give at least one character, and counting the characters of too many would take minutes.
-        if (count := text.count(OPENING)) > (most := in_force().string):
+        count = text.count(OPENING)
+        most = in_force().string
+        if count > most:
             at = text.index(OPENING)
             message = f"the text has {count} expressions; {most} are allowed"
             raise ExpressionError(message, (at, at + len(OPENING)), advice("string", count))
@@ -403,11 +405,12 @@ class Template(Struct):
             if isinstance(value, DataTable) and not isinstance(piece, str):
                 raise _no_table(piece.tree, value).moved(piece.start)
         texts = [shown(value) for value in values]
-        given = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
-        if given > (most := in_force().string):
+        count = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
+        most = in_force().string
+        if count > most:
             at = next(piece.start for piece in self.pieces if not isinstance(piece, str))
-            message = f"expressions give {given} characters; {most} are allowed"
-            raise ExpressionError(message, (at, at + 1), advice("string", given))
+            message = f"expressions give {count} characters; {most} are allowed"
+            raise ExpressionError(message, (at, at + 1), advice("string", count))
         for piece, value, after in zip(self.pieces, values, texts[1:], strict=False):
             if isinstance(value, Angle) and not isinstance(piece, str):
                 _check_unit_behind(piece, value, after)

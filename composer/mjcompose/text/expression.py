@@ -41,6 +41,7 @@ class Angle(Struct):
         return cls(value, UNITS[text[-3:]]) if math.isfinite(value) else None
 
     def in_unit(self, unit: str) -> float:
+        """Return the number in another unit, `deg` or `rad`."""
         if unit == self.unit:
             return self.value
         return math.radians(self.value) if unit == "rad" else math.degrees(self.value)

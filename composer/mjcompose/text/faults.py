@@ -55,15 +55,20 @@ def unquoted_end(text: str, start: int, flow: bool) -> int:
             closing.append(_OPENING[character])
         elif closing and character == closing[-1]:
             closing.pop()
-        elif not closing:
-            if flow and character in ",]}":
-                break
-            if character == ":" and text[index + 1 : index + 2] in ("", " ", "\n", "\r"):
-                break
-            if character == "#" and text[index - 1 : index] in (" ", "\t"):
-                break
+        elif not closing and _ends_plain_text(text, index, flow):
+            break
         index += 1
     return start + len(text[start:index].rstrip())
+
+
+def _ends_plain_text(text: str, index: int, flow: bool) -> bool:
+    """Return whether a character ends a text without quotes: the end of a list, or a mark of a key or a comment."""
+    character = text[index]
+    if character == ":":
+        return text[index + 1 : index + 2] in ("", " ", "\n", "\r")
+    if character == "#":
+        return text[index - 1 : index] in (" ", "\t")
+    return flow and character in ",]}"
 
 
 def unquoted_start(text: str, index: int) -> int:
@@ -119,6 +124,7 @@ class ParserStop(Struct):
     outer: bool
 
     def span(self, start: int, end: int | None = None) -> Span:
+        """Return the place of the characters up to `end`, or of a single one."""
         line, column = position(self.text, start)
         length = 1 if end is None else max(end - start, 1)
         return Span(self.file, line, column, end_line=line, end_column=column + length)
@@ -132,9 +138,11 @@ class ParserStop(Struct):
         notes: Iterable[Note] = (),
         code: str = "yaml-syntax",
     ) -> SyntaxFault:
+        """Return a fault after which nothing can be read."""
         return SyntaxFault(Diagnostic(code, message, span, notes=tuple(notes), help=help))
 
     def unquoted(self, start: int, end: int, message: str, code: str = "yaml-syntax") -> SyntaxFault:
+        """Return the fault of a text that lacks only its quotes."""
         text = quoted(self.text[start:end])
         found = Diagnostic(code, message, self.span(start, end), help=f"quote it: {text}", fix=Fix(text))
         return SyntaxFault(found, (start, end))
@@ -175,10 +183,12 @@ def for_lone_key(text: str, is_quoted: bool, before: str | None) -> str:
         if parts and all(map(_NUMBER.fullmatch, parts)):
             numbers = "…" if len(parts) < 2 else ", ".join(parts)
             return f"put brackets around the numbers: `{before + ': ' if before and len(parts) < 2 else ''}[{numbers}]`"
-        if found := _TIGHT.fullmatch(text):
-            return f"put a space after the colon: `{found[1]}: {found[2]}`"
-        if found := _WORDS.fullmatch(text):
-            return f"put a colon between them: `{found[1]}: {found[2]}`"
+        pair = _TIGHT.fullmatch(text)
+        if pair:
+            return f"put a space after the colon: `{pair[1]}: {pair[2]}`"
+        pair = _WORDS.fullmatch(text)
+        if pair:
+            return f"put a colon between them: `{pair[1]}: {pair[2]}`"
     shown = quoted(text) if is_quoted else text
     return f"write `{shown}: …` with its value, or `[{shown}]` for a list"
 
@@ -319,7 +329,8 @@ def _no_colon(it: ParserStop) -> SyntaxFault:
     end = max(unquoted_end(it.text, it.since, False), it.since + 1)
     key = it.text[it.since : end]
     help = "a line among the keys of a mapping has the form `key: value`"
-    if tight := _TIGHT_COLON.match(key):
+    tight = _TIGHT_COLON.match(key)
+    if tight:
         help = f"put a space after the colon: {tight.group(2)}: {tight.group(3)}"
     return it.fault(f"`{key[:60]}` is neither a key nor part of a value", it.span(it.since, end), help)
 

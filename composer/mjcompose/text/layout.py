@@ -46,6 +46,7 @@ class _Reader:
         return token
 
     def beside(self) -> Comment | None:
+        """Return the comment on the line of the last token."""
         waiting = self.next.comments
         return waiting.pop(0) if waiting and not waiting[0].own_line else None
 
@@ -314,6 +315,7 @@ class _Writer:
         """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
+        """Write comments on their own lines. Their indentation relative to the first comment is kept."""
         margin = next((comment.column for comment in comments if comment.own_line), 0)
         for comment in comments:
             self.blank(comment.blank_before)
@@ -325,6 +327,7 @@ class _Writer:
             self.lines.append("")
 
     def beside(self, comment: Comment | None, shift: int) -> None:
+        """Write a comment on the current line, in its original column if there is room."""
         if comment is not None:
             line = self.lines[-1]
             self.lines[-1] = line.ljust(max(len(line) + _GAP, comment.column + shift)) + comment.text
@@ -378,6 +381,7 @@ class _Writer:
             self.kept = len(self.lines)
 
     def brackets(self, node: Collection, indent: int) -> None:
+        """Write a collection in brackets on the current line; line breaks stay where they were."""
         line = _inline(node)
         if line is not None:
             self.lines[-1] += line
@@ -505,7 +509,8 @@ def _changed(node: Node, text: str, result: str, file: str) -> str | None:
     again = load(result, file, Sink())
     if again is None:
         return "it could not be read again"
-    if (place := difference(node, again)) is not None:
+    place = difference(node, again)
+    if place is not None:
         return f"`{place}` would be another value" if place else "it would be another value"
     if sorted(comments(tokens(text))) != sorted(comments(tokens(result))):
         return "a comment would be lost"

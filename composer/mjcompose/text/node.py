@@ -14,6 +14,8 @@ from mjcompose.tree.values import NOT_XML, code_point
 
 LINE_BREAK = re.compile(r"\r\n|\n|\r")
 
+# The core schema of YAML 1.2, as editors read it. PyYAML 6.0 reads YAML 1.1: there `no` and `on` are booleans, `1e-3`
+# is a text, `017` is 15, and `12:30` is 750.
 _WORDS: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -44,7 +46,8 @@ def resolve(text: str) -> bool | int | float | str | None:
     if _DECIMAL.fullmatch(text):
         return _bounded(text, 10)
     if _FLOAT.fullmatch(text):
-        if math.isinf(number := float(text)):
+        number = float(text)
+        if math.isinf(number):
             raise OverflowError(text)
         return number
     if _OCTAL.fullmatch(text):
@@ -190,6 +193,7 @@ def spans(node: Node) -> Iterator[Span]:
 
 
 def to_python(node: Node) -> Any:
+    """Return plain dicts, lists and values, without places. Recursive, because `load` keeps trees shallow."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):
@@ -239,7 +243,8 @@ def check_characters(node: Node, sink: Sink) -> None:
     for _, key, value in walk(node):
         texts = [(key.name, key.span)] if key is not None else []
         for text, span in [*texts, (value.text, value.span)] if isinstance(value, Scalar) else texts:
-            if odd := NOT_XML.search(text):
+            odd = NOT_XML.search(text)
+            if odd:
                 message = f"this escape is the character {code_point(odd.group())}, which XML cannot contain"
                 sink.error("yaml-syntax", message, span, help="remove it")
 

@@ -53,7 +53,8 @@ def load_table(source: bytes, file: str, sink: Sink) -> Mapping | None:
         help = "write the names of the columns into the first line: `joint,kp,kd`"
         sink.error(_SYNTAX, f"`{file}` has no rows", Span(file, 1, 1), help=help)
         return None
-    if sum(map(len, lines)) > (most := in_force().yaml_values):
+    most = in_force().yaml_values
+    if sum(map(len, lines)) > most:
         message = f"`{file}` has more than {most} values"
         sink.error("yaml-too-large", message, Span(file, 1, 1), help=advice("yaml-values"))
         return None
