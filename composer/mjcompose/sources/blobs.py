@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
 
 def sha256_of(path: Path) -> str:
-    if (kept := unsaved_text(path)) is not None:
+    """Return the sha256 of a file, or of the text that an editor has not saved yet. Raises OSError."""
+    kept = unsaved_text(path)
+    if kept is not None:
         return hashlib.sha256(kept).hexdigest()
     with open_regular(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
@@ -224,6 +226,7 @@ def is_left(stage: str | PathLike[str]) -> bool:
 
 
 def has(store: str | PathLike[str], kind: str, key: str) -> bool:
+    """Return whether an entry exists, damaged or not."""
     return os.path.isfile(os.path.join(store, kind, key))
 
 

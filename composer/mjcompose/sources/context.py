@@ -71,7 +71,8 @@ class Context(Struct, frozen=False):
     def shown(self, path: Path) -> str:
         """Return a path as messages name it: relative to the user's folder if it is below that."""
         absolute = os.path.abspath(os.path.join(self.folder, path))
-        if absolute.startswith(below := os.path.join(self.folder, "")):
+        below = os.path.join(self.folder, "")
+        if absolute.startswith(below):
             return absolute[len(below) :]  # the result of `relpath`, in a tenth of its time
         relative = os.path.relpath(absolute, self.folder)
         return absolute if relative.startswith("..") else relative

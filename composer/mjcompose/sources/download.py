@@ -315,34 +315,24 @@ class _Download(Struct, frozen=False):
         length = response.headers.get("Content-Length", "")
         total = size + int(length) if length.isdigit() else 0
         self._note.write_text(json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8")
-        seconds = patience(self.lookup.environment)
-        of = f" of {total}" if total else ""
-        reported = since = time.monotonic()
-        before = size
+        pace = _Pace(size, total, self.lookup)
+        most = in_force().source_size
         with self.partial.open("ab" if size else "wb") as file:
             try:
                 # Read any bytes that have arrived: `stream` would wait for a full chunk.
                 while chunk := response.read1(_CHUNK, decode_content=False):
                     size += len(chunk)
-                    if max(size, total) > (most := in_force().source_size):
+                    if max(size, total) > most:
                         forget(self.partial)
-                        help, why = advice("source-size", total or None), written("source-size", most)
+                        why = written("source-size", most)
+                        help = advice("source-size", total or None)
                         raise self._failed(f"is larger than {why}", help=help, code="archive-refused")
                     file.write(chunk)
                     self.silence.broken()
-                    now = time.monotonic()
-                    if now - since >= seconds and size != total:
-                        if size - before < _LEAST:
-                            slow = f"less than 1 KiB came in {seconds:g} s"
-                            raise _Broken(f"the transfer was given up after {size}{of} bytes: {slow}")
-                        since = now
-                        before = size
-                    if now - reported > 1:
-                        reported = now
-                        more = f" of {total >> 20} MiB" if total else ""
-                        self.lookup.fetching.progress(f"  {size >> 20} MiB{more}")
+                    pace.check(size)
             except HTTPError as error:
                 why = ": it stalled" if isinstance(error, TimeoutError) else ""
+                of = f" of {total}" if total else ""
                 raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
         if total and size != total:
             raise _Broken(f"the transfer broke off after {size} of {total} bytes")
@@ -365,7 +355,35 @@ def _is_same_server(url: str, other: str) -> bool:
     return parts is not None and others is not None and parts[:2] == others[:2]
 
 
+class _Pace:
+    """Gives up a transfer in which too little arrives, and reports the size of a long one."""
+
+    def __init__(self, size: int, total: int, lookup: Lookup) -> None:
+        self._total = total
+        self._seconds = patience(lookup.environment)
+        self._progress = lookup.fetching.progress
+        self._size = size
+        self._since = time.monotonic()
+        self._reported = self._since
+
+    def check(self, size: int) -> None:
+        """Look at the time, with `size` bytes there. Raises _Broken if the transfer is too slow."""
+        now = time.monotonic()
+        if now - self._since >= self._seconds and size != self._total:
+            if size - self._size < _LEAST:
+                of = f" of {self._total}" if self._total else ""
+                slow = f"less than 1 KiB came in {self._seconds:g} s"
+                raise _Broken(f"the transfer was given up after {size}{of} bytes: {slow}")
+            self._since = now
+            self._size = size
+        if now - self._reported > 1:
+            self._reported = now
+            of = f" of {self._total >> 20} MiB" if self._total else ""
+            self._progress(f"  {size >> 20} MiB{of}")
+
+
 def forget(partial: Path) -> None:
+    """Remove a download that is finished or useless."""
     partial.unlink(missing_ok=True)
     partial.with_suffix(".version").unlink(missing_ok=True)
 

@@ -199,11 +199,12 @@ def _parse_oci(text: str) -> Reference:
     is_host = "." in registry or ":" in registry or registry == "localhost"
     if not is_host or take_apart(f"https://{registry}/") is None or not _REPOSITORY.fullmatch(repository):
         raise malformed(text, _OCI_FORM, "does not say the registry and the repository")
-    if (found := _DIGEST.fullmatch(digest)) is None:
+    sha256 = _DIGEST.fullmatch(digest)
+    if sha256 is None:
         raise malformed(text, _OCI_FORM, "does not give the digest, which is sha256: and 64 digits of 0-9 and a-f")
     if not path:
         raise malformed(text, _OCI_FORM, "does not say the file inside the artifact")
-    return Reference(text, OCI, address, path=path, revision=found[1])
+    return Reference(text, OCI, address, path=path, revision=sha256[1])
 
 
 def _resolve_oci(reference: Reference, lookup: Lookup) -> Source:
@@ -366,7 +367,7 @@ _GIT_FORMS = (
 
 def _parse_git(text: str) -> Reference:
     scheme, _, rest = text.partition(":")
-    form = next((each for each in _GIT_FORMS if each.scheme == scheme), _GIT_FORMS[0])
+    form = next((known for known in _GIT_FORMS if known.scheme == scheme), _GIT_FORMS[0])
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
     forms.check_secrets(text, host)
@@ -379,7 +380,8 @@ def _parse_git(text: str) -> Reference:
         raise malformed(text, form, "does not say the repository")
     if host:
         forms.check_address(text, form, f"{scheme.removeprefix('git+')}://{host}/{repository}")
-    if not (revision := revision_in(revision)):
+    revision = revision_in(revision)
+    if not revision:
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
@@ -433,7 +435,8 @@ def _parse_hf(text: str) -> Reference:
     repository, _, revision = location.partition("@")
     if not _HUB_REPOSITORY.fullmatch(repository):
         raise malformed(text, _HF_FORM, "does not say the organization and the repository")
-    if not (revision := revision_in(revision)):
+    revision = revision_in(revision)
+    if not revision:
         raise malformed(text, _HF_FORM, "does not say the revision")
     if not path:
         raise malformed(text, _HF_FORM, "does not say the file inside the repository")

@@ -224,6 +224,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
 
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
+    """Return the error for a source that is not in the lock when only locked sources are allowed."""
     message = f"`{reference.text}` is not in the lock"
     return SourceError("lock-stale", message, help=f"run `mjcompose lock {fetching.recipe}` and commit the lock")
 
@@ -329,12 +330,17 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
     """Return the error for a reference whose suffix is missing or unknown."""
     known = list(existing)
     suffix = PurePath(text.rpartition("#")[2]).suffix
-    same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
-    same = same or [each for each in known if PurePath(each).stem == text]
+    same = [
+        model_file
+        for model_file in known
+        if os.path.splitext(model_file)[0].removeprefix("./") == text.removeprefix("./")
+    ]
+    same = same or [model_file for model_file in known if PurePath(model_file).stem == text]
     near = same[0] if same else nearest(text, known)
-    if (foreign := foreign_format(PurePath(text))) is not None:
+    foreign = foreign_format(PurePath(text))
+    if foreign is not None:
         stem = text.removesuffix(suffix)
-        beside = next((each for each in known if os.path.splitext(each)[0] == stem), None)
+        beside = next((model_file for model_file in known if os.path.splitext(model_file)[0] == stem), None)
         help = f"write `{beside}`" if beside else foreign.help(text)
         return SourceError("source-kind", foreign.message(text), help=help)
     if suffix.lower() in (".zip", ".mjz", ".mjb"):

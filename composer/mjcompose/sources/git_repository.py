@@ -118,7 +118,8 @@ class _Repository(Struct):
         if self.fetching.offline:
             raise not_at_hand(self.reference)
         with self.store.lock(commit, self.fetching.progress):
-            if (entry := self.store.get("git", commit)) is not None:  # another process has fetched it
+            entry = self.store.get("git", commit)
+            if entry is not None:  # another process has fetched it
                 return entry
             about: dict[str, str] = {}
             return self.store.add(

@@ -33,12 +33,13 @@ def _parse_path(text: str) -> Reference:
 
 def _resolve_path(reference: Reference, lookup: Lookup) -> Source:
     fetching = lookup.fetching
-    if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
+    left_out = _left_out(reference, lookup.folder, fetching)
+    if left_out is not None:
         raise left_out
     door = fetching.door_of_text(lookup.folder)
-    wanted = os.path.join(lookup.folder, reference.path)
-    if not door.sees(wanted):  # before any message lists existing files
-        refused = door.outside(wanted)
+    path = os.path.join(lookup.folder, reference.path)
+    if not door.sees(path):  # before any message lists existing files
+        refused = door.outside(path)
         raise SourceError(CODE, refused.message(), refused.help)
     return _with_origin(_file(reference, lookup.folder, fetching), fetching, lookup.folder)
 
@@ -200,7 +201,8 @@ def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
     help = None
     text = hide(text)
     rest = hide(rest)
-    if near := closest(scheme, [*_BY_SCHEME, *EXTENDED]):
+    near = closest(scheme, [*_BY_SCHEME, *EXTENDED])
+    if near:
         help = f"write `{near[0]}:{rest}`"
     elif scheme.lower() == "file":
         help = "write the path alone"

@@ -66,11 +66,12 @@ def identify(text: str) -> str | None:
         return declared[1]
     plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("license", "license")).split())
     matches = ((re.search(phrase, plain), name) for name, phrase in _PHRASES)
-    found = [(match.start(), name) for match, name in matches if match is not None]
-    if (match := re.search(_BSD, plain)) is not None:
+    places = [(match.start(), name) for match, name in matches if match is not None]
+    match = re.search(_BSD, plain)
+    if match is not None:
         clauses = "BSD-4-Clause" if re.search(_BSD_4, plain) else "BSD-3-Clause"
-        found.append((match.start(), clauses if re.search(_BSD_3, plain) else "BSD-2-Clause"))
-    return min(found)[1] if found else None
+        places.append((match.start(), clauses if re.search(_BSD_3, plain) else "BSD-2-Clause"))
+    return min(places)[1] if places else None
 
 
 def license_of(source: Source) -> str | None:
@@ -79,11 +80,14 @@ def license_of(source: Source) -> str | None:
     The model file itself comes first (`SPDX-License-Identifier`), then its license files, then the package.
     Different license files are joined by AND.
     """
-    if (declared := _DECLARED.search(_heads.ask(os.fspath(source.path)))) is not None:
+    declared = _DECLARED.search(_heads.ask(os.fspath(source.path)))
+    if declared is not None:
         return declared[1]
     named = sorted({name for path in source.licenses if (name := identify(_texts.ask(os.fspath(path)))) is not None})
     if named:
-        return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
+        return " AND ".join(
+            f"({expression})" if " OR " in expression and len(named) > 1 else expression for expression in named
+        )
     return source.license if all(map(is_empty, source.licenses)) else None
 
 
@@ -132,11 +136,12 @@ def of_package(expression: str | None, written: str | None, classifiers: Iterabl
     """Return the license in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O."""
     if expression:
         return expression
-    if written and (named := _WRITTEN.get(written.strip().casefold()) or identify(written)):
-        return named
+    if written and (license := _WRITTEN.get(written.strip().casefold()) or identify(written)):
+        return license
     for classifier in classifiers:
-        if (named := _CLASSIFIERS.get(classifier.rpartition(" :: ")[2])) is not None:
-            return named
+        license = _CLASSIFIERS.get(classifier.rpartition(" :: ")[2])
+        if license is not None:
+            return license
     return None
 
 
@@ -174,8 +179,9 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
             break
         with suppress(OSError):
             paths = (folder / name for name in licenses_in(os.fspath(folder)))
-            if found := tuple(sorted(path for path in paths if os.path.isfile(path))):
-                return found
+            licenses = tuple(sorted(path for path in paths if os.path.isfile(path)))
+            if licenses:
+                return licenses
         if folder in (top, folder.parent) or os.path.exists(folder / ".git"):
             break
         folder = folder.parent

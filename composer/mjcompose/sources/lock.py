@@ -55,7 +55,8 @@ class Locked(_Part):
         return self.commit or self.sha256
 
 
-if missing := {*PINS} - Locked.model_fields.keys():
+missing = {*PINS} - Locked.model_fields.keys()
+if missing:
     raise TypeError(f"kinds of source pin {sorted(missing)}, and a lock has no such field")
 
 
@@ -141,16 +142,11 @@ def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = No
 def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
     """Parse a lock; the first fault goes to `sink` with its place. No I/O."""
     plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
-    if (mark := _MERGE.search(plain)) is not None:
+    mark = _MERGE.search(plain)
+    if mark is not None:
         return _in_a_merge(plain, mark.start(), shown, sink=sink, disputes=disputes)
-    own = Sink()
-    node = load(text, shown, own)
-    if own.errors:
-        first = own.sorted()[0]
-        sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
-        return None
-    if not isinstance(node, Mapping):
-        sink.error("lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP)
+    node = _mapping(text, shown, sink)
+    if node is None:
         return None
     version = node.entries.get("lock")
     number = version[1] if version is not None else None
@@ -165,21 +161,41 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         fault = error.errors()[0]
         _report(fault["type"], tuple(fault["loc"]), node, shown=shown, sink=sink)
         return None
-    unknown = [id for id, locked in lock.sources.items() if not _is_known(locked.kind)]
-    if unknown and lock.extensions:
-        named = ", ".join(f"{name}=={version}" for name, version in lock.extensions.items())
-        kind = lock.sources[unknown[0]].kind
-        span = locate(node, ("sources", unknown[0], "kind"))
-        message = f"`{shown}` needs the source kind `{kind}` of a package that is not installed"
-        sink.error("lock-invalid", message, span, help=f"pip install {named}")
-        return None
-    if unknown:
-        _report("", ("sources", unknown[0], "kind"), node, shown=shown, sink=sink)
+    if not _has_known_kinds(lock, node, shown, sink=sink):
         return None
     if version is None or not isinstance(number, Scalar) or type(number.value) is not int:  # in Python, `True == 1`
         _report("missing" if version is None else "", ("lock",), node, shown=shown, sink=sink)
         return None
     return lock
+
+
+def _mapping(text: bytes | str, shown: str, sink: Sink) -> Mapping | None:
+    """Return the keys of a lock, or None after an error."""
+    own = Sink()
+    node = load(text, shown, own)
+    if own.errors:
+        first = own.sorted()[0]
+        sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
+        return None
+    if not isinstance(node, Mapping):
+        sink.error("lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP)
+        return None
+    return node
+
+
+def _has_known_kinds(lock: Lock, node: Mapping, shown: str, sink: Sink) -> bool:
+    """Return whether the kinds of all sources exist; if not, report the first unknown one and its package."""
+    unknown = next((id for id, locked in lock.sources.items() if not _is_known(locked.kind)), None)
+    if unknown is None:
+        return True
+    if not lock.extensions:
+        _report("", ("sources", unknown, "kind"), node, shown=shown, sink=sink)
+        return False
+    packages = ", ".join(f"{name}=={version}" for name, version in lock.extensions.items())
+    span = locate(node, ("sources", unknown, "kind"))
+    message = f"`{shown}` needs the source kind `{lock.sources[unknown].kind}` of a package that is not installed"
+    sink.error("lock-invalid", message, span, help=f"pip install {packages}")
+    return False
 
 
 def _is_known(kind: str) -> bool:

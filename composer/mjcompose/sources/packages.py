@@ -363,7 +363,8 @@ def _load(reference: Reference, fetching: Fetching) -> Mapping[str, str | None]:
     own = dict(os.environ)
     if fetching.offline:
         own[_TRANSPORTS] = "none"
-    if cache := own.get(_DESCRIPTIONS_CACHE):
+    cache = own.get(_DESCRIPTIONS_CACHE)
+    if cache:
         own[_DESCRIPTIONS_CACHE] = os.path.abspath(os.path.expanduser(cache))
     script = str(Path(__file__).with_name("description.py"))
     command = isolated(sys.executable, [script, json.dumps(module_path()), f"{_DESCRIPTIONS_PACKAGE}.{reference.name}"])
@@ -373,7 +374,8 @@ def _load(reference: Reference, fetching: Fetching) -> Mapping[str, str | None]:
         answer: dict[str, str | None] = json.loads(out)
     except (OSError, Overrun, ValueError) as fault:
         answer = {"error": str(fault)}
-    if (why := answer.get("error")) is None:
+    why = answer.get("error")
+    if why is None:
         return answer
     if fetching.offline:
         raise not_at_hand(reference, f"the cache of `{_DESCRIPTIONS_PACKAGE}`")

@@ -84,7 +84,8 @@ class Kind(Struct, kw_only=True):
 
     def check_pinned(self, **known: str | None) -> None:
         """Raise ValueError if a source of this kind has a fact that its lock would not record."""
-        if missing := [pin for pin, value in known.items() if value is not None and pin not in self.pins]:
+        missing = [pin for pin, value in known.items() if value is not None and pin not in self.pins]
+        if missing:
             raise ValueError(f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it")
 
     def __post_init__(self) -> None:
@@ -140,6 +141,7 @@ def bare(text: str, form: Form) -> str:
 
 
 def malformed(text: str, form: Form, problem: str) -> SourceError:
+    """Return the error for a reference that lacks something of its form."""
     return SourceError("source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`")
 
 

@@ -68,16 +68,19 @@ def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
     waiting = [(folder, 0)]
     while waiting:
         at, depth = waiting.pop(0)
-        if (name := _called(at)) is not None:
+        name = _called(at)
+        if name is not None:
             yield name, at
             continue
         if depth < _DEPTH and not os.path.exists(at / "COLCON_IGNORE"):
             try:
-                inner = sorted(each for each in at.iterdir() if os.path.isdir(each) and not each.is_symlink())
+                inner = sorted(child for child in at.iterdir() if os.path.isdir(child) and not child.is_symlink())
             except OSError:
                 continue
             waiting += [
-                (each, depth + 1) for each in inner if each.name not in _NO_SOURCES and not each.name.startswith(".")
+                (child, depth + 1)
+                for child in inner
+                if child.name not in _NO_SOURCES and not child.name.startswith(".")
             ]
 
 
@@ -92,5 +95,5 @@ def _called(folder: Path) -> str | None:
 
 def beside(name: str, urdf: Path) -> Path | None:
     """Return a folder of that name next to a folder above the file, as a suggestion."""
-    parents = Path(os.path.abspath(urdf)).parents
-    return next((found for folder in parents if os.path.isdir(found := folder / name)), None)
+    neighbors = (folder / name for folder in Path(os.path.abspath(urdf)).parents)
+    return next((folder for folder in neighbors if os.path.isdir(folder)), None)

@@ -43,7 +43,8 @@ _WAIT = 3600.0
 
 def store_folder(environment: Mapping[str, str]) -> str:
     """Return the absolute path in `MJCOMPOSE_CACHE`, or the system's folder for a user's caches."""
-    if named := environment.get("MJCOMPOSE_CACHE"):
+    named = environment.get("MJCOMPOSE_CACHE")
+    if named:
         return os.path.abspath(os.path.expanduser(named))
     if sys.platform == "linux" and "ANDROID_ROOT" not in environment:
         # Same as platformdirs, without its import time.
@@ -93,7 +94,8 @@ class Store(Struct):
         if limit is None:
             message = f"`MJCOMPOSE_CACHE_SIZE` is not a size: `{written}`"
             raise SourceError("store-unusable", message, help="write it as `500M` or `10G`")
-        if (why := untrusted(folder)) is not None:
+        why = untrusted(folder)
+        if why is not None:
             message = f"the store `{folder}` is not trusted: {why}, who may have put anything there"
             raise SourceError("store-unusable", message, help="name a folder of your own in `MJCOMPOSE_CACHE`")
         return cls(folder, limit)
@@ -103,7 +105,8 @@ class Store(Struct):
         folder = self.folder / kind / key
         try:
             with blobs.gate(self.folder):
-                if (entry := self._read(kind, folder)) is not None:
+                entry = self._read(kind, folder)
+                if entry is not None:
                     blobs.hold(self.folder, key)
         except OSError:  # a read-only store, so nothing is removed either
             entry = self._read(kind, folder)
@@ -190,13 +193,14 @@ class Store(Struct):
 
     def entries(self) -> list[StoreEntry]:
         """Return all intact entries, the least recently used first."""
-        found = []
+        entries = []
         for kind in KINDS:
             with contextlib.suppress(OSError):
                 for folder in (self.folder / kind).iterdir():
-                    if (entry := self._read(kind, folder)) is not None:
-                        found.append(entry)
-        return sorted(found, key=lambda entry: (entry.used, entry.key))
+                    entry = self._read(kind, folder)
+                    if entry is not None:
+                        entries.append(entry)
+        return sorted(entries, key=lambda entry: (entry.used, entry.key))
 
     def prune(self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()) -> list[Kept]:
         """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
