@@ -110,7 +110,8 @@ class NameTable:
 
     def describe(self, kind: str, index: int) -> str:
         """Return the element's name, or the place of an unnamed element: ``#2 of body `arm```, or ``#5``."""
-        if name := self.names[kind][index]:
+        name = self.names[kind][index]
+        if name:
             return name
         if kind not in ON_BODIES:
             return f"#{index}"

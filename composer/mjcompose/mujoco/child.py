@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
-LOG_FILE = "MUJOCO_LOG.TXT"
+LOG_FILE = "MUJOCO_LOG.TXT"  # MuJoCo 4.0 writes its warnings into it, in the working directory
 _LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
 _REMEMBERED = 256 << 20
 # how pybind11, C++ and MuJoCo's compiler report a failed allocation
@@ -144,7 +144,8 @@ def _described(request: dict[str, Any], mujoco: Any, model: MjModel) -> dict[str
 
 
 def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
-    if missing := [name for name in request["models"] if name not in kept]:
+    missing = [name for name in request["models"] if name not in kept]
+    if missing:
         return {"ok": False, "error": f"no model is kept as `{missing[0]}`", "crash": None}
     module, _, name = request["function"].partition(":")
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -98,31 +98,54 @@ def needless(mujoco: Any, model: MjModel, asked: dict[str, int]) -> dict[str, An
     _let_collide(mujoco, model)
     branches = Branches(mujoco, model)
     rest = set(_checked(mujoco, model))
-    hung = (pair for pair in sorted(rest) if int(model.body_parentid[pair[1]]) == pair[0])
-    found: dict[Pair, tuple[str, str]] = {pair: (ADJACENT, "") for pair in hung if not _is_free(mujoco, model, pair[1])}
-    for where, data in _keys(mujoco, model):
-        for pair in sorted(_touched(mujoco, model, data).keys() & rest):
-            if branches.is_tied(pair, sliding=True):
-                found.setdefault(pair, (TOUCHING, where))
+    reasons = dict.fromkeys(_jointed(mujoco, model, rest), (ADJACENT, ""))
+    for pair, where in _touching_in_keys(mujoco, model, rest, branches=branches):
+        reasons.setdefault(pair, (TOUCHING, where))
     jaws = {pair for pair in rest if branches.are_jaws(pair)}
-    closing = {pair for pair, (why, _) in found.items() if why == TOUCHING and pair in jaws}
-    left = {pair for pair in rest - jaws if pair not in found and branches.is_tied(pair, sliding=False)}
+    closed = {pair for pair, (why, _) in reasons.items() if why == TOUCHING and pair in jaws}
+    left = {pair for pair in rest - jaws if pair not in reasons and branches.is_tied(pair, sliding=False)}
     apart = {pair for pair in left if branches.least_distance(pair) > _NEAR}
     left -= apart
-    if left or closing:
-        for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]):
-            touched = _touched(mujoco, model, pose).keys()
-            left -= touched
-            for pair in closing - touched:
-                del found[pair]
-            closing &= touched
-            if not (left or closing):
-                break
+    if left or closed:
+        poses = _poses(mujoco, model, asked["samples"], seed=asked["seed"])
+        left, always_closed = _sampled(mujoco, model, poses, apart=left, closed=closed)
+        for pair in closed - always_closed:
+            del reasons[pair]
     search = _Search(mujoco, model, asked["seed"], branches=branches)
     apart |= search.apart(left)
-    found |= dict.fromkeys(apart, (NEVER, ""))
-    pairs = [_in_words(model, pair) | {"why": why, "where": where} for pair, (why, where) in sorted(found.items())]
+    reasons |= dict.fromkeys(apart, (NEVER, ""))
+    pairs = [_in_words(model, pair) | {"why": why, "where": where} for pair, (why, where) in sorted(reasons.items())]
     return {"pairs": pairs, "unsearched": len(search.unsearched)}
+
+
+def _jointed(mujoco: Any, model: MjModel, pairs: Collection[Pair]) -> Iterator[Pair]:
+    """Yield the pairs of a body and its parent, without free bodies."""
+    for one, other in sorted(pairs):
+        if int(model.body_parentid[other]) == one and not _is_free(mujoco, model, other):
+            yield one, other
+
+
+def _touching_in_keys(
+    mujoco: Any, model: MjModel, pairs: Collection[Pair], branches: Branches
+) -> Iterator[tuple[Pair, str]]:
+    """Yield the pairs that touch in the reference configuration or in a key, with its name."""
+    for where, data in _keys(mujoco, model):
+        for pair in sorted(_touched(mujoco, model, data).keys() & pairs):
+            if branches.is_tied(pair, sliding=True):
+                yield pair, where
+
+
+def _sampled(
+    mujoco: Any, model: MjModel, poses: Iterable[Any], apart: set[Pair], closed: set[Pair]
+) -> tuple[set[Pair], set[Pair]]:
+    """Return the pairs of `apart` that touch in none of the poses, and those of `closed` that touch in all of them."""
+    for pose in poses:
+        touched = _touched(mujoco, model, pose).keys()
+        apart = apart - touched
+        closed = closed & touched
+        if not (apart or closed):
+            break
+    return apart, closed
 
 
 class Branches:
@@ -247,22 +270,36 @@ def _checked(mujoco: Any, model: MjModel) -> Iterator[Pair]:
         for body in range(1, model.nbody)
         if model.body_geomnum[body]
     }
-    excluded = {int(each) for each in model.exclude_signature}
-    filters = not int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
-    welds = [int(each) for each in model.body_weldid]
-    above = [welds[int(model.body_parentid[each])] for each in welds]
+    filters = _Filters(mujoco, model)
     for one, first in types.items():
         for other, second in types.items():
-            # The signature has the first body in its upper 16 bits.
-            if other <= one or (one << 16) + other in excluded or (other << 16) + one in excluded:
-                continue
-            if welds[one] == welds[other]:
-                continue
-            # MuJoCo never filters geoms that are welded to the world.
-            if filters and welds[one] and welds[other] and (above[one] == welds[other] or above[other] == welds[one]):
+            if other <= one or filters.drop(one, other):
                 continue
             if any(a & d or c & b for a, b in first for c, d in second):
                 yield one, other
+
+
+class _Filters:
+    """The filters of `mj_collision` for two bodies, before their geoms count."""
+
+    def __init__(self, mujoco: Any, model: MjModel) -> None:
+        self._excluded = {int(signature) for signature in model.exclude_signature}
+        self._are_parents_filtered = not int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+        self._welds = [int(weld) for weld in model.body_weldid]
+        self._above = [self._welds[int(model.body_parentid[weld])] for weld in self._welds]
+
+    def drop(self, one: int, other: int) -> bool:
+        # The signature has the first body in its upper 16 bits.
+        if (one << 16) + other in self._excluded or (other << 16) + one in self._excluded:
+            return True
+        weld = self._welds[one]
+        other_weld = self._welds[other]
+        if weld == other_weld:
+            return True
+        # MuJoCo never filters geoms that are welded to the world.
+        if not (self._are_parents_filtered and weld and other_weld):
+            return False
+        return self._above[one] == other_weld or self._above[other] == weld
 
 
 def _touched(mujoco: Any, model: MjModel, data: MjData, explicit: Collection[frozenset[int]] = ()) -> dict[Pair, None]:
@@ -284,27 +321,32 @@ def _moved(mujoco: Any, model: MjModel) -> set[int]:
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     moved = {int(model.dof_jntid[dof]) for dof in data.moment_colind[: int(data.moment_rownnz.sum())]}
-    coupled = []
-    kinds = mujoco.mjtEq
-    for each in range(model.neq):
-        one = int(model.eq_obj1id[each])
-        other = int(model.eq_obj2id[each])
-        kind = int(model.eq_type[each])
-        if kind == int(kinds.mjEQ_JOINT) and other >= 0:
-            coupled.append({one, other})
-        elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
-            has = model if hasattr(model, "ten_J_rowadr") else data  # MuJoCo 3 has them in the data
-            rows = [slice(has.ten_J_rowadr[n], has.ten_J_rowadr[n] + has.ten_J_rownnz[n]) for n in (one, other)]
-            coupled.append({int(model.dof_jntid[dof]) for row in rows for dof in has.ten_J_colind.ravel()[row]})
-        elif kind in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
-            if int(model.eq_objtype[each]) == int(mujoco.mjtObj.mjOBJ_SITE):
-                one, other = (int(model.site_bodyid[site]) for site in (one, other))
-            coupled.append(set(_between(model, (one, other))))
+    coupled = list(_coupled(mujoco, model, data))
     for _ in coupled:
         for group in coupled:
             if group & moved:
                 moved |= group
     return moved
+
+
+def _coupled(mujoco: Any, model: MjModel, data: MjData) -> Iterator[set[int]]:
+    """Yield the joints that each equality couples."""
+    kinds = mujoco.mjtEq
+    for equality in range(model.neq):
+        one = int(model.eq_obj1id[equality])
+        other = int(model.eq_obj2id[equality])
+        kind = int(model.eq_type[equality])
+        if kind == int(kinds.mjEQ_JOINT) and other >= 0:
+            yield {one, other}
+        elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
+            owner = model if hasattr(model, "ten_J_rowadr") else data  # MuJoCo 3 has the Jacobian in the data
+            rows = [slice(owner.ten_J_rowadr[n], owner.ten_J_rowadr[n] + owner.ten_J_rownnz[n]) for n in (one, other)]
+            yield {int(model.dof_jntid[dof]) for row in rows for dof in owner.ten_J_colind.ravel()[row]}
+        elif kind in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
+            if int(model.eq_objtype[equality]) == int(mujoco.mjtObj.mjOBJ_SITE):
+                one = int(model.site_bodyid[one])
+                other = int(model.site_bodyid[other])
+            yield set(_between(model, (one, other)))
 
 
 def _between(model: MjModel, pair: Pair) -> Iterator[int]:

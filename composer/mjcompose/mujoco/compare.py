@@ -90,7 +90,8 @@ def unequal_elements(matching: Correspondence, rules: Rules) -> Iterator[Unequal
     rows = [[], []]
     for index, target in matching.pairs("joint"):
         if int(alone.jnt_type[index]) == int(composed.jnt_type[target]):
-            rows[0] += (own := span(alone, "qvel", index))
+            own = span(alone, "qvel", index)
+            rows[0] += own
             rows[1] += span(composed, "qvel", target)
             pairs += [(index, target)] * len(own)
     yield from _unequal_rows(matching, rules, DOF, pairs=pairs, rows=rows)
@@ -103,19 +104,18 @@ def _unequal_rows(
     kind = "joint" if group == DOF else group
     if not pairs:
         return
-    starts = [at for at, pair in enumerate(pairs) if not at or pair != pairs[at - 1]]
+    starts = _starts(pairs)
+    ends = [*starts[1:], len(pairs)]
     composed = {name: array for name, array, _ in arrays(matching.composed.model, group)}
     for name, array, treatment in arrays(matching.alone.model, group):
         if treatment in _NOT_ROWS or name not in composed:
             continue
         theirs = composed[name]
-        expected = rules.expected(name, pairs, mine=array[rows[0]], theirs=theirs)
-        actual = theirs[rows[1]]
-        if treatment is Treatment.PRESENT:
-            expected = np.not_equal(expected, -1)
-            actual = np.not_equal(actual, -1)
-        elif treatment is Treatment.USER:
-            expected, actual = same_width(expected, actual)
+        expected, actual = _as_compared(
+            treatment,
+            rules.expected(name, pairs, mine=array[rows[0]], theirs=theirs),
+            theirs[rows[1]],
+        )
         if not expected.size:
             continue
         different = unequal(expected, actual, Bound(rules.bound(treatment)))
@@ -124,8 +124,7 @@ def _unequal_rows(
             first = starts[at]
             if rules.ignores(kind, name, pair[0]) or rules.excuses(treatment, kind, name, pair=pair):
                 continue
-            end = starts[at + 1] if at + 1 < len(starts) else len(pairs)
-            own: Any = slice(first, end) if group == DOF else first
+            own: Any = slice(first, ends[at]) if group == DOF else first
             yield Unequal(
                 kind,
                 *pair,
@@ -137,6 +136,20 @@ def _unequal_rows(
             )
 
 
+def _starts(pairs: Pairs) -> list[int]:
+    """Return the first row of each pair: a joint has a row for each of its dofs."""
+    return [at for at, pair in enumerate(pairs) if not at or pair != pairs[at - 1]]
+
+
+def _as_compared(treatment: Treatment, expected: Array, actual: Array) -> tuple[Array, Array]:
+    """Return what is compared: of some arrays, only whether there is something; of user data, the same width."""
+    if treatment is Treatment.PRESENT:
+        return np.not_equal(expected, -1), np.not_equal(actual, -1)
+    if treatment is Treatment.USER:
+        return same_width(expected, actual)
+    return expected, actual
+
+
 def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator[Unequal]:
     for index, target in matching.pairs(kind):
         theirs = dict(runs(matching.composed.model, kind, target))
@@ -146,7 +159,8 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
                 continue
             different = None
             if mine.shape == other.shape:
-                if (compared := rules.run(kind, name, index, run=(mine, other))) is None:
+                compared = rules.run(kind, name, index, run=(mine, other))
+                if compared is None:
                     continue
                 mine, other, bound = compared
                 different = unequal(mine, other, Bound(bound))

@@ -244,39 +244,48 @@ class _Law:
         self.control = self.controls.start if self.controls else -1
         self.length = float(data.actuator_length[RUNS["actuator"]["nout"].rows(model, index).start])
         gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
-        gainprm = model.actuator_gainprm[index]
-        biasprm = model.actuator_biasprm[index]
         by_plugin = is_by_plugin(model, index)
         self.spec = 0
         if hasattr(model, "actuator_ctrlspec") and gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
             self.spec = int(model.actuator_ctrlspec[index]) & _SETPOINTS
         self.integrates = dynamic == int(dynamics.mjDYN_INTEGRATOR)
         self.filters = dynamic in (int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT))
-        is_affine = (
-            not by_plugin
-            and gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE))
-            and bias
-            in (
-                int(biases.mjBIAS_NONE),
-                int(biases.mjBIAS_AFFINE),
-            )
-        )
-        plain = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters
-        self.gain = self.bias = 0.0
-        if is_affine and plain:
-            self.gain = float(gainprm[0])
-            if gain == int(gains.mjGAIN_AFFINE):
-                self.gain += float(gainprm[1]) * self.length
-            if bias == int(biases.mjBIAS_AFFINE):
-                self.bias = float(biasprm[0] + biasprm[1] * self.length)
-        spring = bias == int(biases.mjBIAS_AFFINE) and biasprm[1] != 0
-        self.kind = ""
-        if not self.spec and not (self.gain and spring):
-            self.kind = "a motor" if self.gain and not np.any(biasprm[:3]) else "no servo for positions"
+        is_direct = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters
+        self.gain = 0.0
+        self.bias = 0.0
+        if is_direct and not by_plugin:
+            self.gain, self.bias = self._line(mujoco, model, gain, bias)
         user = (int(gains.mjGAIN_USER), int(biases.mjBIAS_USER), int(dynamics.mjDYN_USER))
         self.is_unknown = by_plugin or any(map(int.__eq__, (gain, bias, dynamic), user))
+        self.kind = ""
         if self.is_unknown:
             self.kind = "a plugin" if by_plugin else "an actuator of a user's own type"
+        elif not self.spec:
+            self.kind = self._kind_without_spring(model.actuator_biasprm[index], bias == int(biases.mjBIAS_AFFINE))
+
+    def _kind_without_spring(self, biasprm: np.ndarray, is_affine: bool) -> str:
+        """Return the kind of an actuator that pulls to no position; empty if it does."""
+        if self.gain and is_affine and biasprm[1] != 0:
+            return ""
+        return "a motor" if self.gain and not np.any(biasprm[:3]) else "no servo for positions"
+
+    def _line(self, mujoco: Any, model: MjModel, gain_type: int, bias_type: int) -> tuple[float, float]:
+        """Return the force per control and the force without one, at this length; zeros if the law is another one."""
+        gains = mujoco.mjtGain
+        biases = mujoco.mjtBias
+        if gain_type not in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE)):
+            return 0.0, 0.0
+        if bias_type not in (int(biases.mjBIAS_NONE), int(biases.mjBIAS_AFFINE)):
+            return 0.0, 0.0
+        gainprm = model.actuator_gainprm[self.index]
+        biasprm = model.actuator_biasprm[self.index]
+        gain = float(gainprm[0])
+        bias = 0.0
+        if gain_type == int(gains.mjGAIN_AFFINE):
+            gain += float(gainprm[1]) * self.length
+        if bias_type == int(biases.mjBIAS_AFFINE):
+            bias = float(biasprm[0] + biasprm[1] * self.length)
+        return gain, bias
 
     def write(self, force: float, ctrl: list[float | None], act: list[float | None]) -> None:
         if self.spec:

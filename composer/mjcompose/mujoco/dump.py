@@ -211,17 +211,26 @@ def _trials(mujoco: Any, model: MjModel, asked: dict[str, Any], keys: list[str])
         if trial == "step":
             if not len(data.ctrl):
                 continue
-            limited = model.actuator_ctrllimited
-            ends = model.actuator_ctrlrange
-            width = [high - low if on else 1.0 for on, (low, high) in zip(limited, ends, strict=True)]
-            data.ctrl[: len(width)] += [_STEP * each for each in width]
+            _step_controls(model, data)
         if trial == "drop":
             model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
-            for joint in range(model.njnt):
-                if not model.jnt_type[joint]:
-                    data.qpos[model.jnt_qposadr[joint] + 2] += _LIFT
+            _lift(model, data)
         yield f"{trial} {keys[start]}" if trial != "settle" and keys else trial, data
         model.opt.disableflags = flags
+
+
+def _step_controls(model: MjModel, data: MjData) -> None:
+    """Add a share of its range to each control."""
+    ends = model.actuator_ctrlrange
+    widths = [high - low if on else 1.0 for on, (low, high) in zip(model.actuator_ctrllimited, ends, strict=True)]
+    data.ctrl[: len(widths)] += [_STEP * width for width in widths]
+
+
+def _lift(model: MjModel, data: MjData) -> None:
+    """Lift all free bodies."""
+    for joint in range(model.njnt):
+        if not model.jnt_type[joint]:
+            data.qpos[model.jnt_qposadr[joint] + 2] += _LIFT
 
 
 def _frames(mujoco: Any, model: MjModel, data: MjData, seconds: float) -> Iterator[int]:

@@ -76,7 +76,8 @@ class CompileRequest(Struct):
     folder_is_reused: bool = False
 
     def __post_init__(self) -> None:
-        if unknown := set(self.wants) - WANTS:
+        unknown = set(self.wants) - WANTS
+        if unknown:
             raise ValueError(f"unknown needs {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
@@ -223,7 +224,8 @@ class Session:
     def end(self) -> None:
         """Kill the child process, from any thread: callers that wait for it get a failure, and so do later callers."""
         self._is_over = True
-        if (process := self._process) is not None:
+        process = self._process
+        if process is not None:
             process.end()
 
     def _start(self) -> dict[str, Any] | None:
@@ -256,7 +258,8 @@ class Session:
 
     def _spawn(self) -> None:
         if self._folder is None:
-            if (why := untrusted(tempfile.gettempdir(), is_temporary=True)) is not None:
+            why = untrusted(tempfile.gettempdir(), is_temporary=True)
+            if why is not None:
                 raise OSError(f"the folder for temporary files, `{tempfile.gettempdir()}`, is not trusted: {why}")
             self._folder = self._held.enter_context(scratch("engine"))
         work = self._folder / f"work-{self._count}"

@@ -111,14 +111,15 @@ def _packed(pixels: bytes) -> bytes:
     clear = 1 << _BITS
     end = (1 << _BITS) + 1
     known: dict[tuple[int, int], int] = {}
-    found = bytearray()
+    packed = bytearray()
     prefix = pixels[0]
     held = clear
     count = _BITS + 1
     bits = end + 1
     size = _BITS + 1
     for pixel in pixels[1:]:
-        if (code := known.get((prefix, pixel))) is not None:
+        code = known.get((prefix, pixel))
+        if code is not None:
             prefix = code
             continue
         held |= prefix << count
@@ -135,7 +136,7 @@ def _packed(pixels: bytes) -> bytes:
             bits = end + 1
             size = _BITS + 1
         while count >= 8:
-            found.append(held & 255)
+            packed.append(held & 255)
             held >>= 8
             count -= 8
     held |= prefix << count
@@ -144,7 +145,7 @@ def _packed(pixels: bytes) -> bytes:
         size += 1
     held |= end << count
     count += size
-    return bytes(found) + held.to_bytes((count + 7) // 8, "little")
+    return bytes(packed) + held.to_bytes((count + 7) // 8, "little")
 
 
 class NoEncoder(Exception):

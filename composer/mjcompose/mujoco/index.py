@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -321,35 +321,42 @@ def compiled_order(root: Node) -> Order:
     >>> [geom.get('name') for geom in order['geom']]
     ['a', 'b']
     """
-    found: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
+    order: dict[str, list[Node | None]] = {kind: [] for kind in KINDS}
     blocks = {str(block.tag) for block in root.iterdescendants(*_BLOCKS)}
     generated = {kind for block in blocks for kind in _BLOCKS[block]} - {"body", *ON_BODIES}
+    for kind in generated:
+        order[kind].append(None)
+    for kind, element in _in_world(root):
+        order[kind].append(element)
+    for node in (*root.iterfind("extension//instance"), *chain(*root.iterchildren(*_SECTIONS))):
+        own_kind = compiled_kind(node) if isinstance(node.tag, str) else None
+        if own_kind is not None:
+            order[own_kind].append(node)
+    for kind in generated:
+        order[kind].append(None)
+    return order
 
-    def others(kinds: Iterable[str]) -> None:
-        for kind in kinds:
-            found[kind].append(None)
 
-    others(generated)
+def _in_world(root: Node) -> Iterator[tuple[str, Node | None]]:
+    """Yield the bodies and the elements on them with their kinds, and None for any number that a block makes."""
     waiting = list(root.iterchildren(WORLD_SECTION))
     while waiting:
         body = waiting.pop()
         if body.tag in _BLOCKS:
-            others(_made(body)[1])
+            yield from ((kind, None) for kind in _made(body)[1])
             continue
-        found["body"].append(body)
+        yield "body", body
+        # MuJoCo 4.0 numbers the joints of a body before those of its children, even if they are written after them.
         inner: list[Node] = []
         for child in through_frames(body):
-            if child.tag == "body" or child.tag in _BLOCKS:
+            if child.tag == "body":
                 inner.append(child)
-                others(_made(child)[0] if child.tag in _BLOCKS else ())
+            elif child.tag in _BLOCKS:
+                inner.append(child)
+                yield from ((kind, None) for kind in _made(child)[0])
             elif child.tag in _STANDING:
-                found[_STANDING[str(child.tag)]].append(child)
+                yield _STANDING[str(child.tag)], child
         waiting.extend(reversed(inner))
-    for node in (*root.iterfind("extension//instance"), *chain(*root.iterchildren(*_SECTIONS))):
-        if isinstance(node.tag, str) and (written := compiled_kind(node)) is not None:
-            found[written].append(node)
-    others(generated)
-    return found
 
 
 def rows(order: Order, roster: NameTable) -> dict[Node, int]:
@@ -383,13 +390,14 @@ def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> It
     places: dict[frozenset[int], list[int]] = {}
     for row in range(roster.count(kind)):
         places.setdefault(frozenset(link.index for link in links(roster.model, kind, row)), []).append(row)
-    for node in (each for each in expected if each is not None):
+    for node in (element for element in expected if element is not None):
         mine = frozenset(roster.ids[referred].get(str(node.get(attribute)), -1) for attribute in attributes)
         alike = places.get(mine, [])
-        if (found := roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)) is not None:
-            yield node, found
-        if found in alike:
-            alike.remove(found)
+        element_id = roster.ids[kind].get(compiled_name(node), alike[0] if alike else None)
+        if element_id is not None:
+            yield node, element_id
+        if element_id in alike:
+            alike.remove(element_id)
 
 
 def _start(

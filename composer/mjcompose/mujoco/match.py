@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -75,6 +75,10 @@ def distinguishes(link: Link) -> bool:
 def raw(model: MjModel, kind: str, index: int) -> Hashable:
     """Return the references of an element of the composition, comparable with the translated references of the part."""
     return _comparable(kind, ((each.kind, each.index) for each in links(model, kind, index) if distinguishes(each)))
+
+
+_Likeness: TypeAlias = "Callable[[MjModel, str, int], Hashable]"
+"""Returns a key that alike elements of both models have in common."""
 
 
 def _comparable(kind: str, targets: Iterable[tuple[str, int]]) -> Hashable:
@@ -313,28 +317,32 @@ class Correspondence:
 
     def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
         """Pair ``mine`` with ``theirs``: by order if their counts are equal, otherwise by similarity."""
-        found = self.ids[kind]
+        targets = self.ids[kind]
         if ordered and self.by_order and len(mine) == len(theirs):
             for i, j in zip(mine, theirs, strict=True):
                 self._take(kind, i, j)
             return
-        alone = self.alone.model
-        composed = self.composed.model
         # By all values and references, then by the traits that rarely change and references, by the traits, by nothing.
         for likeness, refers in ((values, True), (shape, True), (shape, False), (lambda *_: None, False)):
-            waiting: dict[Hashable, list[int]] = {}
-            for j in theirs:
-                waiting.setdefault((likeness(composed, kind, j), refers and raw(composed, kind, j)), []).append(j)
-            for i in mine:
-                alike = waiting.get((likeness(alone, kind, i), refers and self._translated(kind, i)), [])
-                if alike and likeness is values and all(self._apart(kind, i, j) for j in alike):
-                    continue  # an equal element elsewhere belongs to another part
-                if alike:
-                    nearest = min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
-                    alike.remove(nearest)
-                    self._take(kind, i, nearest)
-            mine = [i for i in mine if found[i] == ABSENT]
+            self._pair_alike(kind, mine, theirs, likeness=likeness, refers=refers)
+            mine = [i for i in mine if targets[i] == ABSENT]
             theirs = [j for j in theirs if j not in self.taken[kind]]
+
+    def _pair_alike(self, kind: str, mine: list[int], theirs: list[int], likeness: _Likeness, refers: bool) -> None:
+        """Pair the elements with the same likeness and, with `refers`, the same references; nearest first."""
+        alone = self.alone.model
+        composed = self.composed.model
+        waiting: dict[Hashable, list[int]] = {}
+        for j in theirs:
+            waiting.setdefault((likeness(composed, kind, j), refers and raw(composed, kind, j)), []).append(j)
+        for i in mine:
+            alike = waiting.get((likeness(alone, kind, i), refers and self._translated(kind, i)), [])
+            if alike and likeness is values and all(self._apart(kind, i, j) for j in alike):
+                continue  # an equal element elsewhere belongs to another part
+            if alike:
+                nearest = min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
+                alike.remove(nearest)
+                self._take(kind, i, nearest)
 
     def _apart(self, kind: str, index: int, target: int) -> float:
         """Return the distance of ``target`` from the expected position of ``index`` in meters; 0 if unknown."""
@@ -438,6 +446,16 @@ def _target(roster: NameTable, link: Link) -> str | None:
     return None if link.index < 0 else roster.describe(link.kind, link.index)
 
 
+def _carriers(model: MjModel, starts: Iterable[int], own: Mapping[int, int]) -> set[int]:
+    """Return the bodies of a part, by their ids in the part alone, at or above the bodies at `starts`."""
+    carriers: set[int] = set()
+    for body in starts:
+        while body and body in own and own[body] not in carriers:
+            carriers.add(own[body])
+            body = int(model.body_parentid[body])
+    return carriers
+
+
 class Coupling:
     """Bodies of a part, by their ids in the part alone, that the rest of the composition affects.
 
@@ -459,11 +477,7 @@ class Coupling:
 
         foreign = [i for i in range(1, composed.nbody) if i not in mine and i not in matching.worlds]
         starts = [int(composed.body_parentid[i]) for i in foreign] + [bodies[body] for body in self.hosts]
-        self.carriers: set[int] = set()
-        for target in starts:
-            while target and target in mine and mine[target] not in self.carriers:
-                self.carriers.add(mine[target])
-                target = int(composed.body_parentid[target])
+        self.carriers = _carriers(composed, starts, mine)
         self._roots: list[int] = matching.alone.model.body_rootid.tolist()
         self.trees = {self._roots[body] for body in (range(len(bodies)) if self.moving or cut else self.carriers)}
 

@@ -165,7 +165,8 @@ def parse(text: str) -> EngineMessage:
     Fault(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
     """
     text = _NO_OBJECT.sub("", text.strip())
-    if broken := _XML.match(text):
+    broken = _XML.match(text)
+    if broken:
         fault = broken["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
         detail = " ".join((broken["rest"] or "").split())
         element = re.fullmatch(r"XMLElement name=(\S+)", detail)
@@ -176,7 +177,8 @@ def parse(text: str) -> EngineMessage:
         return EngineMessage(_PREFIX.sub("", text).strip())
     fields = trailer.groupdict()
     message = _PREFIX.sub("", text[: trailer.start()]).strip()
-    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
+    rest = text[trailer.end() :].strip()
+    if rest:  # MuJoCo 3.12 puts the reason why a file cannot be read last
         message = f"{message}: {rest}"
     return EngineMessage(
         message,
@@ -218,7 +220,8 @@ def of_other_version(
     >>> found.message, found.notes[0].message
     ('this MuJoCo has no attribute `mpr_iterations` of `<option>`', 'it existed up to MuJoCo 3.2.2')
     """
-    if (known := _span(element, name)) is None:
+    known = _span(element, name)
+    if known is None:
         return None
     subject = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
     help = None
@@ -292,11 +295,13 @@ def translate(message: str, element: Node | None) -> Translation:
 
 def unknown_attribute(element: Node, name: str, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an unknown attribute in a `file` that a MuJoCo of `version` reads, if known."""
-    if (found := of_other_version(element, name, file, version=version)) is None:
-        known = list(kind.attributes) if (kind := kind_of(element)) is not None else []
+    translation = of_other_version(element, name, file, version=version)
+    if translation is None:
+        kind = kind_of(element)
+        known = list(kind.attributes) if kind is not None else []
         help = instead_of_old(str(element.tag), name, str(element.get(name)))
-        found = no_attribute(name, f"`<{element.tag}>`", known, help=help, otherwise=f"remove `{name}`")
-    return Translation(found, name, key=True)
+        translation = no_attribute(name, f"`<{element.tag}>`", known, help=help, otherwise=f"remove `{name}`")
+    return Translation(translation, name, key=True)
 
 
 _COLLIDING = {
@@ -320,7 +325,8 @@ def instead_of_old(tag: str, attribute: str, value: str) -> str | None:
 
 def unknown_element(element: Node, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an element that MJCF does not have in that place."""
-    if (other := of_other_version(element, None, file, version=version)) is not None:
+    other = of_other_version(element, None, file, version=version)
+    if other is not None:
         return Translation(other)
     parent = element.getparent()
     tag = str(element.tag)
@@ -365,14 +371,16 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
     if known is None or known.type not in ("keyword", "keywords") or element.get(known.name) is None:
         return ()
     text = str(element.get(known.name))
-    if (versions := known.keyword_versions.get(text)) is not None:
+    versions = known.keyword_versions.get(text)
+    if versions is not None:
         return _versions(*versions)
     return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
 
 
 def _not_positive(said: Sentence, element: Node) -> str | None:
     """Return the advice for a size that is written and not positive; a missing size has different advice."""
-    if (index := said.size_index) is None:
+    index = said.size_index
+    if index is None:
         return None
     sizes = str(element.get("size") or "").split()
     return f"`{sizes[index]}` is not above 0: sizes are lengths in meters" if index < len(sizes) else None

@@ -69,10 +69,11 @@ class _Mirror:
     def _pairs(self, kind: str) -> dict[int, int]:
         ours = names(self.of, kind)
         theirs = names(self.own, kind)
-        wanted = [self.exchange(name) for name in ours]
-        if missing := sorted({*wanted} ^ {*theirs}):
+        mirrored = [self.exchange(name) for name in ours]
+        missing = sorted({*mirrored} ^ {*theirs})
+        if missing:
             raise _Unlike({"why": "names", "kind": kind, "name": missing[0], "mine": missing[0] in theirs})
-        return {index: theirs.index(name) for index, name in enumerate(wanted)}
+        return {index: theirs.index(name) for index, name in enumerate(mirrored)}
 
     def _compare_bodies(self, key: int | None) -> None:
         """Raise `_Unlike` if a body is not at the place of its counterpart's mirror image."""
@@ -133,7 +134,9 @@ class _Mirror:
         for actuator, other in self.actuators.items():
             self._control(actuator, other)
         for body, other in self.bodies.items():
-            if (mocap := int(of.body_mocapid[body])) >= 0 and (there := int(own.body_mocapid[other])) >= 0:
+            mocap = int(of.body_mocapid[body])
+            there = int(own.body_mocapid[other])
+            if mocap >= 0 and there >= 0:
                 after.mocap_pos[there] = self.flip @ before.mocap_pos[mocap]
                 after.mocap_quat[there] = self._turned(before.mocap_quat[mocap], body, other)
         found = {
@@ -144,7 +147,7 @@ class _Mirror:
             "mpos": after.mocap_pos,
             "mquat": after.mocap_quat,
         }
-        rows = {vector: [round(float(each), 12) + 0.0 for each in row.ravel()] for vector, row in found.items()}
+        rows = {vector: [round(float(number), 12) + 0.0 for number in row.ravel()] for vector, row in found.items()}
         for model, data in zip((of, own), self.data, strict=True):
             self.mujoco.mj_forward(model, data)
         self._compare_bodies(number)

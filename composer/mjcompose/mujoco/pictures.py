@@ -75,20 +75,8 @@ def points_of(mujoco: Any, model: MjModel, data: MjData, kind: str, name: str) -
 
 def explode(mujoco: Any, model: MjModel, data: MjData) -> list[Link]:
     """Move the parts (bodies with one prefix, or each body) away from the bodies below; return lines to those."""
-    prefixes = [name.rpartition("/")[0] for name in names(model, "body")]
-    is_whole = not any(prefixes)
-    first = list(range(model.nbody))  # of each body, the first body of its part
-    for body in range(1, model.nbody):
-        parent = int(model.body_parentid[body])
-        if not is_whole and prefixes[body] == prefixes[parent] and parent:
-            first[body] = first[parent]
-    boxes: dict[int, tuple[Any, float]] = {}
-    for part in sorted(set(first)):
-        geoms = [geom for geom in range(model.ngeom) if first[int(model.geom_bodyid[geom])] == part]
-        points = corners(mujoco, model, data, some=geoms) if geoms else data.xpos[part][None]
-        low = points.min(axis=0)
-        high = points.max(axis=0)
-        boxes[part] = (low + high) / 2, float(np.linalg.norm(high - low))
+    first = _first_of_part(model)
+    boxes = _boxes(mujoco, model, data, first)
     middle = np.mean([center for part, (center, _) in boxes.items() if part], axis=0) if len(boxes) > 1 else np.zeros(3)
     moved = np.zeros((model.nbody, 3))
     links = []
@@ -119,13 +107,40 @@ def explode(mujoco: Any, model: MjModel, data: MjData) -> list[Link]:
     return links
 
 
+def _first_of_part(model: MjModel) -> list[int]:
+    """Return for each body the first body of its part; without prefixes, each body is a part."""
+    prefixes = [name.rpartition("/")[0] for name in names(model, "body")]
+    has_parts = any(prefixes)
+    first = list(range(model.nbody))
+    for body in range(1, model.nbody):
+        parent = int(model.body_parentid[body])
+        if has_parts and prefixes[body] == prefixes[parent] and parent:
+            first[body] = first[parent]
+    return first
+
+
+def _boxes(mujoco: Any, model: MjModel, data: MjData, first: list[int]) -> dict[int, tuple[Any, float]]:
+    """Return the center and the diagonal of the box around each part, by its first body."""
+    geoms: dict[int, list[int]] = {part: [] for part in sorted(set(first))}
+    for geom in range(model.ngeom):
+        geoms[first[int(model.geom_bodyid[geom])]].append(geom)
+    boxes = {}
+    for part, own in geoms.items():
+        points = corners(mujoco, model, data, some=own) if own else data.xpos[part][None]
+        low = points.min(axis=0)
+        high = points.max(axis=0)
+        boxes[part] = (low + high) / 2, float(np.linalg.norm(high - low))
+    return boxes
+
+
 def decorate(
     mujoco: Any, model: MjModel, data: MjData, scene: Any, links: Iterable[Link], labels: Iterable[str]
 ) -> None:
     """Add lines, and the names of elements of some kinds, to a scene."""
     kinds = mujoco.mjtGeom
     for start, end in links:
-        if (geom := _new(mujoco, scene, kinds.mjGEOM_LINE)) is not None:
+        geom = _new(mujoco, scene, kinds.mjGEOM_LINE)
+        if geom is not None:
             mujoco.mjv_connector(geom, kinds.mjGEOM_LINE, _WIDTH, start, end)
     for kind in labels:
         for name, there in zip(names(model, kind), getattr(data, _PLACES[kind]), strict=True):
@@ -400,14 +415,16 @@ def draw(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any
     """
     subject = asked["look"]
     for kind, name in (("key", asked["key"]), ("camera", asked["camera"]), subject or ("", None)):
-        if name is not None and name not in (known := names(model, kind)):
+        known = names(model, kind) if name is not None else []
+        if name is not None and name not in known:
             return {"unknown": kind, "known": list(filter(None, known))}
     out = Path(asked["out"])
-    tile = asked.get("tile")
     width, height = asked["size"]
     background = None if asked["background"] is None else tuple(asked["background"])
     labels = tuple(asked["labels"])
-    look = Look(width, height, background, is_tile=tile is not None, explode=asked["explode"], labels=labels)
+    look = Look(
+        width, height, background, is_tile=asked.get("tile") is not None, explode=asked["explode"], labels=labels
+    )
     key = asked["key"] if asked["key"] is not None else (0 if model.nkey else None)
     try:
         if out.suffix == ".mp4":
@@ -417,28 +434,36 @@ def draw(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any
         return {"no encoder": str(error)}
     except NoOpenGL as error:
         return {"no OpenGL": str(error)}
-    if (view := asked["camera"]) is None:
+    view = asked["camera"]
+    if view is None:
         view = stage.whole(None if subject is None else points_of(mujoco, model, stage.data, *subject))
     try:
-        if tile is not None:
-            picture = stage.picture(view)[:, :, :3]
-            high = round(_STRIP * max(1.0, picture.shape[1] / 480))
-            strip = stage.text(tile, picture.shape[1], high, ink=_CAPTION_INK, paper=_CAPTION_PAPER)
-            np.save(out, np.concatenate([picture, strip]))
-        elif out.suffix == ".png":
-            out.write_bytes(png(stage.picture(view)))
-        else:
-            rate = _RATES[out.suffix]
-            frames = list(_frames(stage, view, rate, turntable=asked["turntable"], play=asked["play"]))
-            if out.suffix == ".mp4":
-                write_mp4(out, frames, rate)
-            else:
-                out.write_bytes(gif(frames, 1 / rate))
+        _write(stage, view, asked, out=out)
     except _StoppedError as error:
         return {"stopped": str(error)}
     finally:
         stage.close()
     return {}
+
+
+def _write(stage: Stage, view: Any, asked: Mapping[str, Any], out: Path) -> None:
+    """Write a picture for a tile, a picture, or a film. Raises _StoppedError."""
+    tile = asked.get("tile")
+    if tile is not None:
+        picture = stage.picture(view)[:, :, :3]
+        height = round(_STRIP * max(1.0, picture.shape[1] / 480))
+        strip = stage.text(tile, picture.shape[1], height, ink=_CAPTION_INK, paper=_CAPTION_PAPER)
+        np.save(out, np.concatenate([picture, strip]))
+        return
+    if out.suffix == ".png":
+        out.write_bytes(png(stage.picture(view)))
+        return
+    rate = _RATES[out.suffix]
+    frames = list(_frames(stage, view, rate, turntable=asked["turntable"], play=asked["play"]))
+    if out.suffix == ".mp4":
+        write_mp4(out, frames, rate)
+    else:
+        out.write_bytes(gif(frames, 1 / rate))
 
 
 def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | None) -> Iterator[Any]:

@@ -42,17 +42,10 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
     path = Path(asked["model"])
     spec = mujoco.MjSpec.from_file(str(path))
     model = spec.compile()
-    kinds = mujoco.mjtSensor
-    geom = int(mujoco.mjtObj.mjOBJ_GEOM)
-    seeing = {kinds.mjSENS_RANGEFINDER, kinds.mjSENS_GEOMDIST, kinds.mjSENS_GEOMNORMAL, kinds.mjSENS_GEOMFROMTO}
-    looks = geom in (*model.sensor_objtype.tolist(), *model.sensor_reftype.tolist())
-    if looks or any(int(each) in seeing for each in model.sensor_type):
+    if _looks_at_geoms(mujoco, model):
         return str(path)
     paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
-    of_mesh: dict[int, list[int]] = {}
-    for geom in np.flatnonzero(model.geom_dataid >= 0).tolist():
-        if int(model.geom_type[geom]) == mujoco.mjtGeom.mjGEOM_MESH:
-            of_mesh.setdefault(int(model.geom_dataid[geom]), []).append(geom)
+    of_mesh = _geoms_of_meshes(mujoco, model)
     kept: set[str] = set()
     bodies: dict[str, set[int]] = {}
     for mesh in spec.meshes:
@@ -61,11 +54,30 @@ def strip(mujoco: Any, asked: Mapping[str, Any]) -> str:
         collides = any(model.geom_contype[geom] or model.geom_conaffinity[geom] or geom in paired for geom in geoms)
         if collides or not geoms or Path(mesh.file).suffix.lower() not in _TENT:
             kept.add(mesh.file)
-    wanted = {name for name in bodies if name and name not in kept}
-    files = {name: _TENT[Path(name).suffix.lower()] for name in sorted(wanted)}
+    visual = sorted(name for name in bodies if name and name not in kept)
+    files = {name: _TENT[Path(name).suffix.lower()] for name in visual}
     pixel = png(np.zeros((12, 12, 3), np.uint8))
-    files |= {each.file: pixel for each in spec.textures if each.file.lower().endswith(".png")}
+    files |= {texture.file: pixel for texture in spec.textures if texture.file.lower().endswith(".png")}
     return str(_replaced(mujoco, path, model, files=files, bodies=bodies, out=Path(asked["out"])) or path)
+
+
+def _looks_at_geoms(mujoco: Any, model: MjModel) -> bool:
+    """Return whether a sensor sees the surfaces of geoms."""
+    kinds = mujoco.mjtSensor
+    seeing = {kinds.mjSENS_RANGEFINDER, kinds.mjSENS_GEOMDIST, kinds.mjSENS_GEOMNORMAL, kinds.mjSENS_GEOMFROMTO}
+    geom = int(mujoco.mjtObj.mjOBJ_GEOM)
+    if geom in (*model.sensor_objtype.tolist(), *model.sensor_reftype.tolist()):
+        return True
+    return any(int(kind) in seeing for kind in model.sensor_type)
+
+
+def _geoms_of_meshes(mujoco: Any, model: MjModel) -> dict[int, list[int]]:
+    """Return the geoms that have the shape of each mesh."""
+    geoms: dict[int, list[int]] = {}
+    for geom in np.flatnonzero(model.geom_dataid >= 0).tolist():
+        if int(model.geom_type[geom]) == mujoco.mjtGeom.mjGEOM_MESH:
+            geoms.setdefault(int(model.geom_dataid[geom]), []).append(geom)
+    return geoms
 
 
 def _replaced(

@@ -86,7 +86,8 @@ def python_in(version: str, environment: Mapping[str, str]) -> Path:
     if not os.path.lexists(place / _READY):
         raise MissingError([version])
     python = python_of(place)
-    if (why := untrusted_program(folder, python)) is not None:
+    why = untrusted_program(folder, python)
+    if why is not None:
         message = f"MuJoCo {version} in `{place}` is not run: {why}"
         raise ProgramError(message, f"remove that folder, and run `mjcompose install {MUJOCO}=={version}`")
     return python
@@ -138,7 +139,8 @@ def _locked(folder: Path, version: str) -> Iterator[None]:
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
-        if (why := _open_to_others(folder)) is not None:
+        why = _open_to_others(folder)
+        if why is not None:
             raise ProgramError(f"nothing is installed into `{folder}`: {why}", f"run `chmod 700 {folder}`")
         file = os.open(folder / f"{MUJOCO}-{version}.lock", os.O_RDWR | os.O_CREAT, 0o600)
         try:
@@ -156,7 +158,8 @@ def untrusted_program(folder: Path, python: Path) -> str | None:
     """Return why a Python in the folder of programs is not run, or None: somebody else owns it or can change it."""
     if not hasattr(os, "geteuid"):  # a system without such owners, as Windows
         return None
-    if (why := _open_to_others(folder)) is not None:
+    why = _open_to_others(folder)
+    if why is not None:
         return why
     inner = [path for path in (python, *python.parents) if path.is_relative_to(folder)]
     for path in inner:
@@ -202,15 +205,16 @@ def _changeable(path: Path) -> str | None:
 
 def _commands(folder: Path, version: str, environment: Mapping[str, str]) -> list[list[str]]:
     """Return the commands that install it: with uv if it exists, else with this Python and pip."""
-    wanted = [f"{MUJOCO}=={version}", "numpy"]
+    packages = [f"{MUJOCO}=={version}", "numpy"]
     python = str(python_of(folder))
-    if (uv := program("uv", environment)) is not None:
+    uv = program("uv", environment)
+    if uv is not None:
         settings = _settings_of_uv(environment)
         # All versions since 3.0 have a wheel for this Python.
         make = [uv, *settings, "venv", "--quiet", "--python", "3.11", str(folder)]
-        return [make, [uv, *settings, "pip", "install", "--quiet", "--python", python, *wanted]]
+        return [make, [uv, *settings, "pip", "install", "--quiet", "--python", python, *packages]]
     quiet = ["--quiet", "--disable-pip-version-check", "--no-input", "--only-binary", ":all:"]
-    install = isolated(python, ["-m", "pip", "install", *quiet, *wanted])
+    install = isolated(python, ["-m", "pip", "install", *quiet, *packages])
     return [isolated(sys.executable, ["-m", "venv", str(folder)]), install]
 
 

@@ -103,7 +103,8 @@ Reader: TypeAlias = "Callable[[MjModel, int], Iterator[Link]]"
 def _row(array: str, kind: str, world: World = World.WORLD) -> Reader:
 
     def read(model: MjModel, index: int) -> Iterator[Link]:
-        if (values := getattr(model, array, None)) is not None:
+        values = getattr(model, array, None)
+        if values is not None:
             yield Link(array, kind, int(values[index]), world=world)
 
     return read
@@ -144,7 +145,8 @@ def _textures(model: MjModel, index: int) -> Iterator[Link]:
 
 
 def _twists(model: MjModel, index: int) -> Iterator[Link]:
-    if (rows := bending(model, index)) is not None:
+    rows = bending(model, index)
+    if rows is not None:
         for place in twists(rows):
             yield Link(f"flex_bending[{place}]", "joint", int(rows[place]))
 
@@ -260,14 +262,16 @@ def _transmission(model: MjModel, index: int) -> Iterator[Link]:
 
 def _sensor(model: MjModel, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
-        if (kind := OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))) is not None:
+        kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
+        if kind is not None:
             yield from _row(array, kind, World.KEPT)(model, index)
 
 
 def _tuple(model: MjModel, index: int) -> Iterator[Link]:
     first = int(model.tuple_adr[index])
     for place in range(int(model.tuple_size[index])):
-        if (kind := OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))) is not None:
+        kind = OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))
+        if kind is not None:
             yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]), world=World.KEPT)
 
 

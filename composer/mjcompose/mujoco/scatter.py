@@ -68,6 +68,16 @@ def scatter(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any
     return {"poses": poses, "began": began}
 
 
+def _unknown(model: MjModel, group: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the fault of a group whose surface or keyframe does not exist, or None."""
+    for kind, name in (group["over"], ("key", group["key"])):
+        known = names(model, kind) if name is not None else []
+        if name is not None and name not in known:
+            noun = "keyframe" if kind == "key" else kind
+            return {"why": "unknown", "kind": noun, "name": name, "known": list(filter(None, known))}
+    return None
+
+
 def _listed(pose: Pose) -> list[list[float]]:
     return [list(pose.pos), list(pose.quat)]
 
@@ -112,20 +122,17 @@ class _Scattering:
         model = self.model
         data = self.data
         bodies = self.groups[number]
-        for kind, name in (group["over"], ("key", group["key"])):
-            if name is not None and name not in (known := names(model, kind)):
-                kind = "keyframe" if kind == "key" else kind
-                return {"why": "unknown", "kind": kind, "name": name, "known": list(filter(None, known))}
+        unknown = _unknown(model, group)
+        if unknown is not None:
+            return unknown
         before = data.qpos.copy()
         mujoco.mj_resetData(model, data)
         if group["key"] is not None:
             mujoco.mj_resetDataKeyframe(model, data, names(model, "key").index(group["key"]))
         self._park(chain(*self.groups), before)
-        if group["key"] is not None and any(self._moves(*each) for each in (group["over"], group["place"])):
+        if group["key"] is not None and any(self._moves(*element) for element in (group["over"], group["place"])):
             return {"why": "moves"}
-        bits_of = (array[self.geoms[bodies[0]]] for array in (model.geom_contype, model.geom_conaffinity))
-        types, affinities = (np.bitwise_or.reduce(each, initial=0) for each in bits_of)
-        if not types & affinities:
+        if not self._can_collide(bodies[0]):
             return {"why": "untouchable"}
         mujoco.mj_kinematics(model, data)
         self.surface = _Surface(mujoco, model, data, *group["over"])
@@ -134,16 +141,30 @@ class _Scattering:
         best = 0
         self.blocked = Counter()
         for attempt in range(_ROUNDS):
-            self._park(bodies)
-            for count, body in enumerate(bodies):
-                best = max(best, count)
-                stream = f"{group['part']} {count} {attempt}"
-                if not any(self._fits(body, trial, stream, group=group) for trial in range(_TRIES)):
-                    self._park([body])
-                    break
-            else:
+            placed = self._placed(bodies, attempt, group)
+            if placed == len(bodies):
                 return None
+            best = max(best, placed)
         return {"why": "room", "placed": best, "room": self.surface.room, "blocked": self.blocked.most_common()}
+
+    def _can_collide(self, body: int) -> bool:
+        """Return whether two copies of a body can touch."""
+        geoms = self.geoms[body]
+        types, affinities = (
+            np.bitwise_or.reduce(bits[geoms], initial=0)
+            for bits in (self.model.geom_contype, self.model.geom_conaffinity)
+        )
+        return bool(types & affinities)
+
+    def _placed(self, bodies: list[int], attempt: int, group: dict[str, Any]) -> int:
+        """Put the copies one after the other, and return how many found a place before the first that found none."""
+        self._park(bodies)
+        for count, body in enumerate(bodies):
+            stream = f"{group['part']} {count} {attempt}"
+            if not any(self._fits(body, trial, stream, group=group) for trial in range(_TRIES)):
+                self._park([body])
+                return count
+        return len(bodies)
 
     def _moves(self, kind: str, name: str) -> bool:
         """Return whether a place or a surface is on a body that can move."""

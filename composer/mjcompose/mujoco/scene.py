@@ -419,7 +419,9 @@ def look(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any
     """Return the answer of `seen` at ``qpos`` and ``ctrl``, at rest; runs under `mjcompose.mujoco.engine.call`."""
     data = mujoco.MjData(model)
     for name in ("qpos", "ctrl"):
-        if len(value := asked[name]) == len(array := getattr(data, name)):
+        value = asked[name]
+        array = getattr(data, name)
+        if len(value) == len(array):
             array[:] = value
     place(mujoco, model, data)
     return seen(mujoco, model, data)

@@ -131,7 +131,8 @@ class Servos:
     def _unstable(self, dofs: slice) -> Iterator[Mode]:
         timestep = float(self.model.opt.timestep)
         count = dofs.stop - dofs.start
-        if (step := self._step(dofs, timestep)) is None:
+        step = self._step(dofs, timestep)
+        if step is None:
             return
         values, vectors = np.linalg.eig(step)
         wrong = np.abs(values) > 1 + _GROWS
@@ -184,6 +185,7 @@ class Servos:
     # Forces
 
     def of_dof(self, dof: int) -> list[int]:
+        """Return the actuators that act on a degree of freedom."""
         return self._actuators.get(dof, [])
 
     def strongest(self, dof: int) -> tuple[float, float] | None:

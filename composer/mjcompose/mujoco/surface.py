@@ -82,7 +82,8 @@ def _near(tree: Any, points: numpy.ndarray, distances: numpy.ndarray) -> Iterato
     for batch in numpy.unique(batches):
         rows = numpy.flatnonzero(batches == batch)
         entries = tree.query_ball_point(points[rows], distances[rows])
-        if total := int(counts[rows].sum()):
+        total = int(counts[rows].sum())
+        if total:
             numbers = numpy.fromiter((number for row in entries for number in row), dtype=int, count=total)
             yield numpy.repeat(rows, counts[rows]), numbers
 

@@ -106,7 +106,8 @@ class Differences:
         """Record a model with arrays of the same sizes for `count` worlds from this one."""
         for name, nominal in self.nominal.items():
             now = flat(model, name)
-            if (other := unequal(nominal, now)).any():
+            other = unequal(nominal, now)
+            if other.any():
                 self._grow(name, np.flatnonzero(other))
                 self.values[name][:, world : world + count] = now[self.index[name], None]
 
