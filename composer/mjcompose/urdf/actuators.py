@@ -23,6 +23,8 @@ _KP = ("kp", "p", "position_kp", "position_proportional_gain")
 _KD = ("kd", "d", "position_kd", "position_derivative_gain")
 _KV = ("kv", "kp", "p", "velocity_kp", "velocity_proportional_gain")
 
+_Range = tuple[float, float]
+
 
 class Drive(Struct, frozen=False):
     """A commanded joint: its source in the URDF, its interfaces and its numbers."""
@@ -88,44 +90,52 @@ def _element(drive: Drive, joint: Node) -> Node:
 
     All act on the joint itself, as the interfaces of ROS do: `effort` includes any reduction.
     """
-    limit = joint.find("limit")
-    effort, velocity = ((None if limit is None else parse(limit.get(name))) or 0.0 for name in ("effort", "velocity"))
-    numbers = (map(drive.numbers.get, names) for names in (_KP, _KD, _KV))
-    kp, kd, kv = (next(filter(None, each), None) for each in numbers)
-    gains: dict[str, float] = {}
-    if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
-        tag = "position"
-        gains = {"kp": kp, **({"kv": kd} if kd else {})}
-        span = _joint_range(joint)
-    elif "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
-        tag = "velocity"
-        gains = {"kv": kv}
-        span = (-velocity, velocity) if velocity else None
-    else:
-        tag = "motor"
-        span = (-effort, effort) if effort else None
+    tag, gains, ends = _servo(drive, joint) or ("motor", {}, _both_ways(_limit(joint, "effort")))
     interface = drive.interfaces.get("effort" if tag == "motor" else tag)
     params = {} if interface is None else by_name(interface, "param")
     own = _ordered(*(parse(params[name].text) if name in params else None for name in ("min", "max")))
     element = etree.Element(tag, name=drive.joint, joint=drive.joint)
     for name, value in gains.items():
         element.set(name, number_text(value))
-    if (ends := own or span) is not None:
+    ends = own or ends
+    if ends is not None:
         element.set("ctrlrange", numbers_text(ends))
     return element
 
 
-def _ordered(low: float | None, high: float | None) -> tuple[float, float] | None:
+def _servo(drive: Drive, joint: Node) -> tuple[str, dict[str, float], _Range | None] | None:
+    """Return the tag, the gains and the range of a servo; None if the URDF lacks its gains, or commands the effort."""
+    if "effort" in drive.interfaces:
+        return None
+    kp, kd, kv = (next(filter(None, map(drive.numbers.get, names)), None) for names in (_KP, _KD, _KV))
+    if "position" in drive.interfaces and kp:
+        return "position", {"kp": kp, **({"kv": kd} if kd else {})}, _joint_range(joint)
+    if "velocity" in drive.interfaces and kv:
+        return "velocity", {"kv": kv}, _both_ways(_limit(joint, "velocity"))
+    return None
+
+
+def _limit(joint: Node, name: str) -> float:
+    """Return a limit of a joint, 0 if it has none."""
+    limit = joint.find("limit")
+    return (None if limit is None else parse(limit.get(name))) or 0.0
+
+
+def _both_ways(most: float) -> _Range | None:
+    return (-most, most) if most else None
+
+
+def _ordered(low: float | None, high: float | None) -> _Range | None:
     return (low, high) if low is not None and high is not None and low < high else None
 
 
-def _joint_range(joint: Node) -> tuple[float, float] | None:
+def _joint_range(joint: Node) -> _Range | None:
     """Return the soft limits of a joint, or else its limits, if it has any."""
     soft = joint.find("safety_controller")
     hard = joint.find("limit")
     places = ((soft, "soft_lower_limit", "soft_upper_limit"), (hard, "lower", "upper"))
-    found = (_ordered(*(parse(each.get(end)) for end in ends)) for each, *ends in places if each is not None)
-    return next(filter(None, found), None) if joint.get("type") != "continuous" else None
+    ranges = (_ordered(*(parse(element.get(end)) for end in ends)) for element, *ends in places if element is not None)
+    return next(filter(None, ranges), None) if joint.get("type") != "continuous" else None
 
 
 def _unknown(drive: Drive, known: list[str], robot: Unit, sink: Sink) -> None:
@@ -164,8 +174,11 @@ class Extras(Struct, frozen=False):
         """Add everything. Return the URDF elements that were read, and their results."""
         links = by_name(self.robot.root, "link")
         joints = by_name(self.robot.root, "joint")
-        contacts = ((link, contact) for link in links.values() if (contact := link.find("contact")) is not None)
-        read = {contact: "friction" for link, contact in contacts if self._contact(link, contact)}
+        read = {}
+        for link in links.values():
+            contact = link.find("contact")
+            if contact is not None and self._contact(link, contact):
+                read[contact] = "friction"
         for setting in self.robot.root.iterfind("gazebo/*"):
             value = (setting.text or setting.get("value") or "").strip()
             gazebo = setting.getparent()
@@ -293,7 +306,9 @@ def read_rows(unit: Unit, keeps_visuals: bool, known: Mapping[Node, str]) -> tup
         key = what, bool(why)
         if key in rows:
             rows[key] = replace(rows[key], count=rows[key].count + 1)
-        elif (span := unit.origins.span(element, unit.file)) != Span(unit.file, 1, 1):  # not `<mujoco>` of our own
+            continue
+        span = unit.origins.span(element, unit.file)
+        if span != Span(unit.file, 1, 1):  # not `<mujoco>` of our own
             rows[key] = ReadRow(what, 1, became, why=why, span=span, is_minor=what == "joint/limit velocity")
     return tuple(rows.values())
 
@@ -391,7 +406,8 @@ def _fates_of_control(control: Node) -> Iterator[Fate]:
 
 def note_unread(rows: tuple[ReadRow, ...], unit: Unit, sink: Sink) -> None:
     """Add a note with everything that is not in the model."""
-    if missing := [row for row in rows if row.why and not row.is_minor]:
+    missing = [row for row in rows if row.why and not row.is_minor]
+    if missing:
         are = "kinds of elements are" if len(missing) > 1 else "kind of element is"
         notes = [Note(f"{row.span}: {row.called}: {row.why}") for row in missing]
         sink.note(

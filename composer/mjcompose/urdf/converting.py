@@ -38,18 +38,7 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         return _own(path, door)
     resolver = _Resolver(os.path.dirname(path), door)
     try:
-        import trimesh
-
-        data = door.read(path)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            kind: dict[str, Any] = {"split_objects": False, "group_material": True} if suffix == "obj" else {}
-            kind |= {"file_type": suffix, "resolver": resolver, "process": False, "maintain_order": True}
-            load: Any = trimesh.load_scene
-            scene = load(io.BytesIO(data), **kind)
-            if suffix == "dae" and not scene.geometry and (plain := _without_textures(data)) is not None:
-                scene = load(io.BytesIO(plain), **kind)
-                resolver.lost.append("a texture")
+        scene = _loaded(path, suffix, door, resolver)
     except Refused as refused:
         return {"refused": refused.path}
     except ImportError as error:
@@ -61,11 +50,29 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         return {"error": (str(error).strip().partition("\n")[0].removeprefix(f"{name}: ") or name)[:160]}
     scale = _meters(scene)
     surfaces = [(mesh, surface) for mesh in _meshes(scene, suffix) if (surface := _surface(mesh, scale)) is not None]
-    read = [each for each in resolver.read if os.path.isfile(each)]
+    files = [file for file in resolver.read if os.path.isfile(file)]
     if resolver.refused:
         return {"refused": resolver.refused[0]}
     parts = [_part(mesh.visual, *surface) for mesh, surface in surfaces]
-    return {"parts": parts, "files": read, "lost": resolver.lost, **_together([surface for _, surface in surfaces])}
+    return {"parts": parts, "files": files, "lost": resolver.lost, **_together([surface for _, surface in surfaces])}
+
+
+def _loaded(path: str, suffix: str, door: Door, resolver: _Resolver) -> Any:
+    """Return the scene of a file, without textures if it has no shapes with them."""
+    import trimesh
+
+    data = door.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        options: dict[str, Any] = {"split_objects": False, "group_material": True} if suffix == "obj" else {}
+        options |= {"file_type": suffix, "resolver": resolver, "process": False, "maintain_order": True}
+        load: Any = trimesh.load_scene
+        scene = load(io.BytesIO(data), **options)
+        plain = _without_textures(data) if suffix == "dae" and not scene.geometry else None
+        if plain is not None:
+            scene = load(io.BytesIO(plain), **options)
+            resolver.lost.append("a texture")
+    return scene
 
 
 def _together(surfaces: list[tuple[Any, Any]]) -> dict[str, Any]:
@@ -88,7 +95,8 @@ def _without_textures(data: bytes) -> bytes | None:
     root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True))
     textures = list(root.iter("{*}texture"))
     for element in [*textures, *root.iter("{*}newparam")]:
-        if (holder := element.getparent()) is not None:
+        holder = element.getparent()
+        if holder is not None:
             if element in textures:
                 etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color").text = "0.7 0.7 0.7 1"
             holder.remove(element)
@@ -183,18 +191,19 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
     """Return the color and the picture (PNG) of a mesh, if it has them."""
     import numpy
 
-    if (material := getattr(visual, "material", None)) is None:
+    material = getattr(visual, "material", None)
+    if material is None:
         if not getattr(visual, "defined", False):
             return None, None
-        return [round(float(each), 4) for each in numpy.asarray(visual.main_color, float) / 255], None
+        return [round(float(share), 4) for share in numpy.asarray(visual.main_color, float) / 255], None
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
     colors = (getattr(material, name, None) for name in ("baseColorFactor", "diffuse"))
-    color = next((each for each in colors if each is not None), None)
+    color = next((color for color in colors if color is not None), None)
     rgba = None
     if color is not None:
         numbers = numpy.asarray(color, float).ravel()
         numbers = numbers / 255 if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1 else numbers
-        rgba = [round(float(each), 4) for each in (*numbers[:3], numbers[3] if len(numbers) > 3 else 1.0)]
+        rgba = [round(float(share), 4) for share in (*numbers[:3], numbers[3] if len(numbers) > 3 else 1.0)]
     if picture is None:
         return rgba, None
     content = io.BytesIO()

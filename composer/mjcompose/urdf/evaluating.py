@@ -156,7 +156,8 @@ class Evaluator:
             raise Stopped("unsafe", f"the expression cannot be parsed: {type(error).__name__}") from None
 
     def _of(self, node: ast.expr) -> Any:
-        if (step := _STEPS.get(type(node))) is None:
+        step = _STEPS.get(type(node))
+        if step is None:
             word = _WORDS.get(type(node), type(node).__name__)
             raise Stopped("unsafe", f"`{word}` is not allowed in an expression", word)
         self._depth += 1
@@ -218,7 +219,8 @@ class Evaluator:
 
     def _name(self, node: ast.Name) -> Any:
         name = _allowed(node.id)
-        if (scope := next((each for each in reversed(self._inner) if name in each), None)) is not None:
+        scope = next((names for names in reversed(self._inner) if name in names), None)
+        if scope is not None:
             return scope[name]
         try:
             value = self._names(name)
@@ -310,12 +312,18 @@ class Evaluator:
         return value
 
     def _worked_out(self, kind: type, one: Any, other: Any) -> Any:
-        if (work := _BINARY.get(kind)) is None:
+        work = _BINARY.get(kind)
+        if work is None:
             raise Stopped("unsafe", "`@` is not allowed in an expression", "@")
         self.spend(1)
-        for each in (one, other):
-            if isinstance(each, XacroFunction | Space) or self._is_namespace(each):
+        for operand in (one, other):
+            if isinstance(operand, XacroFunction | Space) or self._is_namespace(operand):
                 raise TypeError("unsupported operand")
+        self._check_cost(kind, one, other)
+        return self.admitted(work(one, other))
+
+    def _check_cost(self, kind: type, one: Any, other: Any) -> None:
+        """Raise Stopped if an operation of this kind would take very long, or make a very large value."""
         if kind is ast.Mult:
             for value, times in ((one, other), (other, one)):
                 if isinstance(times, int) and not isinstance(value, int | float):
@@ -329,7 +337,6 @@ class Evaluator:
             if "%" in _FORMAT.sub("", one):
                 raise Stopped("unsafe", "this text is not a format for `%` in an expression", "%")
             _bounded(one.count("%") * self.weight(other))
-        return self.admitted(work(one, other))
 
     def _unary(self, node: ast.UnaryOp) -> Any:
         return self.admitted(_UNARY[type(node.op)](self._of(node.operand)))

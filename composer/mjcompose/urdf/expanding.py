@@ -43,7 +43,8 @@ def expand(argument: dict[str, Any]) -> dict[str, Any]:
     before = sys.getrecursionlimit()
     sys.setrecursionlimit(_RECURSION)
     try:
-        if lacks := work.take_over(substitution_args):
+        lacks = work.take_over(substitution_args)
+        if lacks:
             return {"other": lacks}
         return work.expanded()
     finally:
@@ -85,7 +86,8 @@ class _Work:
             for name in names:
                 if not hasattr(module, name):
                     return name
-        if (parsed := _with_ends(xacro.parse_macro_arg, xacro.re_macro_arg.pattern)) is None:
+        parsed = _with_ends(xacro.parse_macro_arg, xacro.re_macro_arg.pattern)
+        if parsed is None:
             return "re_macro_arg"
         xacro.parse_macro_arg = parsed
         for module in (xacro, substitution):
@@ -226,45 +228,39 @@ class _Work:
 
     def failed(self, error: Exception) -> dict[str, Any]:
         """Return the fault, at the innermost element in progress, and the macro calls that led there."""
-        inner: BaseException = error
-        while (cause := getattr(inner, "exc", None)) is not None and isinstance(cause, BaseException):
-            inner = cause
         frames = list(_frames(error.__traceback__))
         trail = (_place_of(frame.f_locals.get(name)) for frame in frames for name in ("node", "elt", "tag"))
         at = getattr(error, "at", None) or next((place for place in [*trail][::-1] if place is not None), None)
         macros = (frame for frame in frames if frame.f_code.co_name == "handle_macro_call")
         places = (_place_of(frame.f_locals.get("node")) for frame in macros)
         calls = [place for place in places if place is not None and place != at]
-        code = "xacro"
-        subject = ""
-        known = None
-        message = " ".join(str(error).split()) or type(error).__name__
-        if isinstance(inner, Stopped):
-            code = inner.code
-            subject = inner.subject
-            message = str(inner)
-        elif isinstance(inner, OSError) and inner.filename:
-            code = "file"
-            subject = str(inner.filename)
-            message = (inner.strerror or "unreadable").lower()
-        elif (found := _unknown(inner)) is not None:
-            code, subject, known = found
-        elif isinstance(inner, RecursionError):
-            message = "macros or properties refer to each other without an end"
-        elif not isinstance(error, (self.xacro.XacroException, RuntimeError, Stopped)):
-            traceback.print_exception(error)
-            message = f"{type(error).__name__}: {message}"
         fault = {
-            "code": code,
-            "message": message,
-            "subject": subject,
-            "known": known,
+            **self.reason(error),
             "at": None if at is None else self.placed(at),
-            "calls": [self.placed(each) for each in reversed(calls)][:5],
+            "calls": [self.placed(call) for call in reversed(calls)][:5],
         }
         return {"error": fault, "files": self.files}
 
-    # Replacements of xacro's own functions.
+    def reason(self, error: Exception) -> dict[str, Any]:
+        """Return code, message, subject and known names of an error, by its innermost cause."""
+        cause = _innermost(error)
+        message = " ".join(str(error).split()) or type(error).__name__
+        reason = {"code": "xacro", "message": message, "subject": "", "known": None}
+        if isinstance(cause, Stopped):
+            return reason | {"code": cause.code, "message": str(cause), "subject": cause.subject}
+        if isinstance(cause, OSError) and cause.filename:
+            why = (cause.strerror or "unreadable").lower()
+            return reason | {"code": "file", "message": why, "subject": str(cause.filename)}
+        unknown = _unknown(cause)
+        if unknown is not None:
+            code, subject, known = unknown
+            return reason | {"code": code, "subject": subject, "known": known}
+        if isinstance(cause, RecursionError):
+            return reason | {"message": "macros or properties refer to each other without an end"}
+        if not isinstance(error, (self.xacro.XacroException, RuntimeError, Stopped)):
+            traceback.print_exception(error)
+            return reason | {"message": f"{type(error).__name__}: {message}"}
+        return reason
 
     def opened(self, name: str, *_: Any, **__: Any) -> io.StringIO:
         path = os.path.abspath(os.path.join(os.path.dirname(self.path), name))
@@ -329,12 +325,22 @@ class _Work:
         return extended
 
     def found(self, name: str) -> str:
-        if (folder := self.packages.get(name)) is None:
+        folder = self.packages.get(name)
+        if folder is None:
             raise Stopped("package", f"the package `{name}` is not known", name)
         return folder
 
     def environment(self, name: str) -> str:
         raise Stopped("environment", f"`$(env {name})` reads the environment variable `{name}`", name)
+
+
+def _innermost(error: BaseException) -> BaseException:
+    """Return the cause that xacro keeps in `exc` of its exceptions, and so on."""
+    cause = getattr(error, "exc", None)
+    while isinstance(cause, BaseException):
+        error = cause
+        cause = getattr(error, "exc", None)
+    return error
 
 
 def _unknown(error: BaseException) -> tuple[str, str, list[str]] | None:

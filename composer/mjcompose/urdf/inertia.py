@@ -205,7 +205,8 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
         if link is None or name in seen:
             return True
         seen.add(name)
-        if (inertial := link.find("inertial")) is None:
+        inertial = link.find("inertial")
+        if inertial is None:
             weighs = link.find("collision") is not None and name not in massless
         else:
             weighs = not 0 <= _mass(inertial) < _LEAST_MASS
@@ -260,14 +261,15 @@ def _mass(inertial: Node) -> float:
 
 
 def _tensor(inertial: Node) -> Matrix | None:
-    if (inertia := inertial.find("inertia")) is None:
+    inertia = inertial.find("inertia")
+    if inertia is None:
         return None
     try:
         xx, yy, zz, xy, xz, yz = (float(inertia.get(name) or 0) for name in _NAMES)
     except ValueError:
         return None
     tensor = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    return tensor if all(math.isfinite(each) for row in tensor for each in row) else None
+    return tensor if all(math.isfinite(number) for row in tensor for number in row) else None
 
 
 def _write(inertial: Node, mass: float | None, tensor: Matrix) -> None:

@@ -47,7 +47,21 @@ class Meshes(Struct, frozen=False):
 
     def prepare(self) -> None:
         """Convert meshes that MuJoCo does not read, and check all meshes."""
-        wanted: dict[str, list[Node]] = {}
+        files = self._files()
+        plain, convertible = self._divided(files)
+        measurable = [path for path, meshes in plain.items() if meshes and _suffix(path) in ("stl", "obj")]
+        for path, facts in self._call(measure, measurable):
+            if facts is not None:
+                if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, files[path])):
+                    self.shells.update(str(mesh.get("filename")) for mesh in plain[path])
+                for mesh in plain[path]:
+                    self._check(mesh, Path(path), facts)
+        for path, result in self._call(convert, list(convertible)):
+            self._replace(Path(path), convertible[path], result)
+
+    def _files(self) -> dict[str, list[Node]]:
+        """Return the meshes of each file that exists, by its path; addresses and files out of sight are reported."""
+        files: dict[str, list[Node]] = {}
         for mesh in self.robot.used_meshes():
             written = str(mesh.get("filename") or "")
             if re.match(r"https?://|ftp://", written):
@@ -55,15 +69,19 @@ class Meshes(Struct, frozen=False):
                 help = "download the file, put it next to the URDF, and name it"
                 self.sink.error("asset-missing", message, self._span(mesh), help=help)
                 continue
-            found = self.robot.file_of(written)
-            if found is not None and os.path.isfile(found):
+            path = self.robot.file_of(written)
+            if path is not None and os.path.isfile(path):
                 try:
-                    wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
+                    files.setdefault(self.robot.unit.door.admit(path), []).append(mesh)
                 except Refused as refused:
                     self.robot.advised(refused, written).report(self.sink, self._span(mesh), shown=self.shown)
-        convertible: dict[str, list[Node]] = {}
+        return files
+
+    def _divided(self, files: dict[str, list[Node]]) -> tuple[dict[str, list[Node]], dict[str, list[Node]]]:
+        """Return the meshes that MuJoCo reads, and the meshes to convert, both by path."""
         plain: dict[str, list[Node]] = {}
-        for path, meshes in wanted.items():
+        convertible: dict[str, list[Node]] = {}
+        for path, meshes in files.items():
             shown = [mesh for mesh in meshes if _shape(mesh).tag == "visual"]
             if not self._is_to_convert(path, meshes):
                 plain[path] = meshes
@@ -72,15 +90,7 @@ class Meshes(Struct, frozen=False):
                 plain[path] = [mesh for mesh in meshes if mesh not in shown]
             else:
                 convertible[path] = meshes
-        measurable = [path for path, meshes in plain.items() if meshes and _suffix(path) in ("stl", "obj")]
-        for path, facts in self._call(measure, measurable):
-            if facts is not None:
-                if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
-                    self.shells.update(str(mesh.get("filename")) for mesh in plain[path])
-                for mesh in plain[path]:
-                    self._check(mesh, Path(path), facts)
-        for path, result in self._call(convert, list(convertible)):
-            self._replace(Path(path), convertible[path], result)
+        return plain, convertible
 
     def separate(self) -> None:
         """Give each file a name of its own if MuJoCo takes `visual/link.stl` and `collision/link.stl` for one mesh."""
@@ -151,40 +161,15 @@ class Meshes(Struct, frozen=False):
         return self.robot.unit.origins.span(mesh, self.robot.unit.file, "filename")
 
     def _replace(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> None:
-        span = self._span(meshes[0])
-        called = f"`{self.shown(path)}`"
-        if package := result.get("missing"):
-            help = 'run `pip install "mjcompose[mesh]"`'
-            if _suffix(path.name) == "obj":  # MuJoCo reads it without its materials
-                message = f"mjcompose cannot read the materials of {called} without the package `{package}`"
-                self.sink.note("mesh-look", message, span, help=help)
-            else:
-                message = f"mjcompose cannot read {called} without the package `{package}`, and MuJoCo cannot either"
-                cause = Cause(f"mesh {package}", called)
-                self.sink.error("not-installed", message, span, help=help, cause=cause)
+        if not self._is_converted(path, meshes, result):
             return
-        if (refused := result.get("refused")) is not None:
-            self.robot.unit.door.outside(refused).report(self.sink, span, shown=self.shown)
-            return
-        if not result.get("parts"):
-            message = f"the mesh {called} has no triangles"
-            help = "export it with its faces, or remove it"
-            if (why := result.get("error") or result.get("unreadable")) is not None:
-                message = f"the mesh {called} cannot be read: {why}"
-                help = "open it in a viewer, and export it again"
-            self.sink.error("mesh-unreadable", message, span, help=help)
-            return
-        for name in result["lost"]:
-            file = f"`{name}`" if "." in name else name
-            message = f"{called} names {file}, which does not exist: the mesh looks plain"
-            self.sink.warning("mesh-look", message, span)
-        self.files += [path, *(Path(each) for each in result["files"])]
+        self.files += [path, *(Path(file) for file in result["files"])]
         self.robot.changed = True
         touching = [mesh for mesh in meshes if _shape(mesh).tag == "collision"]
         is_one = len(result["parts"]) == 1
-        parts = [
-            self._keep_part(path, part, is_one) for part in result["parts"] if is_one or len(touching) < len(meshes)
-        ]
+        parts = []
+        if is_one or len(touching) < len(meshes):
+            parts = [self._keep_part(path, part, is_one) for part in result["parts"]]
         whole = parts[0] if is_one else self._keep(path, result["whole"], is_one=True) if touching else ""
         if all(map(_is_weighed_otherwise, meshes)):
             self.shells.update([*parts, *filter(None, [whole])])
@@ -194,6 +179,43 @@ class Meshes(Struct, frozen=False):
                 mesh.set("filename", whole)
             else:
                 self._split(mesh, parts)
+
+    def _is_converted(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> bool:
+        """Return whether a file was converted; report the reason if not, and what its parts lack otherwise."""
+        span = self._span(meshes[0])
+        called = f"`{self.shown(path)}`"
+        if result.get("missing"):
+            self._report_package(path, span, result["missing"])
+            return False
+        if result.get("refused") is not None:
+            self.robot.unit.door.outside(result["refused"]).report(self.sink, span, shown=self.shown)
+            return False
+        if not result.get("parts"):
+            message = f"the mesh {called} has no triangles"
+            help = "export it with its faces, or remove it"
+            why = result.get("error") or result.get("unreadable")
+            if why is not None:
+                message = f"the mesh {called} cannot be read: {why}"
+                help = "open it in a viewer, and export it again"
+            self.sink.error("mesh-unreadable", message, span, help=help)
+            return False
+        for name in result["lost"]:
+            file = f"`{name}`" if "." in name else name
+            message = f"{called} names {file}, which does not exist: the mesh looks plain"
+            self.sink.warning("mesh-look", message, span)
+        return True
+
+    def _report_package(self, path: Path, span: Span, package: str) -> None:
+        """Report that a package is not installed: an error, or a note if MuJoCo reads the file by itself."""
+        called = f"`{self.shown(path)}`"
+        help = 'run `pip install "mjcompose[mesh]"`'
+        if _suffix(path.name) == "obj":  # MuJoCo reads it without its materials
+            message = f"mjcompose cannot read the materials of {called} without the package `{package}`"
+            self.sink.note("mesh-look", message, span, help=help)
+        else:
+            message = f"mjcompose cannot read {called} without the package `{package}`, and MuJoCo cannot either"
+            cause = Cause(f"mesh {package}", called)
+            self.sink.error("not-installed", message, span, help=help, cause=cause)
 
     def _keep_part(self, path: Path, part: dict[str, Any], is_one: bool) -> str:
         name = self._keep(path, part["obj"], is_one=is_one)
@@ -305,13 +327,15 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
         texture = None if material is None else material.find("texture")
         if material is not None and texture is None and material.find("color") is None:
             texture = named.get(str(material.get("name")))
-        if texture is not None and (path := _picture(robot, texture, sink)) is not None:
+        path = None if texture is None else _picture(robot, texture, sink)
+        if texture is not None and path is not None:
             read[texture] = "material and texture"
             _give(unit, element, source, robot=robot, name=path.stem, picture=path, kept=kept)
         elif material is None or material.get("name") == "":
-            found = robot.looks.get(files.get(str(element.get("mesh")), ""))
-            if found is not None and (picture := found.texture) is not None:
-                _give(unit, element, source, robot=robot, name=str(element.get("mesh")), picture=picture, kept=kept)
+            look = robot.looks.get(files.get(str(element.get("mesh")), ""))
+            if look is not None and look.texture is not None:
+                name = str(element.get("mesh"))
+                _give(unit, element, source, robot=robot, name=name, picture=look.texture, kept=kept)
     return read
 
 
@@ -339,9 +363,10 @@ def _give(
 ) -> None:
     """Give a geom a material with the picture, made once."""
     key = str(picture) if isinstance(picture, Path) else f"{hash(picture)} {len(picture)}"
-    if (material := kept.get(key)) is None:
+    material = kept.get(key)
+    if material is None:
         names = (name if number == 1 else f"{name}-{number}" for number in count(1))
-        material = kept[key] = next(each for each in names if each not in kept.values())
+        material = kept[key] = next(candidate for candidate in names if candidate not in kept.values())
         asset = unit.section("asset")
         file = str(picture)
         if isinstance(picture, bytes):

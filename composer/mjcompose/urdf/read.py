@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -73,17 +73,7 @@ class UrdfReader(Struct, frozen=False):
         if not includes_admitted(written, self.sink, self.shown):
             return None
         self._report_unread(robot)
-        for setting, value in self.source.compiler:
-            own = robot.setting(setting)
-            if own is None:
-                robot.set(setting, value)
-            elif own.split() != value.split():
-                message = f'`{setting}` here has no effect: `{robot.unit.file}` writes `{setting}="{own}"` itself'
-                self.sink.warning("compiler-unused", message, self.asked, help=f"remove `{setting}` from `compiler`")
-        choices = self.source.urdf
-        for setting, choice in (("discardvisual", choices.visuals), ("fusestatic", choices.fixed)):
-            if choice is not None:
-                robot.set(setting, "false" if choice == "keep" else "true")
+        self._set_settings(robot)
         robot.simplified()
         free_lost_mimics(robot, self.sink)
         report_unlimited(robot, self.sink)
@@ -96,7 +86,7 @@ class UrdfReader(Struct, frozen=False):
         if self.sink.error_count > before:
             return None
         converted = self._converted(robot, meshes.shells, stack)
-        if converted is not None and choices.inertia == "repair" and _is_of_inertia(converted):
+        if converted is not None and self.source.urdf.inertia == "repair" and _is_of_inertia(converted):
             # Only now: inertias that MuJoCo accepts stay unchanged.
             converted = self._converted(robot, meshes.shells, stack, massless=inertia.repair(robot, self.sink))
         if converted is None:
@@ -114,31 +104,47 @@ class UrdfReader(Struct, frozen=False):
             robot.unit.origins.texts.setdefault(self.shown(path), FileText(path, b""))
         return self._completed(robot, converted.text)
 
+    def _set_settings(self, robot: Robot) -> None:
+        """Write the settings of the recipe into the robot; its own `<compiler>` takes precedence."""
+        for setting, value in self.source.compiler:
+            own = robot.setting(setting)
+            if own is None:
+                robot.set(setting, value)
+            elif own.split() != value.split():
+                message = f'`{setting}` here has no effect: `{robot.unit.file}` writes `{setting}="{own}"` itself'
+                self.sink.warning("compiler-unused", message, self.asked, help=f"remove `{setting}` from `compiler`")
+        choices = self.source.urdf
+        for setting, choice in (("discardvisual", choices.visuals), ("fusestatic", choices.fixed)):
+            if choice is not None:
+                robot.set(setting, "false" if choice == "keep" else "true")
+
     def _robot(self) -> Robot | None:
         source = self.source
         sink = self.sink
         shown = self.shown(source.path)
-        if (data := read_file(source.path, sink, source.door, file=shown, span=self.asked)) is None:
+        data = read_file(source.path, sink, source.door, file=shown, span=self.asked)
+        if data is None:
             return None
-        given = dict(source.packages)
+        named_packages = dict(source.packages)
         if not is_template(source.path, data):
             if source.urdf.arguments:
                 name = source.urdf.arguments[0][0]
                 message = f"`with` gives `{name}`, but `{shown}` is not a xacro template"
                 sink.error("unknown-name", message, self.asked, help="remove `with`")
                 return None
-            if (root := parse_xml(data, shown, sink)) is None:
+            root = parse_xml(data, shown, sink)
+            if root is None:
                 return None
             unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
             unit.origins.texts[shown] = FileText(source.path, data)
-            packages = ros.folders(ros.packages_in(data.decode("utf-8", "replace")), source.path, given)
+            packages = ros.folders(ros.packages_in(data.decode("utf-8", "replace")), source.path, named_packages)
             return Robot(unit, source.path, packages)
-        packages = ros.all_folders(source.path, given)
+        packages = ros.all_folders(source.path, named_packages)
         arguments = dict(source.urdf.arguments)
         expanded = XacroTemplate(source.path, source.door, packages, arguments=arguments, shown=self.shown).expanded()
-        for each in expanded.found:
-            notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
-            sink.add(replace(each, notes=notes))
+        for diagnostic in expanded.found:
+            notes = (*diagnostic.notes, *self._asked()) if diagnostic.severity is Severity.ERROR else diagnostic.notes
+            sink.add(replace(diagnostic, notes=notes))
         if expanded.package is not None:
             self._unknown_package(expanded.package, expanded.at)
         if expanded.text is None:
@@ -149,7 +155,7 @@ class UrdfReader(Struct, frozen=False):
         for path in (source.path, *expanded.files):
             unit.origins.texts[self.shown(path)] = FileText(path)
         owned(root, expanded.owners, unit.origins)
-        packages = ros.folders(ros.packages_in(expanded.text.decode("utf-8", "replace")), source.path, given)
+        packages = ros.folders(ros.packages_in(expanded.text.decode("utf-8", "replace")), source.path, named_packages)
         return Robot(unit, source.path, packages, changed=True)
 
     def _converted(
@@ -287,25 +293,29 @@ class UrdfReader(Struct, frozen=False):
             return
         before = self.sink.error_count
         if not converted.meshes:
-            written = (str(mesh.get("filename") or "") for mesh in robot.used_meshes())
-            converted = replace(converted, meshes=tuple(filter(None, written)), folder=robot.setting("meshdir") or "")
-        unknown: dict[str, str] = {}
-        for file in converted.meshes:
-            if file.startswith(PACKAGE):
-                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], file)
-        for name, file in unknown.items():
-            self._unknown_package(name, self._span(mesh_of(robot.root, file), "filename"))
+            files = (str(mesh.get("filename") or "") for mesh in robot.used_meshes())
+            converted = replace(converted, meshes=tuple(filter(None, files)), folder=robot.setting("meshdir") or "")
+        self._report_unknown_packages(robot, converted.meshes)
         if self.missing is not None:
             self.missing(robot, converted)
-        for found in faulty_joints(robot.root, self._span):
-            self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
+        for fault in faulty_joints(robot.root, self._span):
+            self.sink.add(replace(fault, notes=(*fault.notes, *self._asked())))
         is_repaired = self.source.urdf.inertia == "repair" or _accepts_any_inertia(robot)
         is_of_inertia = _is_of_inertia(converted)
         if is_of_inertia or not is_repaired:
             inertia.report(robot, self.sink, self._asked(), is_refused=is_of_inertia)
         if self.sink.error_count == before:
-            found = explain(parse(converted.error or ""), robot.root, self._span)
-            self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
+            fault = explain(parse(converted.error or ""), robot.root, self._span)
+            self.sink.add(replace(fault, notes=(*fault.notes, *self._asked())))
+
+    def _report_unknown_packages(self, robot: Robot, meshes: Iterable[str]) -> None:
+        """Report each package once, at the first mesh that it would have."""
+        unknown: dict[str, str] = {}
+        for file in meshes:
+            if file.startswith(PACKAGE):
+                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], file)
+        for name, file in unknown.items():
+            self._unknown_package(name, self._span(mesh_of(robot.root, file), "filename"))
 
     def _unknown_package(self, name: str, at: Span | None) -> None:
         near = ros.beside(name, self.source.path)

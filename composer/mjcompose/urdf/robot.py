@@ -318,8 +318,9 @@ def explain(fault: EngineMessage, robot: Node, place: Place) -> Diagnostic:
     sentence = read_sentence(message)
     element = _element(fault, sentence, robot)
     known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
-    if known is not None and (found := known(element, robot, place)) is not None:
-        return found
+    explained = None if known is None else known(element, robot, place)
+    if explained is not None:
+        return explained
     advice = None if sentence.topic is None else _ADVICE.get(sentence.topic)
     if sentence.missing_attribute is not None:
         advice = f'write `{sentence.missing_attribute}="…"`'
@@ -426,8 +427,9 @@ def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 def faulty_joints(robot: Node, place: Place) -> Iterator[Diagnostic]:
     """Yield an error for each joint with a link that does not exist, or of a type that URDF does not have."""
     for joint in robot.iterchildren("joint"):
-        if (found := _no_link(joint, robot, place)) is not None:
-            yield found
+        fault = _no_link(joint, robot, place)
+        if fault is not None:
+            yield fault
         if joint.get("type") is not None and joint.get("type") not in JOINT_TYPES:
             yield _joint_type(joint, robot, place)
 

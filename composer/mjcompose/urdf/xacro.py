@@ -41,6 +41,21 @@ _DEFINE = {
 }
 
 
+_CODES = {
+    "limit": "limit-exceeded",
+    "costly": "limit-exceeded",
+    "refused": "source-outside",
+    "syntax": "xml-syntax",
+}
+"""The codes of faults by their reason, if they are not `xacro`."""
+_HELP = {
+    "environment": "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe",
+    "unsafe": "templates may only calculate: remove it",
+    "costly": "write the result, or less of it",
+    "file": "compare the path with the files on disk",
+}
+
+
 class Expanded(Struct):
     """The text, the places of its elements in the template, the files that were read, and diagnostics.
 
@@ -96,18 +111,20 @@ class XacroTemplate(Struct):
         if value.get("missing"):
             message = "this file is a xacro template, but the package `xacro` is not installed"
             return self._fault("not-installed", message, help='run `pip install "mjcompose[xacro]"`')
-        files = [Path(each) for each in value["files"]]
-        if refused := next((each for each in files if not self.door.sees(each)), None):
+        files = [Path(path) for path in value["files"]]
+        refused = next((file for file in files if not self.door.sees(file)), None)
+        if refused:
             outside = self.door.outside(str(refused))  # whatever has happened in the process
             return self._fault("source-outside", outside.message(), help=outside.help)
         if "error" in value:
             return self._failed(value["error"], files)
-        places = [self._span(each, files) for each in value["places"]]
+        places = [self._span(place, files) for place in value["places"]]
         warnings = [
             Diagnostic("xacro", f"xacro warns: {text}", Span(self.shown(Path(file)), 1, 1), severity=Severity.WARNING)
             for text, file in value["warnings"]
         ]
-        if unused := value["unused"]:
+        unused = value["unused"]
+        if unused:
             note = exists_note("argument", value["arguments"], unused[0])
             help = did_you_mean(unused[0], value["arguments"]) or f"remove `{unused[0]}` from `with`"
             message = f"the template has no argument `{unused[0]}`"
@@ -137,48 +154,41 @@ class XacroTemplate(Struct):
         message = error["message"]
         subject = error["subject"]
         span = Span(self.shown(self.path), 1, 1) if at is None else self._span(at, files)
-        notes = [Note("called from here", self._span(each, files)) for each in error["calls"]]
-        code = "xacro"
-        help = None
-        match error["code"]:
+        notes = [Note("called from here", self._span(place, files)) for place in error["calls"]]
+        reason = error["code"]
+        code = _CODES.get(reason, "xacro")
+        help = _HELP.get(reason)
+        match reason:
             case "package":
                 return Expanded(None, files=tuple(files), package=subject, at=span)
             case "argument":
                 help = f"add `with: {{{subject}: …}}` next to `model`"
-                if near := closest(subject, [*self.arguments]):
+                near = closest(subject, [*self.arguments])
+                if near:
                     notes.append(Note(f"`with` gives `{near[0]}`"))
                     help = f"write `{subject}` instead of `{near[0]}`"
             case "property" | "macro" as noun:
                 message = f"the {noun} `{subject}` does not exist"
                 notes.insert(0, exists_note(noun, error["known"], subject))
                 help = did_you_mean(subject, error["known"]) or _DEFINE[noun].format(subject.removeprefix(_PREFIX))
-            case "environment":
-                help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
-            case "unsafe":
-                help = "templates may only calculate: remove it"
             case "limit":
-                code = "limit-exceeded"
                 help = advice("elements")
-            case "costly":
-                code = "limit-exceeded"
-                help = "write the result, or less of it"
             case "file":
-                called = f"the file `{self.shown(Path(subject))}`"
-                help = "compare the path with the files on disk"
-                if "no such file" in message:
-                    code = "asset-missing"
-                    message = f"{called} does not exist"
-                else:
-                    code = "file-unreadable"
-                    message = f"{called} cannot be read: {message}"
+                code, message = self._unreadable(Path(subject), message)
             case "refused":
-                code = "source-outside"
                 help = None if self.door.sees(subject) else self.door.outside(subject).help
             case "syntax":
-                code = "xml-syntax"
-                if at is not None and (faults := self._xml_faults(files[at[0]])):
+                faults = self._xml_faults(files[at[0]]) if at is not None else ()
+                if faults:
                     return Expanded(None, files=tuple(files), found=faults)
         return self._fault(code, message, span, help=help, notes=notes, files=files)
+
+    def _unreadable(self, path: Path, why: str) -> tuple[str, str]:
+        """Return code and message for a file that the template names."""
+        called = f"the file `{self.shown(path)}`"
+        if "no such file" in why:
+            return "asset-missing", f"{called} does not exist"
+        return "file-unreadable", f"{called} cannot be read: {why}"
 
     def _xml_faults(self, file: Path) -> tuple[Diagnostic, ...]:
         """Return the faults in the XML of a file, in the words for all models."""
