@@ -7,7 +7,7 @@ of a motion. Reported losses of a target are not compared.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -118,19 +118,6 @@ def questions(model: MjModel, count: int = 50, seed: int = 1) -> Facts:
     """
     draw = np.random.default_rng(seed)
 
-    def pose(position: Any) -> Facts:
-        joints: dict[str, list[float]] = {}
-        free: dict[str, list[float]] = {}
-        for number in range(model.njnt):
-            kind = int(model.jnt_type[number])
-            name = model.joint(number).name
-            body = model.body(int(model.jnt_bodyid[number])).name
-            if kind in (programs.SLIDE, programs.HINGE) and name:
-                joints[name] = [float(position(number, kind))]
-            elif kind == programs.FREE and body:
-                free[body] = [float(each) for each in position(number, kind)]
-        return {"joints": joints, "free": free}
-
     def drawn(number: int, kind: int) -> Any:
         if kind == programs.FREE:
             turned = draw.normal(size=4)
@@ -146,11 +133,26 @@ def questions(model: MjModel, count: int = 50, seed: int = 1) -> Facts:
 
     moves = model.nv > 0 and model.nflex == 0
     return {
-        "poses": [pose(drawn) for _ in range(count)],
-        "home": pose(at_home),
+        "poses": [_pose(model, drawn) for _ in range(count)],
+        "home": _pose(model, at_home),
         "seconds": SECONDS if moves else 0,
         "gravity": model.opt.gravity.tolist(),
     }
+
+
+def _pose(model: MjModel, position: Callable[[int, int], Any]) -> Facts:
+    """Return the named joints and free bodies at a position, which is given by number and type of a joint."""
+    joints: dict[str, list[float]] = {}
+    free: dict[str, list[float]] = {}
+    for number in range(model.njnt):
+        kind = int(model.jnt_type[number])
+        name = model.joint(number).name
+        body = model.body(int(model.jnt_bodyid[number])).name
+        if kind in (programs.SLIDE, programs.HINGE) and name:
+            joints[name] = [float(position(number, kind))]
+        elif kind == programs.FREE and body:
+            free[body] = [float(coordinate) for coordinate in position(number, kind)]
+    return {"joints": joints, "free": free}
 
 
 _SHARES = (1.0, 0.25, 0.05, 0.01)

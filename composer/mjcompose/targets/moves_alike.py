@@ -73,7 +73,7 @@ def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[lis
     from mjcompose.mujoco.programs import MissingError, ProgramError
 
     version = release(check.program.removeprefix(_MUJOCO)) or ""
-    asked = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
+    question = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
     try:
         own = Other(this_python(), checks.session.mujoco_version or "")
         other = own if version == own.version else kept(version, context.environment)
@@ -83,7 +83,7 @@ def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[lis
                 (folder / "model" / name).write_bytes(content)
             model = folder / "model" / checks.bundle.model
             there, here = (
-                Motion.of(each, model, folder / f"{n}.npz", asked=asked) for n, each in enumerate((other, own))
+                Motion.of(program, model, folder / f"{n}.npz", asked=question) for n, program in enumerate((other, own))
             )
             moved = differences(there, here, signal=check.signal, tolerance=check.tol)
     except UnknownKeyError as error:
@@ -92,12 +92,13 @@ def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[lis
         return [Fault("consumer-missing", str(error), ("as",), help=error.help)], {}
     except ProgramError as error:
         return [Fault("check-failed", str(error), ("as",), help=error.help)], {}
-    if wild := sorted({*there.answer["diverged"], *here.answer["diverged"]}):
+    wild = sorted({*there.answer["diverged"], *here.answer["diverged"]})
+    if wild:
         return [
             failed(f"the simulation diverges in `{wild[0]}`", "a simulation without NaN", f"{len(wild)} diverge")
         ], {}
-    found = [_apart(check, f"MuJoCo {other.version}", moved)] if moved else []
-    return found, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
+    faults = [_apart(check, f"MuJoCo {other.version}", moved)] if moved else []
+    return faults, {"apart": round(moved[0].amount, SOLVED) if moved else 0.0}
 
 
 def _there(checks: Checks, check: MovesAlike) -> tuple[list[Fault], dict[str, Any]]:

@@ -208,6 +208,7 @@ def write_meshes(root: Node, model: MjModel, names: list[str]) -> dict[str, byte
 
 
 def obj(model: MjModel, number: int) -> bytes:
+    """Return a mesh of a compiled model as an OBJ file."""
     return ("\n".join(_lines(model, number)) + "\n").encode()
 
 
@@ -254,22 +255,37 @@ def simple_actuators(root: Node, *, any_input: bool = False) -> None:
     >>> etree.tostring(root[0][0])
     b'<position joint="j" kp="5" kv="1"/>'
     """
-    unsaid = "" if any_input else "pos"
     for actuator in list(root.iterfind("actuator/general")):
-        if any(actuator.get(name) for name in _DYNAMICS) or actuator.get("gaintype", "fixed") != "fixed":
-            continue
-        gain = _numbers(actuator, "gainprm", 1.0)
-        bias = _numbers(actuator, "biasprm", 0.0)
-        affine = actuator.get("biastype", "none") == "affine"
-        said = actuator.get("input", "")
-        if any(gain[1:]) or any(bias[3:]) or not _MOTOR.issuperset(map(str, actuator.keys())):
-            continue
-        if not affine and gain[0] == 1 and actuator.get("biastype", "none") == "none" and not said:
-            _rename(actuator, "motor", {})
-        elif affine and said in ("pos", unsaid) and not bias[0] and bias[1] == -gain[0] < 0 and bias[2] <= 0:
-            _rename(actuator, "position", {"kp": gain[0], **({"kv": -bias[2]} if bias[2] else {})})
-        elif affine and bias[:3] == [0, 0, -gain[0]] and said in ("vel", unsaid and "vel"):
-            _rename(actuator, "velocity", {"kv": gain[0]})
+        form = _simpler_form(actuator, any_input)
+        if form is not None:
+            _rename(actuator, *form)
+
+
+def _simpler_form(actuator: Node, any_input: bool) -> tuple[str, dict[str, float]] | None:
+    """Return the tag and the gains of the motor or servo that a `general` actuator is, or None."""
+    gain = _numbers(actuator, "gainprm", 1.0)
+    bias = _numbers(actuator, "biasprm", 0.0)
+    if any(gain[1:]) or any(bias[3:]) or not _is_plain(actuator):
+        return None
+    kind = actuator.get("biastype", "none")
+    control = actuator.get("input", "")
+    if kind == "none":
+        return ("motor", {}) if gain[0] == 1 and not control else None
+    if kind != "affine":
+        return None
+    unsaid = "" if any_input else "pos"
+    if control in ("pos", unsaid) and not bias[0] and bias[1] == -gain[0] < 0 and bias[2] <= 0:
+        return "position", {"kp": gain[0], **({"kv": -bias[2]} if bias[2] else {})}
+    if control in ("vel", unsaid and "vel") and bias[:3] == [0, 0, -gain[0]]:
+        return "velocity", {"kv": gain[0]}
+    return None
+
+
+def _is_plain(actuator: Node) -> bool:
+    """Return whether an actuator has no activation, a fixed gain, and no attribute that a motor does not have."""
+    if any(actuator.get(name) for name in _DYNAMICS) or actuator.get("gaintype", "fixed") != "fixed":
+        return False
+    return _MOTOR.issuperset(map(str, actuator.keys()))
 
 
 def _rename(actuator: Node, tag: str, values: dict[str, float]) -> None:

@@ -171,29 +171,34 @@ def _about(
     written = _written(work, name, folder)
     if isinstance(written, Fault):
         return [written], None
-    every = [Loss(**loss) for loss in written["losses"]]
-    lacked = [loss for loss in every if not loss.otherwise]
+    losses = [Loss(**loss) for loss in written["losses"]]
+    lacked = [loss for loss in losses if not loss.otherwise]
     if lacked and asked["losses"] == "error":
         return [_lacking(name, lacked)], len(lacked)
     faults = _reported(name, lacked)
     if reader is None or python is None:
         return faults, len(lacked)
-    refused = next((loss for loss in lacked if loss.refused), None)
-    facts: dict[str, Any] | str
-    if refused is not None:
-        facts = f"{refused.shown}: {refused.why}"
-    else:
-        questions = without_lost(questions, every)
-        facts = read_back(reader, python, placed(folder / "out", written["model"]), questions=questions)
+    questions = without_lost(questions, losses)
+    facts = _facts(reader, python, placed(folder / "out", written["model"]), lacked=lacked, questions=questions)
     if isinstance(facts, str):
         return [Fault(_FAILED, f"`{name}` does not read the model: {facts}")], None
+    version = str(facts["version"])
     question = {"facts": facts, "asked": questions, "single": reader.single, "losses": written["losses"]}
     answer = engine.call(work.session, judged, [work.whole], argument=question)
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
-    version = str(facts["version"])
     if wrong:
         faults.insert(0, _reading_differently(name, version, wrong))
     return faults, version
+
+
+def _facts(
+    reader: ReaderProgram, python: Path, model: Path, lacked: Sequence[Loss], questions: dict[str, Any]
+) -> dict[str, Any] | str:
+    """Return the facts of the model in the program, or why it does not read the model."""
+    refused = next((loss for loss in lacked if loss.refused), None)
+    if refused is not None:
+        return f"{refused.shown}: {refused.why}"
+    return read_back(reader, python, model, questions=questions)
 
 
 def _written(work: Work, name: str, folder: Path) -> dict[str, Any] | Fault:

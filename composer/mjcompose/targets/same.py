@@ -31,6 +31,7 @@ def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
 
 
 def about(axis: Any, angle: float) -> Pose:
+    """Return the rotation by an angle (rad) about an axis through the origin."""
     half = angle / 2
     return pose((0, 0, 0), (math.cos(half), *(math.sin(half) * np.asarray(axis))))
 
@@ -49,6 +50,7 @@ def joined(*poses: Pose) -> Pose:
 
 
 def back(of: Pose) -> Pose:
+    """Return the inverse of a pose."""
     return -(of[1].T @ of[0]), of[1].T
 
 

@@ -366,32 +366,48 @@ WARP_SLEEP = refused_elements(
 
 def _flexes_warp(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
     """Yield the flexes that it refuses: quadratic and rigid flexes, and flexes with some kinds of contacts."""
-    nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
-    interpolated, rigid, internal, passive = (
-        getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
-    )
     discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
     newton = model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON) and hasattr(model, "flex_stiffnessadr")
     newton = newton and discrete is not None and model.opt.integrator == int(discrete)
-    touching = (model.flex_contype & model.flex_conaffinity) != 0
-    for number in range(model.nflex):
-        lacking = None
-        if abs(int(interpolated[number])) == 2:
-            lacking = "flexes of quadratic elements"
-        elif rigid[number]:
-            lacking = "rigid flexes"
-        elif internal[number]:
-            lacking = "contacts inside a flex: `internal`"
-        elif interpolated[number] and model.flex_selfcollide[number] and touching[number]:
-            lacking = "contacts of an interpolated flex with itself: `selfcollide`"
-        elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
-            lacking = "passive contacts of an interpolated flex: `passive`"
-        elif newton and not interpolated[number] and not _simple(mujoco, model, number):
-            stiff = model.flex_dim[number] > 1 and (at := int(model.flex_stiffnessadr[number])) >= 0
-            if model.flex_bendingadr[number] >= 0 or (stiff and model.flex_stiffness[at] != 0):
-                lacking = "elastic flex on moving bodies with `discrete` and the solver `Newton`"
-        if lacking:
-            yield number, f"MuJoCo Warp has no {lacking}"
+    for flex in range(model.nflex):
+        lacking = _lacking_for_flex(model, flex)
+        is_simple = _of_flex(model, "interp", flex) != 0 or _simple(mujoco, model, flex)
+        if lacking is None and newton and not is_simple and _is_elastic(model, flex):
+            lacking = "elastic flex on moving bodies with `discrete` and the solver `Newton`"
+        if lacking is not None:
+            yield flex, f"MuJoCo Warp has no {lacking}"
+
+
+def _lacking_for_flex(model: MjModel, flex: int) -> str | None:
+    """Return what MuJoCo Warp lacks for a flex with any solver, or None."""
+    interpolated = _of_flex(model, "interp", flex)
+    if abs(interpolated) == 2:
+        return "flexes of quadratic elements"
+    if _of_flex(model, "rigid", flex):
+        return "rigid flexes"
+    if _of_flex(model, "internal", flex):
+        return "contacts inside a flex: `internal`"
+    if not interpolated:
+        return None
+    if model.flex_selfcollide[flex] and model.flex_contype[flex] & model.flex_conaffinity[flex]:
+        return "contacts of an interpolated flex with itself: `selfcollide`"
+    if _of_flex(model, "passive", flex) and model.flex_dim[flex] >= 2:
+        return "passive contacts of an interpolated flex: `passive`"
+    return None
+
+
+def _of_flex(model: MjModel, name: str, flex: int) -> int:
+    """Return a number of a flex, 0 if this MuJoCo does not have it."""
+    numbers = getattr(model, f"flex_{name}", None)
+    return 0 if numbers is None else int(numbers[flex])
+
+
+def _is_elastic(model: MjModel, flex: int) -> bool:
+    """Return whether a flex resists bending or stretching."""
+    if model.flex_bendingadr[flex] >= 0:
+        return True
+    first = int(model.flex_stiffnessadr[flex])
+    return bool(model.flex_dim[flex] > 1 and first >= 0 and model.flex_stiffness[first] != 0)
 
 
 def _beside_flexes(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:

@@ -1,5 +1,6 @@
 """Facts of a model as Genesis reads it."""
 
+from collections import Counter
 from importlib.metadata import version
 from xml.etree import ElementTree
 
@@ -13,74 +14,93 @@ def numbers(tensor):
 
 
 def read(file):
-    gs.init(backend=gs.cpu, precision="64", logging_level="error")
-    tree = ElementTree.parse(file)  # nosec B314  # mjcompose wrote the model, without a document type
-    # Constraints cannot be switched off without dry friction.
-    constrained = tree.find("equality") is not None
-    scene = gs.Scene(
-        show_viewer=False,
-        sim_options=gs.options.SimOptions(dt=STEP),
-        rigid_options=gs.options.RigidOptions(
-            enable_collision=False, enable_joint_limit=False, disable_constraint=constrained
-        ),
-    )
-    # Not aligned: the origin of a free body stays where the model has it. And no armature where the model has none.
-    entity = scene.add_entity(gs.morphs.MJCF(file=file, align=False, default_armature=None))
-    scene.build()
+    robot = Robot(file)
+    return robot.facts(), robot.placed, robot.moved
 
-    found = facts(version("genesis-world"), without=["friction"] if constrained else [])
-    links = {link.name: link for link in entity.links if link.name != "world"}
-    for name, link in links.items():
-        about = link.desc
-        axes = rotation(link.desc.inertial_quat)
+
+class Robot:
+    """A model of Genesis; `links` and the `joints` with one degree of freedom are by name."""
+
+    def __init__(self, file):
+        gs.init(backend=gs.cpu, precision="64", logging_level="error")
+        self.tree = ElementTree.parse(file)  # nosec B314  # mjcompose wrote the model, without a document type
+        # Constraints cannot be switched off without dry friction.
+        self.is_constrained = self.tree.find("equality") is not None
+        self.scene = gs.Scene(
+            show_viewer=False,
+            sim_options=gs.options.SimOptions(dt=STEP),
+            rigid_options=gs.options.RigidOptions(
+                enable_collision=False, enable_joint_limit=False, disable_constraint=self.is_constrained
+            ),
+        )
+        # Not aligned: the origin of a free body stays where the model has it. And no armature where the model has none.
+        morph = gs.morphs.MJCF(file=file, align=False, default_armature=None)
+        self.entity = self.scene.add_entity(morph)
+        self.scene.build()
+        self.links = {link.name: link for link in self.entity.links if link.name != "world"}
+        self.joints = {joint.name: joint for joint in self.entity.joints if joint.n_qs == 1}
+        self.start = numbers(self.entity.get_qpos()).reshape(-1)
+        free = (joint for joint in self.entity.joints if joint.type == gs.JOINT_TYPE.FREE)
+        self.free = {joint.link.name: joint for joint in free}
+
+    def facts(self):
+        model_facts = facts(version("genesis-world"), without=["friction"] if self.is_constrained else [])
+        model_facts["bodies"] = {name: self.inertia(link.desc) for name, link in self.links.items()}
+        low, high = (numbers(limits).reshape(-1) for limits in self.entity.get_dofs_limit())
+        for name, joint in self.joints.items():
+            dof = joint.dofs_idx_local[0]
+            model_facts["joints"][name] = {"range": ends(low[dof], high[dof])}
+        self.add_dynamics(model_facts["joints"])
+        model_facts["shapes"] = {"all": len(self.entity.vgeoms)}  # of which kind each is, it does not say
+        self.add_drives(model_facts)
+        return model_facts
+
+    @staticmethod
+    def inertia(about):
+        axes = rotation(about.inertial_quat)
         matrix = axes @ np.asarray(about.inertia, dtype=float) @ axes.T
-        found["bodies"][name] = inertia(about.mass, about.inertial_pos, matrix)
-    joints = {joint.name: joint for joint in entity.joints if joint.n_qs == 1}
-    low, high = (numbers(each).reshape(-1) for each in entity.get_dofs_limit())
-    for name, joint in joints.items():
-        dof = joint.dofs_idx_local[0]
-        found["joints"][name] = {"range": ends(low[dof], high[dof])}
-    for word in ("damping", "armature", "stiffness", "frictionloss"):
-        values = numbers(getattr(entity, f"get_dofs_{word}")())
-        for joint in entity.joints:
-            if joint.n_dofs in (1, 3):
-                value = float(values[joint.dofs_idx_local[0]])
-                found["joints"].setdefault(joint.name, {})[word.removesuffix("loss")] = value
-    found["shapes"] = {"all": len(entity.vgeoms)}  # of which kind each is, it does not say
-    # Its actuators have no names: they are gains of joints.
-    forces = map(numbers, entity.get_dofs_force_range())
-    bias = list(map(numbers, entity.get_dofs_act_bias()))
-    most_of = np.max(np.abs(list(forces)), axis=0)
-    drives = [(each.get("name"), each.get("joint")) for each in tree.iterfind("actuator/*")]
-    for name, joint in drives:
-        if joint in joints and [each for _, each in drives].count(joint) == 1:
-            dof = joints[joint].dofs_idx_local[0]
-            found["joints"][joint]["force"] = float(most_of[dof]) if np.isfinite(most_of[dof]) else None
-            found["actuators"][name] = {"joint": joint, "kp": -float(bias[1][dof]), "kd": -float(bias[2][dof])}
-    start = numbers(entity.get_qpos()).reshape(-1)
-    free = {joint.link.name: joint for joint in entity.joints if joint.type == gs.JOINT_TYPE.FREE}
+        return inertia(about.mass, about.inertial_pos, matrix)
 
-    def standing(pose):
-        q = start.copy()
-        for known, values in ((joints, pose["joints"]), (free, pose["free"])):
+    def add_dynamics(self, joints):
+        for word in ("damping", "armature", "stiffness", "frictionloss"):
+            values = numbers(getattr(self.entity, f"get_dofs_{word}")())
+            for joint in self.entity.joints:
+                if joint.n_dofs in (1, 3):
+                    value = float(values[joint.dofs_idx_local[0]])
+                    joints.setdefault(joint.name, {})[word.removesuffix("loss")] = value
+
+    def add_drives(self, found):
+        """Add the actuators, which have no names in Genesis: they are gains of joints."""
+        forces = map(numbers, self.entity.get_dofs_force_range())
+        most_of = np.max(np.abs(list(forces)), axis=0)
+        bias = list(map(numbers, self.entity.get_dofs_act_bias()))
+        drives = [(actuator.get("name"), actuator.get("joint")) for actuator in self.tree.iterfind("actuator/*")]
+        uses = Counter(joint for _, joint in drives)
+        for name, joint in drives:
+            if joint in self.joints and uses[joint] == 1:
+                dof = self.joints[joint].dofs_idx_local[0]
+                found["joints"][joint]["force"] = float(most_of[dof]) if np.isfinite(most_of[dof]) else None
+                found["actuators"][name] = {"joint": joint, "kp": -float(bias[1][dof]), "kd": -float(bias[2][dof])}
+
+    def position(self, pose):
+        q = self.start.copy()
+        for known, values in ((self.joints, pose["joints"]), (self.free, pose["free"])):
             for name, value in values.items():
                 if name in known:
                     q[known[name].qs_idx_local] = value
         return q
 
-    def placed(poses):
+    def placed(self, poses):
         for pose in poses:
-            entity.set_qpos(standing(pose))
-            at = numbers(entity.get_links_pos()).reshape(-1, 3)
-            quats = numbers(entity.get_links_quat()).reshape(-1, 4)
-            yield {name: (at[link.idx_local], rotation(quats[link.idx_local])) for name, link in links.items()}
+            self.entity.set_qpos(self.position(pose))
+            at = numbers(self.entity.get_links_pos()).reshape(-1, 3)
+            quats = numbers(self.entity.get_links_quat()).reshape(-1, 4)
+            yield {name: (at[link.idx_local], rotation(quats[link.idx_local])) for name, link in self.links.items()}
 
-    def moved(asked, steps):
-        entity.set_qpos(standing(asked["home"]))
-        entity.zero_all_dofs_velocity()
+    def moved(self, asked, steps):
+        self.entity.set_qpos(self.position(asked["home"]))
+        self.entity.zero_all_dofs_velocity()
         for _ in range(steps):
-            scene.step()
-        end = numbers(entity.get_qpos()).reshape(-1)
-        return {name: end[joint.qs_idx_local[0]] for name, joint in joints.items()}
-
-    return found, placed, moved
+            self.scene.step()
+        end = numbers(self.entity.get_qpos()).reshape(-1)
+        return {name: end[joint.qs_idx_local[0]] for name, joint in self.joints.items()}

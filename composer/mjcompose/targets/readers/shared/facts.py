@@ -44,13 +44,12 @@ def answered(asked: Any, found: Any, placed: Any, moved: Any, driven: Any = None
         {name: [np.asarray(at).tolist(), np.asarray(turned).tolist()] for name, (at, turned) in bodies.items()}
         for bodies in placed(asked["poses"])
     ]
-    if asked["seconds"] and (end := moved(asked, round(asked["seconds"] / STEP))) is not None:
+    steps = round(asked["seconds"] / STEP)
+    end = moved(asked, steps) if asked["seconds"] else None
+    if end is not None:
         found["motion"] = {name: float(value) for name, value in end.items()}
-    if (
-        driven is not None
-        and asked.get("drives")
-        and (result := driven(asked, round(asked["seconds"] / STEP))) is not None
-    ):
+    result = driven(asked, steps) if driven is not None and asked.get("drives") else None
+    if result is not None:
         forces, ends_driven = result
         found["forces"] = {name: float(value) for name, value in forces.items()}
         if asked["eases"]:
@@ -263,27 +262,26 @@ def actuator(model, array, number):
     """Return an actuator's facts at its joint: gains and greatest forces through the gear, of a motor or a servo."""
     if model.actuator_trntype[number] != _JOINT:
         return {"joint": None}
-    found = {"joint": model.joint(int(model.actuator_trnid[number][0])).name}
+    about = {"joint": model.joint(int(model.actuator_trnid[number][0])).name}
     if model.actuator_gaintype[number] != _FIXED or model.actuator_dyntype[number] != _NO_DYNAMICS:
-        return found
+        return about
     gear = float(array("actuator_gear")[number][0])
     gain, bias = (np.asarray(array(name)[number], dtype=float) for name in ("actuator_gainprm", "actuator_biasprm"))
     affine = model.actuator_biastype[number] == _AFFINE
-    found |= {"kp": -bias[1] * gear**2 if affine else 0.0, "kd": -bias[2] * gear**2 if affine else 0.0}
+    about |= {"kp": -bias[1] * gear**2 if affine else 0.0, "kd": -bias[2] * gear**2 if affine else 0.0}
+    is_limited = model.actuator_ctrllimited[number]
+    control = np.asarray(array("actuator_ctrlrange")[number], dtype=float)
+    if gear:
+        at_joint = 1 / gear if affine else gain[0] * gear
+        about["control"] = np.sort(control * at_joint).tolist() if is_limited else None
     ends = np.array([-np.inf, np.inf])
     if model.actuator_forcelimited[number]:
         ends = np.asarray(array("actuator_forcerange")[number], dtype=float)
-    if model.actuator_ctrllimited[number] and not affine:
-        control = np.sort(np.asarray(array("actuator_ctrlrange")[number], dtype=float) * gain[0])
-        ends = np.clip(ends, *control)
-    if model.actuator_ctrllimited[number] and gear:
-        at_joint = gain[0] * gear if not affine else 1 / gear
-        found["control"] = np.sort(np.asarray(array("actuator_ctrlrange")[number], dtype=float) * at_joint).tolist()
-    elif gear:
-        found["control"] = None
+    if is_limited and not affine:
+        ends = np.clip(ends, *np.sort(control * gain[0]))
     ends = np.sort(ends * gear) if gear else ends
-    found["effort"] = [float(each) if np.isfinite(each) else None for each in ends]
-    return found
+    about["effort"] = [float(end) if np.isfinite(end) else None for end in ends]
+    return about
 
 
 if __name__ == "__main__":
