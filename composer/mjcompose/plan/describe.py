@@ -48,11 +48,12 @@ class Allowance(Struct):
 
 def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
     """Drop the warnings that the recipes allow; with `whole`, warn of allowed codes that do not occur. Errors stay."""
-    if not (allowances := list(_allowances(plan, shown))):
+    allowances = list(_allowances(plan, shown))
+    if not allowances:
         return
     used = set()
     for diagnostic in sink.diagnostics:
-        covering = [each for each in allowances if each.covers(diagnostic)]
+        covering = [allowance for allowance in allowances if allowance.covers(diagnostic)]
         used.update(covering)
         if covering:
             sink.drop(diagnostic)
@@ -152,13 +153,7 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
             if maker not in early:
                 early.append(maker)
                 yield inner + maker.words
-        name = part.prefix or "(no prefix)"
-        if part.copy:
-            axes = " × ".join(str(axis.copies) for axis in part.attachment.replicate)
-            if (scatter := part.attachment.scatter) is not None:
-                axes += f" scattered over {scatter.over.named[1]}"
-            name = f"{part.prefix} … {last[part.at]} ({axes})"
-        yield f"{inner}attach {name}: {_model(part)}, {_place_words(part)}"
+        yield f"{inner}attach {_name(part, last[part.at])}: {_model(part)}, {_place_words(part)}"
         yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")
     yield from (inner + field.words for field in (plan.randomize.of_parameters if plan.randomize else ()))
     for step in plan.steps:
@@ -167,6 +162,17 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
         elif step not in early:
             yield inner + step.words
     yield from (inner + words for words in checks_of(plan))
+
+
+def _name(part: AttachPart, last: str) -> str:
+    """Return the prefix of a part, or of its first and last copy."""
+    if not part.copy:
+        return part.prefix or "(no prefix)"
+    axes = " × ".join(str(axis.copies) for axis in part.attachment.replicate)
+    scatter = part.attachment.scatter
+    if scatter is not None:
+        axes += f" scattered over {scatter.over.named[1]}"
+    return f"{part.prefix} … {last} ({axes})"
 
 
 def _model(part: AttachPart) -> str:
@@ -233,7 +239,8 @@ def _place_words(part: AttachPart) -> str:
     if attachment.sensors is not None:
         quantities = attachment.sensors.quantities
         place += f", where {' and '.join(quantities)} {'is' if len(quantities) == 1 else 'are'} measured"
-    if (joint := attachment.joint) is None:
+    joint = attachment.joint
+    if joint is None:
         return place
     if isinstance(joint, str):
         words = {"none": "without a joint", "mocap": "mocap"}
@@ -299,17 +306,18 @@ def _own_data(plan: Plan, part: AttachPart, preview: PlanPreview) -> dict[str, A
 
 def _edited(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> list[dict[str, Any]]:
     """Return the selected and removed elements, and the generated shapes, of each entry of `edit` that succeeded."""
-    found = []
+    outcomes = []
     for edit in edits:
-        if (outcome := preview.edits.get(plan.place_of(edit.at))) is not None:
+        outcome = preview.edits.get(plan.place_of(edit.at))
+        if outcome is not None:
             removed = [{"kind": element.what, "name": element.name} for element in outcome.removed]
             made = [
                 {"mesh": it.mesh, "geom": it.of, "how": it.how, "shapes": list(it.shapes), "error": dict(it.error)}
                 for it in outcome.shapes
             ]
             about = {"words": edit.words, "selected": dict(outcome.selected), "removed": removed}
-            found.append({**about, **_some(made=made)})
-    return found
+            outcomes.append({**about, **_some(made=made)})
+    return outcomes
 
 
 def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:

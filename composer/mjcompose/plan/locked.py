@@ -43,26 +43,36 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
     if context.sink.error_count > before:
         return None
     if fetching.lock is None and fetching.locked:
-        help = f"run `mjcompose lock {fetching.recipe}` and commit the lock"
-        if fetching.recipe == files.STDIN:
-            help = "write the recipe to a file: standard input has no lock"
-        context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
+        _report_missing(context.shown(path), fetching.recipe, context.sink)
         return None
     # Its names are relative to its own folder: build systems such as Bazel show it through a link.
     fetching.lock_file = Path(os.path.realpath(path)) if path.is_symlink() else path
-    if fetching.lock is not None:  # pinned files are sources, even for variants that are not chosen
-        local = (each.files for each in fetching.lock.sources.values() if kind_of(each).is_local)
-        files.current().note(os.path.join(fetching.lock_file.parent, name) for files in local for name in files)
-    if fetching.lock is not None and fetching.locked:
-        _report_versions(fetching.lock, context.shown(path), fetching.recipe, context=context)
+    if fetching.lock is not None:
+        _note_pinned_files(fetching.lock, fetching.lock_file.parent)
+        if fetching.locked:
+            _report_versions(fetching.lock, context.shown(path), fetching.recipe, context=context)
     return fetching
+
+
+def _report_missing(shown: str, recipe: str, sink: Sink) -> None:
+    help = f"run `mjcompose lock {recipe}` and commit the lock"
+    if recipe == files.STDIN:
+        help = "write the recipe to a file: standard input has no lock"
+    sink.error("lock-stale", f"the lock `{shown}` does not exist", help=help)
+
+
+def _note_pinned_files(lock: Lock, folder: Path) -> None:
+    """Note the local files that a lock pins: they are sources, even for variants that are not chosen."""
+    local = [locked for locked in lock.sources.values() if kind_of(locked).is_local]
+    files.current().note(os.path.join(folder, name) for locked in local for name in locked.files)
 
 
 def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
     """Warn that other versions made the lock, which may change the result."""
     here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
     locked = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
-    if others := [name for name, version in locked.items() if version and version != here[name]]:
+    others = [name for name, version in locked.items() if version and version != here[name]]
+    if others:
         was = " and ".join(f"{name} {locked[name]}" for name in others)
         now = " and ".join(f"{name} {here[name] or 'none'}" for name in others)
         message = f"`{shown}` was made with {was}, this is {now}: the bytes of the model may differ"
@@ -142,7 +152,8 @@ class _LockReport(Struct):
     def differing(self, id: str, use: _SourceUse, before: Locked, now: Locked) -> None:
         """Report other bytes, or else a lock that contradicts itself, or else another version."""
         upgrade = f"run `mjcompose lock {self.recipe} --upgrade-source {shlex.quote(next(iter(use.used_by)))}`"
-        if changes := _changed_files(use, before, now):
+        changes = _changed_files(use, before, now)
+        if changes:
             report = self.sink.warning if kind_of(now).is_local and not self.locked else self.sink.error
             message = f"`{id}` differs from the lock `{self.lock}`"
             help = f"if you want the change, {upgrade}"
@@ -186,8 +197,21 @@ def plan_with_intact_store(make: Callable[[], Plan | None], context: Context) ->
 def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
     """Remove damaged sources from the store, and from the memory of the run; return whether there were any."""
     fetching = context.fetching
-    if fetching is None or fetching.offline or not any(each.stored for each in fetching.origins.values()):
+    if fetching is None or fetching.offline or not any(origin.stored for origin in fetching.origins.values()):
         return False
+    damaged = _damaged(plan, context, fetching)
+    for origin in damaged.values():
+        fetching.progress(f"`{origin.id}` is damaged in the store; fetching it again")
+        Store.of(context.environment).remove_content(origin.root)
+    if damaged:
+        fetching.forget()
+        context.recipes.clear()
+        context.concrete.clear()
+    return bool(damaged)
+
+
+def _damaged(plan: Plan | None, context: Context, fetching: Fetching) -> dict[str, Origin]:
+    """Return the fetched sources, by their id, of which a file differs from what was fetched, or is gone."""
     used = [*context.recipes, *(source.path for source in fetching.first.values())]
     if plan is not None:
         folder = (fetching.lock_file or lock_path(plan.path)).parent
@@ -202,14 +226,7 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
         for origin in fetching.origins.values():
             if not all(os.path.isfile(origin.root / name) for name in origin.stored):
                 damaged[origin.id] = origin
-    for origin in damaged.values():
-        fetching.progress(f"`{origin.id}` is damaged in the store; fetching it again")
-        Store.of(context.environment).remove_content(origin.root)
-    if damaged:
-        fetching.forget()
-        context.recipes.clear()
-        context.concrete.clear()
-    return bool(damaged)
+    return damaged
 
 
 def _is_damaged(path: Path, origin: Origin, fetching: Fetching) -> bool:
@@ -230,9 +247,10 @@ def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
             with contextlib.suppress(OSError):  # reported where the file is needed
                 there[name] = context.fetching.digest(path)
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
-    if changes := differences(stored, there):
+    changes = differences(stored, there)
+    if changes:
         message = f"`{id}` has changed in the store since it was fetched"
-        notes = _notes([each.replace("was locked", "was stored") for each in changes])
+        notes = _notes([change.replace("was locked", "was stored") for change in changes])
         help = "run `mjcompose cache verify --fix`; the next build fetches it again"
         context.sink.error("source-changed", message, use.span, notes=notes, help=help)
     return not changes
@@ -346,19 +364,7 @@ def lock_changes(before: Lock | None, after: Lock) -> Iterator[str]:
     """Yield the changes from an older lock to a new one, in words. No I/O."""
     old = before.sources if before is not None else {}
     for id in sorted({*old, *after.sources}):
-        if id not in after.sources:
-            yield f"{id}: no longer used"
-        elif id not in old:
-            pin = after.sources[id].pin
-            yield f"{id}: locked" + (f" at {pin[:12]}" if pin else "")
-        else:
-            was = old[id]
-            now = after.sources[id]
-            if was.pin and now.pin and was.pin != now.pin:
-                yield f"{id}: {was.pin[:12]} is now {now.pin[:12]}"
-            elif was.version and now.version and was.version != now.version:
-                yield f"{id}: version {was.version} is now {now.version}"
-            yield from (f"{id}: {line}" for line in differences(was.files, now.files))
+        yield from (f"{id}: {line}" for line in _changes_of_source(old.get(id), after.sources.get(id)))
     earlier = before.shapes if before is not None else {}
     for word, keys in (
         ("locked", after.shapes.keys() - earlier.keys()),
@@ -371,3 +377,18 @@ def lock_changes(before: Lock | None, after: Lock) -> Iterator[str]:
     if old_interface != after.interface:
         word = "no longer used" if not after.interface else "changed" if old_interface else "locked"
         yield f"the interface: {word}"
+
+
+def _changes_of_source(before: Locked | None, after: Locked | None) -> Iterator[str]:
+    """Yield the changes of one source, which one of the two locks may not have."""
+    if after is None:
+        yield "no longer used"
+        return
+    if before is None:
+        yield f"locked at {after.pin[:12]}" if after.pin else "locked"
+        return
+    if before.pin and after.pin and before.pin != after.pin:
+        yield f"{before.pin[:12]} is now {after.pin[:12]}"
+    elif before.version and after.version and before.version != after.version:
+        yield f"version {before.version} is now {after.version}"
+    yield from differences(before.files, after.files)

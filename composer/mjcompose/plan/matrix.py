@@ -35,7 +35,8 @@ def draw_parameters(
     drawn: list[Drawn] = []
     taken: dict[str, DrawField] = {}
     for field in randomize.of_parameters:
-        if (name := str(field.param)) in taken:
+        name = str(field.param)
+        if name in taken:
             span = locate(document, (*field.at, "param"))
             note = Note("drawn here too", locate(document, (*taken[name].at, "param")))
             sink.error("name-clash", f"two fields draw the parameter `{name}`", span, notes=(note,), subjects=(name,))
@@ -45,7 +46,8 @@ def draw_parameters(
         if not source.can_be_drawn():
             continue
         for number in (sample,) if sample else range(1, randomize.samples + 1):
-            if (value := source.value(randomize.seed, number)) is None:
+            value = source.value(randomize.seed, number)
+            if value is None:
                 break
             if sample:
                 values[name] = node_of(value, locate(document, field.drawn_at))
@@ -224,9 +226,10 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
     """Report draws in cells that their parameters do not accept; other errors are reported elsewhere."""
     known: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
-        if (concrete := expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))) is None:
+        concrete = expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))
+        if concrete is None:
             continue
-        kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
+        kept = {name: entry for name, entry in concrete.document.entries.items() if name in _DRAWN}
         document = Mapping(kept, matrix.document.span)
         recipe, _ = judge(document)
         randomize = recipe.randomize if recipe is not None else None

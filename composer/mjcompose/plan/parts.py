@@ -134,12 +134,13 @@ def check_part_names(plan: Plan, sink: Sink) -> None:
 def _check_mirrors(plan: Plan, sink: Sink) -> None:
     """Report parts that do not mirror exactly one part, or that mirror a mirror image."""
     by_name = {part_name(part, plan.separator): part for part in plan.parts if not part.copy}
-    for part in (each for each in plan.parts if each.attachment.mirror is not None):
+    for part in (planned for planned in plan.parts if planned.attachment.mirror is not None):
         assert part.attachment.mirror is not None
         of = part.attachment.mirror.of
         name = part_name(part, plan.separator)
         span = locate(plan.document, (*part.at, "mirror", "of"))
-        if (other := by_name.get(of)) is None:
+        other = by_name.get(of)
+        if other is None:
             sink.add(unknown_name("part", of, by_name, span=span, purpose=f" that `{name}` mirrors"))
         elif other.attachment.mirror is not None:
             message = f"`{name}` mirrors `{of}`, which mirrors another part itself"
@@ -332,7 +333,8 @@ def _recipes(path: Path, door: Door, context: Context, seen: set[Path]) -> Itera
     if unit is not None:
         for element in unit.root.iterfind("asset/model"):
             assert unit is not None
-            if (inner := Path(join(str(unit.directory), str(element.get("file") or "")))) in seen:
+            inner = Path(join(str(unit.directory), str(element.get("file") or "")))
+            if inner in seen:
                 continue
             if not is_recipe(inner.name):
                 yield from _recipes(inner, door, context, seen=seen)

@@ -88,6 +88,7 @@ class ElementDraws(Struct):
 
 
 def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
+    """Return the arrays that a draw affects."""
     name, _ = attribute_and_index(step.field.attr)
     tag = step.field.select.tag if step.field.select is not None else None
     # Actuators with `inheritrange` copy the range of their joint.
@@ -300,6 +301,7 @@ class Plan(Struct):
 
     @property
     def members(self) -> tuple[AttachPart, ...]:
+        """The base, if there is one, and the parts."""
         return self.parts if self.base is None else (self.base, *self.parts)
 
     @property
@@ -327,14 +329,17 @@ class Plan(Struct):
 
     @property
     def edits(self) -> tuple[EditElements, ...]:
+        """The steps that edit the whole model."""
         return tuple(step for step in self.steps if isinstance(step, EditElements))
 
     @property
     def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
+        """The bodies, frames and sites that are added, by kind and name."""
         return added_places(self.steps, self.document)
 
     @property
     def draws(self) -> tuple[DrawValues, ...]:
+        """The steps that draw attributes of the whole model."""
         return tuple(step for step in self.steps if isinstance(step, DrawValues))
 
     def draws_assets(self, kind: str) -> bool:
@@ -364,6 +369,7 @@ class Plan(Struct):
                         yield replace(each, part=part, span=place.span)
 
     def plans(self) -> Iterator[Plan]:
+        """Yield the plan, and the plans of its nested recipes."""
         yield from (place.model for place in self.places() if isinstance(place.model, Plan))
 
     @property
@@ -380,6 +386,7 @@ class Plan(Struct):
         return any(part.prefix for plan in plans for part in plan.parts)
 
     def sources(self) -> Iterator[Source]:
+        """Yield the model files of the plan and of its nested recipes."""
         yield from (place.model for place in self.places() if isinstance(place.model, Source))
 
     @property
@@ -434,6 +441,7 @@ class PlacedModel(Struct):
 
     @property
     def request(self) -> Attachment | None:
+        """The entry of the recipe around it that attaches it."""
         return None if self.step is None else self.step.attachment
 
     @property

@@ -167,14 +167,12 @@ class _Planner:
         key = Path(os.path.realpath(path))
         around = [recipe for recipe, _ in outer]
         if key in around:
-            ring = [*around[around.index(key) :], path]
-            message = "recipes contain one another: " + " → ".join(each.name for each in ring)
-            help = "a recipe cannot be a part of itself: remove one of these references"
-            self.sink.error("source-cycle", message, span, help=help)
+            self._report_cycle([*around[around.index(key) :], path], span)
             return None
-        if not self._may_nest(len(outer), span) or (read := self._read(path, given)) is None:
+        valid = self._read(path, given) if self._may_nest(len(outer), span) else None
+        if valid is None:
             return None
-        recipe, document, concrete, _ = read
+        recipe, document, concrete, _ = valid
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
         if self.worlds and not outer:
@@ -182,24 +180,19 @@ class _Planner:
         elif randomize is not None and randomize.of_parameters and concrete is not None:
             values, drawn = draw_parameters(randomize, self.sample, concrete, document=document, sink=self.sink)
             if values:
-                if (read := self._read(path, {**given, **values})) is None:
+                valid = self._read(path, {**given, **values})
+                if valid is None:
                     return None
-                recipe, document, concrete, _ = read
+                recipe, document, concrete, _ = valid
                 randomize = recipe.randomize
         name, sample = (None, 0) if outer else (self.name, self.sample)
-        whole = AngleSettings(recipe.angle, recipe.eulerseq)
-        files = self.context.recipes[path].said
-        angle_context = AngleContext(document, whole)  # a file without a setting allows no bare angles
-        if concrete is not None and len(files) > 1:
-            angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
-            check_bare_angles(angle_context, self.sink)
         loaded = _LoadedRecipe(
             name or recipe.name or as_text(own_name(path)),
             path,
             recipe,
             document=document,
             concrete=concrete,
-            angle_context=angle_context,
+            angle_context=self._angle_context(path, recipe, document, concrete),
             source=source,
             extended=self.context.recipes[path].extended,
             randomize=randomize,
@@ -207,6 +200,21 @@ class _Planner:
             drawn=drawn,
         )
         return self._assembled(loaded, (*outer, (key, span)))
+
+    def _report_cycle(self, ring: list[Path], span: Span | None) -> None:
+        message = "recipes contain one another: " + " → ".join(path.name for path in ring)
+        help = "a recipe cannot be a part of itself: remove one of these references"
+        self.sink.error("source-cycle", message, span, help=help)
+
+    def _angle_context(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> AngleContext:
+        """Return the units of the recipe's angles: of each file that wrote a part of it, if there are several."""
+        whole = AngleSettings(recipe.angle, recipe.eulerseq)
+        files = self.context.recipes[path].said
+        if concrete is None or len(files) < 2:
+            return AngleContext(document, whole)  # a file without a setting allows no bare angles
+        angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
+        check_bare_angles(angle_context, self.sink)
+        return angle_context
 
     def _assembled(self, loaded: _LoadedRecipe, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that was read, with its base and parts planned."""
@@ -296,7 +304,8 @@ class _Planner:
             self.sink.error("draw-at-run-time", message, span, help=help, subjects=(field.name,))
 
     def _read(self, path: Path, given: Given) -> ValidRecipe | None:
-        if (valid := validated_recipe(path, given, self.context)) is not None:
+        valid = validated_recipe(path, given, self.context)
+        if valid is not None:
             self.sink.suppress_about(valid.lost)
         return valid
 
@@ -310,7 +319,8 @@ class _Planner:
             name = key if attachment.prefix is None else attachment.prefix
             numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
             prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
-            if (clash := next((prefix for prefix in prefixes if prefix and prefix in taken), None)) is not None:
+            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
+            if clash is not None:
                 place = span if attachment.prefix is None else locate(document, (*at, "prefix"))
                 notes = (Note("the other part", taken[clash]),)
                 help = "give one of them another key, or `prefix`"
@@ -318,7 +328,8 @@ class _Planner:
                 self.sink.error("name-clash", message, place, notes=notes, help=help, subjects=(clash,))
                 continue
             taken.update(dict.fromkeys(prefixes, span))
-            if (model := self._model(attachment, at, loaded, inside=inside)) is None:
+            model = self._model(attachment, at, loaded, inside=inside)
+            if model is None:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
@@ -443,13 +454,14 @@ class _Planner:
 
     def _may_read(self, plan: Plan, door: Door, span: Span) -> bool:
         """Return whether all local files of a recipe may be read by the MJCF that attaches it."""
-        files = [file for each in plan.plans() for file in (each.path, *files_of_recipe(each, self.context))]
-        for source in (*plan.sources(), *(source for each in plan.plans() for source, _ in each.extended)):
+        files = [file for inner in plan.plans() for file in (inner.path, *files_of_recipe(inner, self.context))]
+        for source in (*plan.sources(), *(source for inner in plan.plans() for source, _ in inner.extended)):
             if source.origin is None:
                 files += (source.path, *(folder for _, folder in source.packages))
         fetching = self.context.fetching
         own = [file for file in files if fetching is None or fetching.around(file) is None]
-        if (outside := next((file for file in own if not door.sees(file)), None)) is not None:
+        outside = next((file for file in own if not door.sees(file)), None)
+        if outside is not None:
             door.outside(str(outside)).report(self.sink, span, shown=self.context.shown)
         return outside is None
 
@@ -461,7 +473,8 @@ class _Planner:
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", document=around.document, at=at)
-        if (read := validate_what_remains(with_inherited(model, around.document), self.sink)) is None:
+        read = validate_what_remains(with_inherited(model, around.document), self.sink)
+        if read is None:
             return None
         recipe = read.recipe
         others = {} if ({"angle", "eulerseq"} & model.entries.keys()) else around.angle_context.others

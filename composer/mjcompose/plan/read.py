@@ -114,7 +114,8 @@ def _values(given: Given) -> tuple[tuple[str, str], ...]:
 
 def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
     """Return the result of the work, computed only if it is not kept; the context reports its diagnostics."""
-    if (known := context.concrete.pop(key, None)) is None:
+    known = context.concrete.pop(key, None)
+    if known is None:
         own = replace(context, sink=Sink())
         known = work(own), tuple(own.sink.diagnostics)
         while len(context.concrete) >= _KEPT:
@@ -199,7 +200,8 @@ def read_recipe(path: Path, context: Context) -> Node | None:
     """Return the tree of a recipe merged with everything that it extends, read once in a run, or None after errors."""
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
-    if (known := context.recipes.get(path)) is None:
+    known = context.recipes.get(path)
+    if known is None:
         own = replace(context, sink=Sink())
         before = fetching.trust
         extended: list[tuple[Source, Span]] = []
@@ -217,15 +219,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
 def _read(
     path: Path, context: Context, chain: tuple[Path, ...], extended: list[tuple[Source, Span]], said: dict[str, Mapping]
 ) -> Node | None:
-    before = context.sink.error_count
-    text = _text(path, context)
-    node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
-    if node is not None and text is not None and b"\\" in text:  # without escapes YAML has none of them either
-        check_characters(node, context.sink)
-    if isinstance(node, Mapping) and text is not None and (b"check" in text or b"edit" in text):
-        _load_extensions(node, context.fetching.around(path) if context.fetching else None, context.sink)
-    if node is None or context.sink.error_count > before:
-        return None
+    node = _read_alone(path, context)
     if not isinstance(node, Mapping):
         return node
     _take_trust(node, path, context, top=chain[0] if chain else path)
@@ -235,7 +229,8 @@ def _read(
         return node
     _, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
-    if (source := _extended(named, path, context, chain=(*chain, path))) is None:
+    source = _extended(named, path, context, chain=(*chain, path))
+    if source is None:
         return None
     extended.append((source, named.span))
     lower = _read(source.path, context, (*chain, path), extended=extended, said=said)
@@ -246,12 +241,27 @@ def _read(
     return merge(lower, upper, context.sink)
 
 
+def _read_alone(path: Path, context: Context) -> Node | None:
+    """Return the root of one file, or None after an error. The packages that it names are loaded."""
+    before = context.sink.error_count
+    text = _text(path, context)
+    node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
+    if text is None or node is None:
+        return None
+    if b"\\" in text:  # without escapes YAML has no odd characters
+        check_characters(node, context.sink)
+    if isinstance(node, Mapping) and (b"check" in text or b"edit" in text):
+        _load_extensions(node, context.fetching.around(path) if context.fetching else None, context.sink)
+    return None if context.sink.error_count > before else node
+
+
 def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
     """Apply the `trust` of a local recipe, if the `top` of its `extends` chain is the outermost recipe."""
     fetching = context.fetching
     if TRUST not in node.entries or fetching is None:
         return
-    if (origin := fetching.around(path)) is not None:  # it cannot grant trust to itself
+    origin = fetching.around(path)
+    if origin is not None:  # it cannot grant trust to itself
         message = f"`{TRUST}` in a recipe of `{origin.id}` has no effect: only your own recipe can grant trust"
         help = f"write what you trust in your own recipe, and remove this `{TRUST}`"
         context.sink.error("source-outside", message, node.entries[TRUST][0].span, help=help)
@@ -303,7 +313,8 @@ def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]
 
 
 def _text(path: Path, context: Context) -> bytes | None:
-    if (kept := unsaved_text(path)) is not None:
+    kept = unsaved_text(path)
+    if kept is not None:
         return kept
     shown = context.shown(path)
     try:
@@ -426,7 +437,8 @@ def _named(element: RecipeElement) -> Iterator[tuple[Place, str]]:
     if element.xml is not None:
         yield from (((*element.at, "xml"), name) for name in _FILE.findall(element.xml))
     for attribute in ("file", *CUBE):
-        if isinstance(value := element.attributes.get(attribute), str):
+        value = element.attributes.get(attribute)
+        if isinstance(value, str):
             yield (*element.at, attribute), value
     for child in element.children:
         yield from _named(child)
@@ -445,7 +457,8 @@ def _of_mjcf(path: Path, door: Door, seen: set[Path], settings: CompilerSettings
     for element, _, name in file_attributes(unit.root):
         yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
     for model in unit.root.iterfind("asset/model"):
-        if inner := model.get("file"):
+        inner = model.get("file")
+        if inner:
             yield from _of_mjcf(Path(join(str(unit.directory), inner)), door, seen)
 
 

@@ -44,6 +44,7 @@ class AngleContext(Struct):
     others: Map[str, AngleSettings] = dataclasses.field(default_factory=dict)
 
     def at(self, path: Path) -> AngleSettings:
+        """Return the settings for the value at a path."""
         return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
 
 
@@ -191,7 +192,8 @@ def _added_places_of(element: RecipeElement, document: Mapping) -> Iterator[tupl
     if element.xml is not None:
         yield from ((tag, name, locate(document, (*element.at, "xml"))) for tag, name in names_in(element.xml, KINDS))
         return
-    if (name := element.attributes.get("name")) is not None and element.tag in KINDS:
+    name = element.attributes.get("name")
+    if name is not None and element.tag in KINDS:
         yield element.tag, str(name), locate(document, (*element.at, "name"))
     for child in element.children:
         yield from _added_places_of(child, document)
