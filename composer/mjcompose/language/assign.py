@@ -95,6 +95,7 @@ class Checker(Struct, frozen=False):
             self.faults.append(Fault("missing-key", message, at, help="write another value"))
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
+        """Return the fault of a name that is not an attribute of the selected elements."""
         if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)
@@ -131,28 +132,26 @@ class Checker(Struct, frozen=False):
 
     def _arithmetic(self, verb: str, fitting: Fitting, index: int | None, value: Any, tag: str, at: Path) -> None:
         subject = f"`{at[-1]}` of `{tag}`"
-        numeric = [each for _, each in fitting if each.is_number]
-        takes_angles = not fitting or any(may_be_angle(own_tag, each) for own_tag, each in fitting)
+        numeric = [attribute for _, attribute in fitting if attribute.is_number]
+        takes_angles = not fitting or any(may_be_angle(own_tag, attribute) for own_tag, attribute in fitting)
         if fitting and not numeric:
             message = f"{subject} is not a number, which `{verb}` needs"
             if index is not None:
                 message = f"`{fitting[0][1].name}` of `{tag}` has no numbers that could be counted"
             self.faults.append(Fault("wrong-type", message, at, key=True))
             return
-        lengths = [each.max_length for each in numeric]
-        if index is not None and numeric and all(most is not None and index >= most for most in lengths):
-            most = max(each for each in lengths if each is not None)
+        most = _most_numbers(numeric)
+        if index is not None and most is not None and index >= most:
             message = f"{subject} does not exist: `{numeric[0].name}` has {most} number{'s' * (most != 1)}"
             self.faults.append(Fault("wrong-length", message, at, key=True, help="the first number is `[0]`"))
             return
-        if isinstance(value, list) and index is None:
-            if numeric and all(most is not None and len(value) > most for most in lengths):
-                message = f"{subject} has {max(filter(None, lengths))} numbers, got {len(value)}"
-                self.faults.append(Fault("wrong-length", message, at))
-            for position, item in enumerate(value):
-                self._amount(verb, item, subject, (*at, position), takes_angles=takes_angles)
+        if not isinstance(value, list) or index is not None:
+            self._amount(verb, value, subject, at, takes_angles=takes_angles)
             return
-        self._amount(verb, value, subject, at, takes_angles=takes_angles)
+        if most is not None and len(value) > most:
+            self.faults.append(Fault("wrong-length", f"{subject} has {most} numbers, got {len(value)}", at))
+        for position, item in enumerate(value):
+            self._amount(verb, item, subject, (*at, position), takes_angles=takes_angles)
 
     def _amount(self, verb: str, value: Any, subject: str, at: Path, takes_angles: bool) -> None:
         angle = Angle.read(value) if isinstance(value, str) and verb != "scale" else None
@@ -175,6 +174,13 @@ class Checker(Struct, frozen=False):
         if isinstance(value, str) and is_template(value):
             return check_template(value, at, self.faults) is not None
         return True
+
+
+def _most_numbers(attributes: Sequence[Attribute]) -> int | None:
+    """Return how many numbers the longest of these attributes has at most; None if one has no limit."""
+    lengths = [attribute.max_length for attribute in attributes]
+    bounded = [length for length in lengths if length is not None]
+    return max(bounded, default=None) if len(bounded) == len(lengths) else None
 
 
 def _sample(attribute: Attribute, value: Any) -> Any:
@@ -298,6 +304,7 @@ definition("null")(lambda name: _or_null(define(name)))
 
 @definition("scalable")
 def scalable(tag: str) -> Schema:
+    """Return the schema of a mapping from attributes that are numbers to factors or offsets."""
     found = {
         name: {**reference("amount"), "description": attributes[0][1].doc}
         for name, attributes in attributes_of(tag).items()
@@ -333,6 +340,7 @@ def attributes_of(tag: str) -> dict[str, list[tuple[str, Attribute]]]:
 
 @definition("amount")
 def amount(_: str) -> Schema:
+    """Return the schema of a number, a list of them, or an expression of `${value}`."""
     return {
         "type": ["number", "string", "array"],
         "pattern": TEMPLATE_PATTERN,

@@ -311,6 +311,7 @@ class Attachment(Model):
 
     @property
     def key_policy(self) -> KeyPolicy:
+        """How the part's keyframes are copied."""
         return "none" if any(each.leaves_keys for each in self.drop) else self.keys
 
     @property
@@ -330,6 +331,7 @@ class Attachment(Model):
 
     @property
     def place(self) -> tuple[str, str]:
+        """Return kind and name of the part's place; `world` without a name for the world."""
         named = ((kind, getattr(self, kind)) for kind in PLACES)
         return next(((kind, name) for kind, name in named if name is not None), ("world", ""))
 
@@ -370,6 +372,7 @@ class Start(Struct):
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:
+    """Return the fault of a prefix, or None."""
     separator = context.separator
     if prefix == RESERVED:
         message = f"`{RESERVED}` means the model to start from and is not a prefix"
@@ -381,7 +384,8 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
         return Fault("bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`")
-    if (fault := odd_name(prefix, "a prefix", at, key=key)) is not None:
+    fault = odd_name(prefix, "a prefix", at, key=key)
+    if fault is not None:
         return fault
     if separator in prefix and separator in PATH_LIKE:
         help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"

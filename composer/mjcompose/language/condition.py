@@ -64,7 +64,8 @@ class Condition:
         if isinstance(node, Turned):
             return node
         if isinstance(node, Mapping) and WHEN in node.entries and is_item(path):
-            if (kept := self.item(node, path)) is None:
+            kept = self.item(node, path)
+            if kept is None:
                 return None
             node = kept
         if not has_items_below(path):

@@ -77,6 +77,7 @@ SHEETS: ExtensionTable[Sheet] = ExtensionTable("datasheets", {}, "", kind=Sheet)
 
 @cache
 def library() -> Mapping[str, Sheet]:
+    """Return the data sheets that come with mjcompose."""
     from mjcompose.base.sink import Sink  # few recipes name a motor
     from mjcompose.text.load import load
     from mjcompose.text.node import to_python

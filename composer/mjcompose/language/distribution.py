@@ -42,13 +42,16 @@ class FieldDistribution(Struct):
 
     @property
     def components(self) -> int | None:
+        """Return how many components the value must have, or None for any number."""
         return next((len(each) for each in self.parameters.values() if len(each) > 1), None)
 
     @property
     def is_whole(self) -> bool:
+        """Return whether one draw is a whole value with all its numbers."""
         return self.kind == CHOICE and not all(_is_number(each) or isinstance(each, Angle) for each in self.values)
 
     def of(self, component: int) -> Distribution:
+        """Return the distribution of the number of one component. A choice has none."""
         numbers = tuple(each[component if len(each) > 1 else 0] for each in self.parameters.values())
         return _distribution(self.kind, numbers)
 

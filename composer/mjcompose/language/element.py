@@ -8,7 +8,7 @@ from itertools import takewhile
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.diagnostic import Fault, Fix, Path
 from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
 from mjcompose.base.words import number_text
 from mjcompose.language.condition import is_item
@@ -197,6 +197,7 @@ class Reader(Struct, frozen=False):
         return {}
 
     def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[RecipeElement]:
+        """Return the elements with one tag: a mapping is one element, a list is several."""
         if isinstance(value, list):
             if kind.max_count is not None and len(value) > kind.max_count:
                 few = "one" if kind.max_count == 1 else str(kind.max_count)
@@ -279,6 +280,7 @@ class Reader(Struct, frozen=False):
     def angles(
         self, kind: ElementType, attributes: AbcMapping[str, Value], at: Path, owner: str, joint: str | None
     ) -> None:
+        """Report angles without a unit, if the recipe sets none."""
         written = attributes.get("type", joint)
         type = written if isinstance(written, str) else None
         if not self.settings.bare_angles:
@@ -303,29 +305,12 @@ class Reader(Struct, frozen=False):
             message = f"`{name}` is for a whole entry, and `{kind.tag}` is inside of one"
             help = f"write an entry of its own: `add: [{{{name}: …, to: BODY, {kind.tag}: {{…}}}}]`"
             return Fault("unknown-key", message, at, key=True, help=help)
-        attributes = [each for each in (*own, *kind.attributes) if each not in taken]
-        known = [*attributes, *(each for each in kind.children if each not in taken)]
+        attributes = [attribute for attribute in (*own, *kind.attributes) if attribute not in taken]
+        known = [*attributes, *(child for child in kind.children if child not in taken)]
         near = closest(name, known)
-        fix = renaming(name, known)
-        help = f"write `{near[0]}`" if near else f"take `{name}` out"
-        groups = [tag for tag, child in kind.children.items() if name in child.attributes]
-        siblings = GRAMMAR.element("body").children
-        if not near and not groups and kind.tag in siblings:
-            owners = [tag for tag, each in siblings.items() if name in each.attributes]
-            if 0 < len(owners) <= _OWNERS:
-                help = f"it is an attribute of {either(owners)}"
-        if name in GRAMMAR.root.children:
-            help = f"write it in the section `{name}`"
-            fix = None
-        if len(groups) == 1 and not near:
-            help = f"write it in `{groups[0]}: {{…}}`"
-        elif 1 < len(groups) <= _OWNERS and not near:
-            help = f"write it in {either(groups)}"
-        if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
-            help = f"write `objtype: {name}, objname: {value}`"
-            fix = None
+        help, fix = _advice_for_unknown(kind, name, value, near=near, fix=renaming(name, known))
         items = value if isinstance(value, list) else [value]
-        looks_alike = any(isinstance(each, dict) for each in items) or (near and near[0] in kind.children)
+        looks_alike = any(isinstance(item, dict) for item in items) or (near and near[0] in kind.children)
         if kind.children and looks_alike:
             notes = (exists_note("element", kind.children, name),)
             message = f"`{name}` is not allowed in {owner}"
@@ -333,14 +318,39 @@ class Reader(Struct, frozen=False):
         return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
+        """Yield the entries of a mapping from names to elements."""
         if not isinstance(value, dict):
             self.faults.append(_no_names(owner, value, at))
             return
         for name, item in value.items():
-            if (fault := name_fault(name, owner, (*at, name))) is not None:
+            fault = name_fault(name, owner, (*at, name))
+            if fault is not None:
                 self.faults.append(fault)
             else:
                 yield name, item
+
+
+def _advice_for_unknown(
+    kind: ElementType, name: str, value: Any, near: Sequence[str], fix: Fix | None
+) -> tuple[str, Fix | None]:
+    """Return the help for an unknown key and its fix: another place if there is one, else a similar name."""
+    if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
+        return f"write `objtype: {name}, objname: {value}`", None
+    is_section = name in GRAMMAR.root.children
+    groups = [tag for tag, child in kind.children.items() if name in child.attributes]
+    if 0 < len(groups) <= _OWNERS and not near:
+        place = f"`{groups[0]}: {{…}}`" if len(groups) == 1 else either(groups)
+        return f"write it in {place}", None if is_section else fix
+    if is_section:
+        return f"write it in the section `{name}`", None
+    if near:
+        return f"write `{near[0]}`", fix
+    siblings = GRAMMAR.element("body").children
+    if not groups and kind.tag in siblings:
+        owners = [tag for tag, sibling in siblings.items() if name in sibling.attributes]
+        if 0 < len(owners) <= _OWNERS:
+            return f"it is an attribute of {either(owners)}", fix
+    return f"take `{name}` out", fix
 
 
 def label(tag: str, value: Any) -> str:

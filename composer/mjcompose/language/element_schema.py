@@ -147,6 +147,7 @@ def _definition_of_named(path: str) -> Schema:
 
 
 def nameless() -> dict[str, Schema]:
+    """Return the key that says that the key of an entry is not the name of the element."""
     return {NAME: reference("nameless")}
 
 
@@ -160,27 +161,33 @@ def element(
 ) -> Schema:
     """Return the schema of an element: attributes, children and rules; and, where allowed, a fragment."""
     known: dict[str, Schema] = dict(properties or {})
-    for name, each in kind.attributes.items():
+    for name, attribute in kind.attributes.items():
         if name not in keyed:
-            known.setdefault(name, attribute_schema(each, kind.tag))
+            known.setdefault(name, attribute_schema(attribute, kind.tag))
     if children:
         for tag, child in kind.children.items():
             known.setdefault(tag, _settings() if tag == CONFIG else _children(child))
+    rules = _rules(kind, keyed, required)
+    description = {"description": kind.doc} if kind.doc else {}
+    if not fragment:
+        if "required" in rules:
+            # Editors offer a schema with `required` at its top as one completion, under the name of its definition.
+            rules["allOf"] = [{"required": rules.pop("required")}, *rules.get("allOf", ())]
+        return {**mapping(known), **description, **rules}
+    known.setdefault(FRAGMENT, reference("fragment"))
+    return {**mapping(known), **description, **unless_fragment(rules, properties or {})}
+
+
+def _rules(kind: ElementType, keyed: Sequence[str], required: Sequence[str]) -> Schema:
+    """Return which attributes are required, and which conditions hold among them."""
     rules: Schema = {}
-    needed = [name for name, each in kind.attributes.items() if each.required and name not in keyed]
+    needed = [name for name, attribute in kind.attributes.items() if attribute.required and name not in keyed]
     if needed or required:
         rules["required"] = [*required, *needed]
     conditions = [condition for rule in kind.constraints for condition in _rule(rule)]
     if conditions:
         rules["allOf"] = conditions
-    description = {"description": kind.doc} if kind.doc else {}
-    if not fragment:
-        if "required" in rules:
-            # Editors offer a schema with `required` at its top as one completion, under the name of its definition.
-            rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
-        return {**mapping(known), **description, **rules}
-    known.setdefault(FRAGMENT, reference("fragment"))
-    return {**mapping(known), **description, **unless_fragment(rules, properties or {})}
+    return rules
 
 
 def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
@@ -245,6 +252,7 @@ def described(schema: Schema, description: str) -> Schema:
 
 
 def by_name(value: Schema) -> Schema:
+    """Return the schema of a mapping from names."""
     return {"type": "object", "additionalProperties": value}
 
 

@@ -274,7 +274,8 @@ def _same(a: Node, b: Node) -> bool:
 
 def _check_names_of_cells(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
     for cell in made:
-        if (character := odd_character(cell.name)) is not None:
+        character = odd_character(cell.name)
+        if character is not None:
             texts = [node for node in cell.given.values() if isinstance(node, Scalar)]
             values = [node.span for node in texts if odd_character(node.text) is not None]
             entry = matrix.node.entries.get("name")

@@ -14,6 +14,7 @@ from mjcompose.tree.values import check_value, items, parse_real
 
 
 def report_missing(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
+    """Report all required attributes that are missing."""
     missing = {name: each.doc for name, each in kind.attributes.items() if each.required and name not in present}
     faults += [missing_key(owner, *missing, at=at, docs=missing)] if missing else []
 
@@ -30,22 +31,34 @@ def missing_key(owner: str, *names: str, at: Path, docs: Mapping[str, str] = Map
 def report_clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
+    """Report attributes that exclude or need each other."""
     for rule in rules:
-        names = [name for bundle in rule.bundles for name in bundle]
-        fault = None
-        if rule.kind == "exclusive":
-            fault = _exclusive(rule, present, owner, at=at)
-        elif rule.kind == "oneof":
-            lacking = min(([name for name in bundle if name not in present] for bundle in rule.bundles), key=len)
-            if lacking:  # the fewest keys to add
-                needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
-                message = f"{owner} needs {needed}"
-                help = f"write `{', '.join(f'{name}: …' for name in lacking)}`"
-                fault = Fault("missing-key", message, at, key=True, help=help, names=tuple(names))
-        elif rule.kind == "together" or all(name in present for name in rule.bundles[0]):
-            missing = [name for name in names if name not in present]
-            fault = _incomplete([name for name in names if name in present], missing, owner, at=at)
+        fault = _broken_rule(rule, present, owner, at)
         faults += [fault] if fault is not None else []
+
+
+def _broken_rule(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
+    """Return the fault of attributes that break a rule among them, or None."""
+    if rule.kind == "exclusive":
+        return _exclusive(rule, present, owner, at=at)
+    if rule.kind == "oneof":
+        return _lacking(rule, present, owner, at)
+    if rule.kind == "together" or all(name in present for name in rule.bundles[0]):
+        names = [name for bundle in rule.bundles for name in bundle]
+        there = [name for name in names if name in present]
+        return _incomplete(there, [name for name in names if name not in present], owner, at=at)
+    return None
+
+
+def _lacking(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
+    """Return the fault of an element that has none of the bundles of attributes of which it needs one."""
+    fewest = min(([name for name in bundle if name not in present] for bundle in rule.bundles), key=len)
+    if not fewest:
+        return None
+    needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
+    help = f"write `{', '.join(f'{name}: …' for name in fewest)}`"
+    names = tuple(name for bundle in rule.bundles for name in bundle)
+    return Fault("missing-key", f"{owner} needs {needed}", at, key=True, help=help, names=names)
 
 
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:

@@ -104,6 +104,7 @@ def _way(reader: Reader, value: str | bool, at: Path, owner: str) -> Way | None:
 
 
 def controls_schema(number: Schema, description: str) -> Schema:
+    """Return the schema: `hold`, or a mapping from actuators to numbers or `hold`, with `hold` and `joint`."""
     hold: Schema = {"const": HOLD, "description": "the control that holds the pose of the key"}
     entry: Schema = {"anyOf": [number, hold]}
     about = "the hold of all actuators: servos at the pose, or forces that balance the model there"
@@ -187,6 +188,7 @@ class Keyframe(Model):
 
     @property
     def values(self) -> dict[str, Mapping[str, Entry]]:
+        """The entries of each vector that is written, by name."""
         written = {name: getattr(self, name) for name in VECTORS if name in self.model_fields_set}
         return written if "controls" not in self.model_fields_set else {**written, CTRL: self.controls.numbers}
 

@@ -41,7 +41,8 @@ def is_usable(key: Key, what: str, sink: Sink) -> bool:
     from mjcompose.text.expression import CONSTANTS, FUNCTIONS, KEYWORDS
 
     if _NAME.fullmatch(key.name) is None:
-        help = f"write `{suggested}`" if _NAME.fullmatch(suggested := re.sub(r"\W", "_", key.name)) else None
+        suggested = re.sub(r"\W", "_", key.name)
+        help = f"write `{suggested}`" if _NAME.fullmatch(suggested) else None
         sink.error("bad-name", f"{what} has letters, digits and `_` in its name, got `{key.name}`", key.span, help=help)
         return False
     if key.name in RESERVED or key.name in KEYWORDS or key.name in FUNCTIONS or key.name in CONSTANTS:
@@ -65,12 +66,14 @@ def plain(node: Node) -> Value | None:
 
 
 def node_of(value: Value, span: Span) -> Node:
+    """Return a node with this value and place."""
     if isinstance(value, tuple):
-        return Sequence(tuple(node_of(each, span) for each in value), span)
+        return Sequence(tuple(node_of(item, span) for item in value), span)
     if isinstance(value, DataTable):
-        return Mapping({name: (Key(name, span), node_of(each, span)) for name, each in value.items()}, span)
+        return Mapping({name: (Key(name, span), node_of(item, span)) for name, item in value.items()}, span)
     if isinstance(value, Angle):
-        return Scalar(text := str(written(value)), span, text, plain=False)
+        text = str(written(value))
+        return Scalar(text, span, text, plain=False)
     return Scalar(value, span, shown(value), plain=not isinstance(value, str))
 
 
@@ -156,21 +159,43 @@ class Parameter(Struct):
         return self._quantity(plain) if fault is None else fault
 
     def _fault(self, value: Value) -> Diagnostic | None:
-        if not _has_type(value, self.type):
-            help = "declare it as `{type: float, …}` to allow any number" if self.type == "int" else None
-            if isinstance(value, str) and (angle := Angle.read(value)) is not None:
-                help = f"declare it as an angle: `{self.name}: {{unit: {angle.unit}, …}}`"
-            message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {quoted(value)}"
-            return Diagnostic("wrong-type", message, help=help)
-        if self.choices and not any(self._same(value, each) for each in self.choices):
-            known = [self._shown(each) for each in self.choices]
-            listed = ", ".join(f"`{each}`" for each in known)
-            help = did_you_mean(self._shown(value), known)
-            message = f"parameter `{self.name}` is one of {listed}, got {quoted(value)}"
-            return Diagnostic("out-of-range", message, help=help)
-        if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
-            noun = "numbers" if self.type == "vector" else "values"
-            return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} {noun}, got {len(value)}")
+        fault = (
+            self._fault_of_type(value)
+            or self._fault_of_choice(value)
+            or self._fault_of_length(value)
+            or self._fault_of_bounds(value)
+        )
+        if fault is not None:
+            return fault
+        default = None if self.default is None else self._plain(self.default)
+        return fault_of_columns(self.name, value, self.columns, default)
+
+    def _fault_of_type(self, value: Value) -> Diagnostic | None:
+        if _has_type(value, self.type):
+            return None
+        help = "declare it as `{type: float, …}` to allow any number" if self.type == "int" else None
+        angle = Angle.read(value) if isinstance(value, str) else None
+        if angle is not None:
+            help = f"declare it as an angle: `{self.name}: {{unit: {angle.unit}, …}}`"
+        message = f"parameter `{self.name}` is {_NOUNS[self.type]}, got {quoted(value)}"
+        return Diagnostic("wrong-type", message, help=help)
+
+    def _fault_of_choice(self, value: Value) -> Diagnostic | None:
+        if not self.choices or any(self._same(value, choice) for choice in self.choices):
+            return None
+        known = [self._shown(choice) for choice in self.choices]
+        listed = ", ".join(f"`{choice}`" for choice in known)
+        help = did_you_mean(self._shown(value), known)
+        message = f"parameter `{self.name}` is one of {listed}, got {quoted(value)}"
+        return Diagnostic("out-of-range", message, help=help)
+
+    def _fault_of_length(self, value: Value) -> Diagnostic | None:
+        if not isinstance(value, tuple) or self.length is None or len(value) == self.length:
+            return None
+        noun = "numbers" if self.type == "vector" else "values"
+        return Diagnostic("wrong-length", f"parameter `{self.name}` has {self.length} {noun}, got {len(value)}")
+
+    def _fault_of_bounds(self, value: Value) -> Diagnostic | None:
         for number in leaves(value):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
@@ -178,8 +203,7 @@ class Parameter(Struct):
                 if bound is not None and beyond(number, bound) and not self._same(number, bound):
                     message = f"parameter `{self.name}` is at {word} {self._shown(bound)}, got {self._shown(number)}"
                     return Diagnostic("out-of-range", message, place_in(value, number))
-        default = None if self.default is None else self._plain(self.default)
-        return fault_of_columns(self.name, value, self.columns, default)
+        return None
 
     def _plain(self, value: Value) -> Value:
         """Return the value with the numbers of angles in the unit of the parameter."""
@@ -271,17 +295,18 @@ Axes = dict[str, Mapping]
 
 def read_axes(document: Mapping, sink: Sink) -> Axes:
     """Return each axis with its pieces by value, without faulty ones."""
-    found = document.entries.get("variants")
-    if found is None:
+    entry = document.entries.get("variants")
+    if entry is None:
         return {}
     help = "write `variants: {gripper: {small: {…}, large: {…}}}`"
-    if not isinstance(found[1], Mapping):
-        if words := _words(found[1]):
+    if not isinstance(entry[1], Mapping):
+        words = _words(entry[1])
+        if words:
             help = f"write `variants: {{AXIS: {_pieces(words)}}}`"
-        sink.error("wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help)
+        sink.error("wrong-type", "`variants` is a mapping from axes to their values", entry[1].span, help=help)
         return {}
     axes: Axes = {}
-    for key, values in found[1].entries.values():
+    for key, values in entry[1].entries.values():
         if not is_usable(key, "a variant", sink):
             continue
         if not isinstance(values, Mapping) or not values.entries:
@@ -337,11 +362,13 @@ def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
 
 
 def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
+    """Report that an axis does not have a value."""
     message = f"variant `{axis}` has no value `{value}`"
     sink.add(unknown_name("value", value, values.entries, span=node.span, message=message))
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:
+    """Merge the chosen pieces over the recipe, in the order of their axes."""
     for axis, value in chosen.items():
         piece = axes[axis].entries[value][1]
         if isinstance(piece, Mapping):

@@ -39,6 +39,7 @@ OF_A_FILE = {
 
 
 def advice_to_choose(models: Sequence[str]) -> str:
+    """Return what to write to choose one of several models in each sample."""
     drawn = f"`randomize` with `fields: {{which: {{param: which, choice: [{', '.join(models)}]}}}}`"
     return f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and {drawn}'
 
@@ -113,6 +114,7 @@ class Inline:
     alone = True
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
+        """Yield the fault of a mapping with keys that only a recipe has."""
         strange = [key for key in value if key in WHOLE[()] and key not in model.key_names()]
         if "model" in value or not strange:
             return
@@ -127,6 +129,7 @@ class Inline:
 
 
 def with_inherited(model: Located, around: Located) -> Located:
+    """Return the recipe that is written in place, with the settings it inherits from the recipe around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
     version = Key("recipe", model.span), Scalar(1, model.span, "1", plain=True)
@@ -136,7 +139,8 @@ def with_inherited(model: Located, around: Located) -> Located:
 def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
     """Yield the faults of the recipes that are written in place. `judge` finds the faults of one recipe."""
     for at, model in _models(node):
-        if (choice := _choice(model)) is not None:
+        choice = _choice(model)
+        if choice is not None:
             message = "`model` is a model reference or a recipe, and a choice among models is drawn"
             yield Fault("unknown-key", message, (*at, "choice"), key=True, help=advice_to_choose(choice))
             continue

@@ -84,6 +84,7 @@ class DrawField(Model):
 
     @property
     def operation(self) -> Operation:
+        """How a draw is used: as the value, as a factor, or as an offset."""
         return "set" if self.written else "scale" if self.scale is not None else "offset"
 
     @cached_property
@@ -109,10 +110,12 @@ class DrawField(Model):
 
     @property
     def drawn_at(self) -> Path:
+        """The path to the distribution."""
         return (*self.at, *self._of_distribution)
 
     @property
     def words(self) -> str:
+        """The drawn value, its element, and its distribution, as `plan` prints it on one line."""
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""

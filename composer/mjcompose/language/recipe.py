@@ -112,6 +112,7 @@ WORLD = "world"
 
 
 def addable(place: str) -> Mapping[str, ElementType]:
+    """Return the elements that can be added to the world, a body or a frame."""
     return GRAMMAR.element("worldbody" if place == WORLD else place).children
 
 
@@ -352,10 +353,12 @@ SETTLED = sections_of(Settled)
 
 def _depth(info: FieldInfo) -> int:
     """Return the number of levels below a recipe at which a key has items that can have `when`; 0 if there are none."""
-    if (section := next((mark for mark in info.metadata if isinstance(mark, Section)), None)) is not None:
+    section = next((mark for mark in info.metadata if isinstance(mark, Section)), None)
+    if section is not None:
         return section.depth
     kind = inside(info.annotation, 0)
-    if isinstance(depth := getattr(kind, "depth", None), int):
+    depth = getattr(kind, "depth", None)
+    if isinstance(depth, int):
         return depth
     return 1 if has_key(kind, "when") else 2 if has_key(inside(kind, 1), "when") else 0
 

@@ -221,44 +221,55 @@ class _Keys:
         self.definitions = definitions
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
+        """Yield a row for each key that the schema describes, and for the keys inside, at any depth."""
         yield from (row for _, row in self.placed(schema, path, deep))
 
     def placed(self, schema: Schema, path: str, deep: bool = True) -> Iterator[tuple[str, str]]:
         """Yield the same rows, each with its path. A key for one value or several values has one row."""
         seen = set()
         for place, row in self._placed(schema, path, deep):
-            if (plain := place.replace("[]", "")) not in seen:
+            plain = place.replace("[]", "")
+            if plain not in seen:
                 seen.add(plain)
                 yield place, row
 
     def _placed(self, schema: Schema, path: str, deep: bool) -> Iterator[tuple[str, str]]:
         for kind in self._kinds(schema):
-            required = {*kind.get("required", ())}
-            for rule in (*kind.get("allOf", ()), kind.get("else", {})):
-                required |= {*rule.get("required", ())}
-            alike = self._alike(kind.get("properties", {}))
-            for name, each in kind.get("properties", {}).items():
-                place = f"{path}.{name}" if path else name
-                if name not in alike or (name in _EVERYWHERE and path):
-                    continue
-                about, others = alike[name]
-                row = self._row(place, {**each, "description": about}, name in required)
-                if others:
-                    row = row.replace(f"`{place}`", ", ".join(f"`{key}`" for key in (place, *others)), 1)
-                yield place, row
-                if deep and name not in _SAME:
-                    yield from self._placed(each, place, deep)
-            below = kind.get("additionalProperties")
-            if isinstance(below, dict):
-                word = _PLACES.get(path.rpartition(".")[2], "NAME")
-                place = f"{path}.{word}" if path else word
-                pointer = below.get("$ref", "").rpartition("/")[2]
-                if pointer in _CHAPTERS or pointer.startswith(("typed.", "class")):
-                    described = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
-                    yield place, self._row(place, described, False)
-                yield from self._placed(below, place, deep)
+            yield from self._rows_of_keys(kind, path, deep)
+            yield from self._rows_of_names(kind, path, deep)
             if isinstance(kind.get("items"), dict):
                 yield from self._placed(kind["items"], f"{path}[]", deep)
+
+    def _rows_of_keys(self, kind: Schema, path: str, deep: bool) -> Iterator[tuple[str, str]]:
+        """Yield the rows of a mapping whose keys are known."""
+        required = {*kind.get("required", ())}
+        for rule in (*kind.get("allOf", ()), kind.get("else", {})):
+            required |= {*rule.get("required", ())}
+        alike = self._alike(kind.get("properties", {}))
+        for name, schema in kind.get("properties", {}).items():
+            place = f"{path}.{name}" if path else name
+            if name not in alike or (name in _EVERYWHERE and path):
+                continue
+            about, others = alike[name]
+            row = self._row(place, {**schema, "description": about}, name in required)
+            if others:
+                row = row.replace(f"`{place}`", ", ".join(f"`{key}`" for key in (place, *others)), 1)
+            yield place, row
+            if deep and name not in _SAME:
+                yield from self._placed(schema, place, deep)
+
+    def _rows_of_names(self, kind: Schema, path: str, deep: bool) -> Iterator[tuple[str, str]]:
+        """Yield the rows of a mapping whose keys are names that the user chooses."""
+        below = kind.get("additionalProperties")
+        if not isinstance(below, dict):
+            return
+        word = _PLACES.get(path.rpartition(".")[2], "NAME")
+        place = f"{path}.{word}" if path else word
+        pointer = below.get("$ref", "").rpartition("/")[2]
+        if pointer in _CHAPTERS or pointer.startswith(("typed.", "class")):
+            described = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
+            yield place, self._row(place, described, False)
+        yield from self._placed(below, place, deep)
 
     def _alike(self, properties: dict[str, Schema]) -> dict[str, tuple[str, list[str]]]:
         """Return the keys that have a row, each with its meaning and with the other keys of that row.
@@ -283,6 +294,7 @@ class _Keys:
         return found
 
     def about(self, schema: Schema) -> str:
+        """Return the description of a schema, or of the definition that it refers to."""
         target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})
         return " ".join((schema.get("description") or target.get("description", "")).split())
 
@@ -313,36 +325,44 @@ class _Keys:
         return f"| {' | '.join(each.replace('|', chr(92) + '|') for each in cells)} |"
 
     def _type(self, schema: Schema) -> str:
-        if pointer := schema.get("$ref", "").rpartition("/")[2]:
+        pointer = schema.get("$ref", "").rpartition("/")[2]
+        if pointer:
             return self._named(pointer)
         if "const" in schema:
             return f"`{_shown(schema['const'])}`"
         if "enum" in schema:
-            return ", ".join(f"`{_shown(each)}`" for each in schema["enum"])
+            return ", ".join(f"`{_shown(word)}`" for word in schema["enum"])
         if "anyOf" in schema:
-            text = {"type": "string", "pattern": _TEMPLATE}
-            template = text.items(), {"$ref": "#/$defs/template"}.items()
-            kinds = [each for each in schema["anyOf"] if not any(each.items() >= one for one in template)]
-            return " or ".join(dict.fromkeys(map(self._type, kinds)))
+            return self._either(schema["anyOf"])
         if "allOf" in schema and "type" not in schema:  # a part, except some of its keys
             return self._type(schema["allOf"][0])
         types = schema.get("type", ())
         types = [types] if isinstance(types, str) else types
         if len(types) > 1 and _TEMPLATE in schema.get("pattern", ""):
-            types = [each for each in types if each != "string"]
-        words = [_TYPES[each] for each in types]
+            types = [type for type in types if type != "string"]
+        words = [_TYPES[type] for type in types]
         if words == ["list"] and "items" in schema:
-            item = self._type(schema["items"])
-            least = schema.get("minItems")
-            is_fixed = least == schema.get("maxItems", 0) and item in ("number", "whole number")
-            if is_fixed:
-                return f"{least} {item}s"
-            item = f"lists{item[4:]}" if item.startswith("list of") else item
-            return f"list of {item}s" if item in _PLURALS else f"list of {item}"
+            return self._list(schema)
         return " or ".join(words) or "value"
 
+    def _either(self, kinds: Sequence[Schema]) -> str:
+        """Return the types of several kinds of values, without the expressions that every value may be."""
+        text = {"type": "string", "pattern": _TEMPLATE}
+        templates = text.items(), {"$ref": "#/$defs/template"}.items()
+        others = [kind for kind in kinds if not any(kind.items() >= template for template in templates)]
+        return " or ".join(dict.fromkeys(map(self._type, others)))
+
+    def _list(self, schema: Schema) -> str:
+        item = self._type(schema["items"])
+        least = schema.get("minItems")
+        if least == schema.get("maxItems", 0) and item in ("number", "whole number"):
+            return f"{least} {item}s"
+        item = f"lists{item[4:]}" if item.startswith("list of") else item
+        return f"list of {item}s" if item in _PLURALS else f"list of {item}"
+
     def _named(self, pointer: str) -> str:
-        if (number := _VALUES.fullmatch(pointer)) is not None:
+        number = _VALUES.fullmatch(pointer)
+        if number is not None:
             word = "whole number" if number[1] == "integer" else "number"
             least = number[2]
             several = number[3]

@@ -102,7 +102,8 @@ class Repeater:
             return
         entry = _marked(node)
         size = sum(1 for _ in walk(entry))
-        if self._made + size * len(turns) > (most := in_force().yaml_values):
+        most = in_force().yaml_values
+        if self._made + size * len(turns) > most:
             message = f"`{FOR}` makes more than {most} values"
             self.sink.error("limit-exceeded", message, node.entries[FOR][0].span, help=advice("yaml-values"))
             self._lose(node, key)
@@ -124,7 +125,8 @@ class Repeater:
 
     def turns(self, key: Key, node: Node, path: Path, around: Map[str, Value]) -> list[dict[str, Value]] | None:
         """Return the values of each turn by name, or None after an error."""
-        if len(inside := in_own_model(path)) == 1:
+        inside = in_own_model(path)
+        if len(inside) == 1:
             message = f"`{FOR}` repeats an entry, and there is one `{inside[0]}`"
             self.sink.error("wrong-type", message, key.span, help=f"remove `{FOR}`")
             return None
@@ -145,8 +147,8 @@ class Repeater:
             message = f"`{FOR}` has {size} turns; {most} are allowed"
             self.sink.error("limit-exceeded", message, key.span, help=advice("copies", size))
             return None
-        combinations = itertools.product(*(_listed(each) for each in values.values()))
-        return [dict(zip(values, each, strict=True)) for each in combinations]
+        combinations = itertools.product(*(_listed(value) for value in values.values()))
+        return [dict(zip(values, combination, strict=True)) for combination in combinations]
 
     def _is_free(self, key: Key, around: Map[str, Value]) -> bool:
         """Return whether a name can have values, or report that it has another meaning."""
@@ -214,7 +216,8 @@ class Repeater:
 
     def _add(self, entries: dict[str, tuple[Key, Node]], key: Key, node: Node) -> None:
         """Add an entry, or report that its name exists."""
-        if (other := entries.get(key.name)) is None:
+        other = entries.get(key.name)
+        if other is None:
             entries[key.name] = key, node
             return
         if self.any:  # the two may belong to different builds

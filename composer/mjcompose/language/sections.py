@@ -43,6 +43,7 @@ class Section(ByGrammar):
         return GRAMMAR.section(self.tag)
 
     def tags(self, reader: Reader, value: Any) -> list[tuple[ElementType, Any, Path]]:
+        """Return the entries of a mapping from tags to elements."""
         if not isinstance(value, dict):
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
             help = "write the tag as a key: `TAG: …`, not as an item of a list" if isinstance(value, list) else None
@@ -57,6 +58,7 @@ class Section(ByGrammar):
         return known
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:
+        """Return the fault of a tag that the section does not have."""
         help, fix = advised(tag, self.kind.children)
         note = exists_note(f"{self.tag} element", self.kind.children, tag)
         return Fault("unknown-element", message, at, key=key, notes=(note,), help=help, fix=fix)

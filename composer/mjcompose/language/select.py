@@ -35,6 +35,7 @@ GLOB: Schema = {
 
 
 def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
+    """Return the fault of the pattern with which `owner` is compared, or None."""
     if is_pattern(text) and (wrong := length_fault(text)) is not None:
         help = "give the elements a class or a `part`, or write several entries"
         return Fault("wrong-type", f"{owner}: {wrong}", at, help=help)
@@ -88,21 +89,7 @@ def read_selector(
         return None
     tag, *others = tags
     if others:
-        known = bool(paths_of(others[0]))
-        help, fix = advised(others[0], keys)
-        if others[0] in _BESIDE and owner.startswith("`select`"):
-            help = f"write it next to `select`, after the `}}` of the selector: `{others[0]}: …`"
-            fix = None
-        code = "unknown-key"
-        message = f"`{others[0]}` is not a key of a selector"
-        notes: tuple[Note, ...] = (exists_note("key", keys, others[0]),)
-        if known:
-            code = EXCLUSIVE
-            message = f"{owner} has both `{tag}` and `{others[0]}`, of which only one is allowed"
-            notes = ()
-            help = "write an entry of its own for each"
-            fix = None
-        faults.append(Fault(code, message, (*at, others[0]), key=True, notes=notes, help=help, fix=fix))
+        faults.append(_second_tag(tag, others[0], at, owner, keys=keys))
     if not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None
@@ -130,7 +117,22 @@ def read_selector(
     )
 
 
+def _second_tag(tag: str, name: str, at: Path, owner: str, keys: tuple[str, ...]) -> Fault:
+    """Return the fault of a key next to the tag of a selector: another tag, or no key of a selector."""
+    if paths_of(name):
+        message = f"{owner} has both `{tag}` and `{name}`, of which only one is allowed"
+        return Fault(EXCLUSIVE, message, (*at, name), key=True, help="write an entry of its own for each")
+    help, fix = advised(name, keys)
+    if name in _BESIDE and owner.startswith("`select`"):
+        help = f"write it next to `select`, after the `}}` of the selector: `{name}: …`"
+        fix = None
+    message = f"`{name}` is not a key of a selector"
+    notes = (exists_note("key", keys, name),)
+    return Fault("unknown-key", message, (*at, name), key=True, notes=notes, help=help, fix=fix)
+
+
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
+    """Return the element types that a selector's tag means."""
     return tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
 
 
@@ -183,6 +185,7 @@ OF_INERTIAL = {"ipos": "pos", "iquat": "quat", "inertia": "diaginertia"}
 
 
 def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
+    """Return the fault of an attribute that no element with the tag has."""
     known = sorted({each for kind in kinds for each in kind.attributes})
     help, fix = advised(name, known)
     if tag == "body" and (meant := OF_INERTIAL.get(name.removeprefix("body_"))) is not None:
@@ -196,6 +199,7 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:
+    """Return the parsed text with `${…}`, or None after a reported fault."""
     try:
         return Template.parse(text)
     except ExpressionError as error:

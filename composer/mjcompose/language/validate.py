@@ -118,22 +118,23 @@ def _cut(node: Node, path: Path) -> Node:
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     """Yield the faults of a validation, from the top of `data`. A misspelled key is one fault, not two."""
     errors = error.errors(include_url=False)
-    meant = {id(each) for each in misspelt(errors, Recipe, data).values()}
+    meant = {id(detail) for detail in misspelt(errors, Recipe, data).values()}
     parts = part_keys(data) if isinstance(data, AbcMapping) else {}
     stray = [*parts]
-    for each in errors:
-        if id(each) in meant:
+    for detail in errors:
+        if id(detail) in meant:
             continue
-        fault = translated(each, Recipe, data)
-        if each["type"] == "missing" and each["loc"] == ("recipe",):
+        fault = translated(detail, Recipe, data)
+        if detail["type"] == "missing" and detail["loc"] == ("recipe",):
             message = "the recipe does not say which version of the language it is written in"
             help = f"write `recipe: {VERSION}` as its first line"
             fault = Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
-        elif each["type"] == "extra_forbidden" and len(each["loc"]) == 1:
-            name = str(each["loc"][0])
+        elif detail["type"] == "extra_forbidden" and len(detail["loc"]) == 1:
+            name = str(detail["loc"][0])
             if name in stray[1:]:  # the keys of a part at the top are one mistake
                 continue
-            if advice := advice_at_top(name, data[name], parts):
+            advice = advice_at_top(name, data[name], parts)
+            if advice:
                 fault = replace(fault, help=advice, fix=None)
         yield fault
 
@@ -147,6 +148,7 @@ _OF_MJCF = {
 
 
 def part_keys(data: AbcMapping[str, Any]) -> dict[str, Any]:
+    """Return the keys at the top of a recipe that only a part can have."""
     return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, AbcMapping)}
 
 
@@ -277,15 +279,16 @@ def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
     keys_of: dict[Path, list[str]] = {}
     for at, key in lacking:
         keys_of.setdefault(at, []).append(str(key))
-    found: list[Fault] = []
+    corrected: list[Fault] = []
     for fault in faults:
         if lacking and fault.code in _UNKNOWN and fault.key:
             keys = [key for key in keys_of.get(fault.at[:-1], ()) if (fault.at[:-1], key) in lacking]
-            if near := closest(str(fault.at[-1]), keys):
+            near = closest(str(fault.at[-1]), keys)
+            if near:
                 del lacking[fault.at[:-1], near[0]]
                 fault = replace(fault, help=f"write `{near[0]}`", fix=Fix(near[0], str(fault.at[-1])))
-        found.append(fault)
-    return (each for each in found if each.lacks is None or (_mapping_of(each), each.lacks) in lacking)
+        corrected.append(fault)
+    return (fault for fault in corrected if fault.lacks is None or (_mapping_of(fault), fault.lacks) in lacking)
 
 
 def _mapping_of(fault: Fault) -> Path:

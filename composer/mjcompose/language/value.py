@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
@@ -71,6 +71,7 @@ def is_unprintable(text: str) -> bool:
 
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
+    """Return the fault of a text with a character that XML cannot hold."""
     return Fault("bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key)
 
 
@@ -78,7 +79,8 @@ def odd_name(name: str, subject: str, at: Path, *, key: bool = False) -> Fault |
     """Return the fault of a new name that one line of text, or an XML file, cannot contain; None if it is fine."""
     if is_unprintable(name):
         return unprintable(subject, at, key=key)
-    if (character := odd_character(name)) is None:
+    character = odd_character(name)
+    if character is None:
         return None
     return Fault("bad-name", f"{subject} has {character} in it", at, key=key, help="use letters, digits and `_ . -`")
 
@@ -140,17 +142,27 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     bare = [index for index in places if isinstance(items[index], int | float) and items[index] != 0]
     if not bare:
         return None
-    # A number with decimals that is at most a full turn in radians is most likely in radians.
-    radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
-    unit, name = ("rad", "radian") if radians else ("deg", "degree")
+    unit, is_clear = _likely_unit([float(items[index]) for index in bare])  # type: ignore[arg-type]
+    name = "radian" if unit == "rad" else "degree"
     with_unit: list[Any] = [f"{value_text(item)}{unit}" if index in bare else item for index, item in enumerate(items)]
     instead = value_text(with_unit) if isinstance(value, tuple) else with_unit[0]
     alone = len(bare) == 1 and isinstance(value, tuple)
-    clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
     message = f"`{attribute.name}` of {owner} is an angle without a unit"
     help = f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe"
-    fix = Fix(with_unit[bare[0]] if alone else instead) if clear else None
+    fix = Fix(with_unit[bare[0]] if alone else instead) if is_clear else None
     return Fault("bare-angle", message, (*at, bare[0]) if alone else at, help=help, fix=fix)
+
+
+def _likely_unit(numbers: Sequence[float]) -> tuple[str, bool]:
+    """Return the unit that numbers of an angle have most likely, and whether that is clear.
+
+    >>> [_likely_unit(numbers) for numbers in ([1.57], [90.0], [3.0])]
+    [('rad', True), ('deg', True), ('deg', False)]
+    """
+    # A number with decimals that is at most a full turn in radians is most likely in radians.
+    if any(not number.is_integer() and abs(number) <= FULL_TURN for number in numbers):
+        return "rad", True
+    return "deg", any(abs(number) > FULL_TURN for number in numbers)
 
 
 def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
@@ -240,6 +252,7 @@ def instead(attribute: Attribute, value: object, tag: str) -> Advice | None:
 
 
 def item_instead(attribute: Attribute, item: object, tag: str) -> Advice | None:
+    """Return what to write instead of one number of a list, or None if that is not known."""
     if not isinstance(item, str):
         return None
     parts = items(item.replace(";", " "))
@@ -250,8 +263,9 @@ def item_instead(attribute: Attribute, item: object, tag: str) -> Advice | None:
 
 
 def _number(attribute: Attribute, text: str, tag: str) -> Advice | None:
-    if found := _TEMPLATE.fullmatch(text.strip()):
-        expression = f'"${{{(found[1] or found[2]).strip()}}}"'
+    template = _TEMPLATE.fullmatch(text.strip())
+    if template:
+        expression = f'"${{{(template[1] or template[2]).strip()}}}"'
         return Advice(f"an expression is written `{expression}`", expression)
     if parse_real(text) is not None:
         return Advice(f"write `{text}` without quotes", text.strip())
@@ -261,8 +275,8 @@ def _number(attribute: Attribute, text: str, tag: str) -> Advice | None:
     takes_angles = may_be_angle(tag, attribute)
     if near != text and Angle.read(near):
         return _write(near) if takes_angles else None
-    if takes_angles and (found := _PI.fullmatch(text.strip())):
-        sign, times, over = found.groups()
+    if takes_angles and (template := _PI.fullmatch(text.strip())):
+        sign, times, over = template.groups()
         degrees = 180 * float(times or 1) / (float(over or 1) or math.nan)
         return None if math.isnan(degrees) else _write(f"{sign or ''}{number_text(round(degrees, 9))}deg")
     return without_unit(text)
@@ -300,7 +314,8 @@ def element_instead(kind: ElementType, value: object) -> str | None:
         return None
     if value.lstrip().startswith("<"):
         return "write a fragment of MJCF as `{xml: …}`"
-    if spaced := without_space(value, kind.attributes):
+    spaced = without_space(value, kind.attributes)
+    if spaced:
         return f"put a space after the colon: `{spaced}`"
     for attribute in kind.attributes.values():
         if value in attribute.keywords or (attribute.type == "file" and "." in value):
@@ -343,18 +358,14 @@ def _read_list(
 ) -> Value | None:
     items: list[Any] = [_angle(attribute, item) for item in value]
     several = attribute.is_number and attribute.max_length != 1
-    before = len(faults)
-    allowed = _places_of_angles(attribute, len(items)) if may_be_angle(tag, attribute) else ()
-    for index, item in enumerate(items):
-        if isinstance(item, Angle) and index not in allowed:
-            which = f"a number of the axis in {subject}" if allowed else subject
-            faults.append(no_angle(which, item, (*at, index)))
+    wrong = list(_wrong_angles(attribute, items, at, subject=subject, tag=tag))
     if several:
         # Each number is checked alone, so a fault points at the number and not at the whole list.
         for index, item in enumerate(items):
             if check_number(attribute, item.value if isinstance(item, Angle) else item) is not None:
-                faults.append(_item_fault(attribute, item, (*at, index), subject=subject, tag=tag))
-    if len(faults) > before:
+                wrong.append(_item_fault(attribute, item, (*at, index), subject=subject, tag=tag))
+    if wrong:
+        faults += wrong
         return None
     answer = check_python(attribute, [item.value if isinstance(item, Angle) else item for item in items])
     if answer is not None:
@@ -365,6 +376,15 @@ def _read_list(
         if not _printable(attribute, item, (*at, index), subject=subject, faults=faults):
             return None
     return tuple(items)
+
+
+def _wrong_angles(attribute: Attribute, items: list[Any], at: Path, subject: str, tag: str) -> Iterator[Fault]:
+    """Yield the faults of the angles in places that take none."""
+    allowed = _places_of_angles(attribute, len(items)) if may_be_angle(tag, attribute) else ()
+    for index, item in enumerate(items):
+        if isinstance(item, Angle) and index not in allowed:
+            which = f"a number of the axis in {subject}" if allowed else subject
+            yield no_angle(which, item, (*at, index))
 
 
 def _places_of_angles(attribute: Attribute, count: int) -> range:

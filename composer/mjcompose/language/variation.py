@@ -121,13 +121,14 @@ class Declaration(Model):
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         parameter = self.parameter("", Span("", 1, 1))
-        for at, each in (("default", self.default), *(("choices", each) for each in self.choices or ())):
-            if self.unit is None and parameter.is_angle and (bare := _bare_beside_angles(_of_value(each))) is not None:
+        for at, value in (("default", self.default), *(("choices", value) for value in self.choices or ())):
+            if self.unit is None and parameter.is_angle and (bare := _bare_beside_angles(_of_value(value))) is not None:
                 message = f"`{at}` of {IT} has numbers with a unit and {value_text(bare)} without one"
                 yield Fault("bare-angle", message, (at,), help=f"write `{value_text(bare)}{parameter.unit}`")
                 return
         for name in ("min", "max"):
-            if isinstance(bound := _in_unit(getattr(self, name), parameter.unit), Angle):
+            bound = _in_unit(getattr(self, name), parameter.unit)
+            if isinstance(bound, Angle):
                 message = f"`{name}` of {IT} is an angle, but the parameter has no unit of angles"
                 yield Fault("wrong-type", message, (name,), help=f"write `unit: {bound.unit}`")
                 return
@@ -174,11 +175,12 @@ def _inferred(sample: Value | None) -> tuple[str, str | None]:
     if isinstance(sample, DataTable):
         return "table", None
     if isinstance(sample, tuple):
-        angles = [each for each in map(_angle, sample) if each is not None]
-        if len(angles) < len(sample) and not all(_is_number(each) for each in sample if _angle(each) is None):
+        angles = [angle for angle in map(_angle, sample) if angle is not None]
+        if len(angles) < len(sample) and not all(_is_number(item) for item in sample if _angle(item) is None):
             return "list", None
         return "vector", angles[0].unit if angles else None
-    if (angle := _angle(sample)) is not None:
+    angle = _angle(sample)
+    if angle is not None:
         return "float", angle.unit
     return "string" if isinstance(sample, str) else "bool" if isinstance(sample, bool) else "float", None
 
@@ -263,12 +265,13 @@ class TrustKeys(Model):
 
 
 def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
+    """Return the declared parameters, without faulty ones, which are reported."""
     _, section = document.entries["params"]
     if not isinstance(section, Located):
         help = "write `params: {reach: {default: 0.45, unit: m}}`"
         sink.error("wrong-type", "`params` is a mapping from names to parameters", section.span, help=help)
         return {}
-    found: dict[str, Parameter] = {}
+    parameters: dict[str, Parameter] = {}
     for key, node in section.entries.values():
         if not is_usable(key, "a parameter", sink):
             continue
@@ -281,15 +284,16 @@ def read_params(document: Located, sink: Sink) -> dict[str, Parameter]:
         if declared is None:
             continue
         parameter = declared.parameter(key.name, key.span)
-        if (default := find(node, ("default",)) if isinstance(node, Located) else node) is not None:
+        default = find(node, ("default",)) if isinstance(node, Located) else node
+        if default is not None:
             parameter = replace(parameter, default=plain(default))  # which has the places of rows
         settled = None if parameter.default is None else parameter.read(parameter.default)
         if isinstance(settled, Diagnostic):
             span = settled.span or locate(document, ("params", key.name, "default"))
             sink.add(replace(settled, span=span))
         else:
-            found[key.name] = replace(parameter, default=settled)
-    return found
+            parameters[key.name] = replace(parameter, default=settled)
+    return parameters
 
 
 def _is_table(node: Located) -> bool:
@@ -299,6 +303,7 @@ def _is_table(node: Located) -> bool:
 
 
 def read_grid(document: Located, sink: Sink) -> Grid | None:
+    """Return the section `matrix`, or None after its faults are reported."""
     found: Grid | None = read(Grid, to_python(document.entries["matrix"][1]), document, at=("matrix",), sink=sink)
     return found
 
