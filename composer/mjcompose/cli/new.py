@@ -239,7 +239,7 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
         answer = {"output": str(target), **parts, "changed": edits, "differences": different}
         return Answer("", answer, code=code, is_outcome=True)
     run.report()
-    only = f", {counted(len(comments), 'entry', 'entries')} only as {'a comment' if len(comments) == 1 else 'comments'}"
+    only = f", {counted(len(comments), 'entry')} only as {'a comment' if len(comments) == 1 else 'comments'}"
     say(f"wrote {target}: {counted(len(found.proposal.found), 'part')}{only if comments else ''}")
     _say_several(f"changed in {shown}, and written into the recipe", edits)
     if outcome is None or different is None:

@@ -245,8 +245,7 @@ def _of_model(source: Source, unit: Unit) -> Iterator[str]:
     counts = {"body": len(bodies), "joint": sum(len(body.joints) for body in (world, *bodies))}
     for word, section in (("actuator", "actuator"), ("sensor", "sensor"), ("key", "keyframe")):
         counts[word] = sum(len(each.findall("*")) for each in unit.root.iterchildren(section))
-    plurals = {"body": "bodies"}
-    yield "- " + ", ".join(counted(count, word, plurals.get(word, "")) for word, count in counts.items() if count)
+    yield "- " + ", ".join(counted(count, word) for word, count in counts.items() if count)
     files = list(files_of_source(source))
     yield f"- {len(files)} files, {sum(os.path.getsize(each) for each in files) / 1e6:.2f} MB"
     places = [place for body in (world, *bodies) for place in body.places if place.kind != "body"]

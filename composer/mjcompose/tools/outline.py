@@ -283,7 +283,7 @@ def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Itera
         elif child.children:
             hidden = list(child.walk())[1:]
             joints = sum(len(each.joints) for each in hidden)
-            summary = f"… {counted(len(hidden), 'body', 'bodies')}, {counted(joints, 'joint')} below"
+            summary = f"… {counted(len(hidden), 'body')}, {counted(joints, 'joint')} below"
             yield paint("dim", f"{inner}└ {summary}")
 
 
