@@ -37,7 +37,9 @@ def test_the_target_works(package: Path) -> None:
     assert about["name"] == "sapien"
 
 
-@pytest.mark.parametrize("forgotten", ["composer/mjcompose/targets/names.py", "composer/mjcompose/targets/table.py"])
+@pytest.mark.parametrize(
+    "forgotten", ["composer/mjcompose/language/target_names.py", "composer/mjcompose/targets/table.py"]
+)
 def test_a_forgotten_row_fails_at_import(package: Path, forgotten: str) -> None:
     extend(package, TITLE, but=forgotten)
     done = run(package, "build", "recipe.yaml", "--target", "plain", "-o", "out/")

@@ -10,8 +10,8 @@ import pytest
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.language.attach import Attachment
 from mjcompose.language.check import checks_of
+from mjcompose.language.checks.unchanged import Unchanged
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.unchanged import Unchanged
 from mjcompose.language.value import RecipeElement
 from mjcompose.text.expression import Angle
 from mjcompose.tree.pattern import EVERYTHING, Selector

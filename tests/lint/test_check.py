@@ -5,7 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.lint.check import InertiaImplausible
+from mjcompose.language.checks.lint import InertiaImplausible
+from mjcompose.lint.check import inertia_implausible
 from mjcompose.mujoco.solids import volume
 from mjcompose.verify.checks.check import Scope
 
@@ -14,7 +15,6 @@ BOX = """<mujoco><worldbody>
     <geom type="box" size=".1 .1 .1" group="3"/>{more}</body>
   <body name="bare"><joint name="j"/><inertial pos="9 9 9" mass="1" diaginertia="50 50 50"/></body>
 </worldbody></mujoco>"""
-ASKED = {"body": (), "except": (), "density": None, "gyration": 1.0, "outside": 0.02}
 
 
 def _lint(settings: str) -> str:
@@ -61,7 +61,7 @@ def test_moments_that_no_body_has() -> None:
     """MuJoCo refuses them where it reads them, but not where a program writes them into a compiled model."""
     model = mujoco.MjModel.from_xml_string(box())
     model.body_inertia[1] = [0.01, 0.01, 0.05]
-    (finding,) = InertiaImplausible.check(Scope(mujoco, model), ASKED)
+    (finding,) = inertia_implausible(Scope(mujoco, model), InertiaImplausible(), ignored=())
     assert "add up to less than the largest" in finding.message
 
 

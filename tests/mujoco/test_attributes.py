@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import mujoco
 import pytest
-from mjcompose.language.unchanged import attributes as attributes_unchanged
+from mjcompose.language.checks.unchanged import attributes as attributes_unchanged
 from mjcompose.mujoco.arrays import BALL, ENUMS, FREE, HINGE, JOINT_TYPES, SLIDE, about
 from mjcompose.mujoco.attributes import (
     _BECOMES,

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from mjcompose.bundle.bundle import Bundle
+from mjcompose.language.target_names import CONSUMERS
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.targets import read_back
-from mjcompose.targets.names import CONSUMERS
 from mjcompose.targets.read_back import READERS, ReaderProgram, interpreter, placed
 from targets.models import PROBE, SELDOM
 

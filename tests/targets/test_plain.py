@@ -9,9 +9,9 @@ import mujoco
 import pytest
 from lxml import etree
 from mjcompose.bundle.write import write
+from mjcompose.language.target_names import MUJOCO, NAMES
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.plain import plain
 from mjcompose.targets.same import differences
 from sampling import rest_slow

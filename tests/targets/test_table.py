@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mjcompose.targets.names import NAMES
+from mjcompose.language.target_names import NAMES
 from mjcompose.targets.table import PAGE, features, read_back, with_tables
 
 

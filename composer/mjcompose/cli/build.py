@@ -19,7 +19,7 @@ from mjcompose.cli.options import RECIPE_OR_STDIN, caching, did_you_mean, output
 from mjcompose.cli.output import OutputSpec, Picturing, Task, kind_of_output
 from mjcompose.cli.reporting import FINDINGS, USAGE, noted_files, noted_outputs
 from mjcompose.cli.run import PATH, Run, command, flag, option
-from mjcompose.targets.names import MUJOCO, NAMES as TARGETS_NAMES
+from mjcompose.language.target_names import MUJOCO, NAMES as TARGETS_NAMES
 
 
 class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is not generic

@@ -17,9 +17,9 @@ from mjcompose.compose.checks import check_class
 from mjcompose.compose.effects import note_added
 from mjcompose.compose.elements import ElementBuilder, joint_attributes, make_node, pose_number, turned
 from mjcompose.compose.load import PartRequest
+from mjcompose.language.checks.unchanged import Unchanged
 from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
-from mjcompose.language.unchanged import Unchanged
 from mjcompose.language.value import RecipeElement
 from mjcompose.link import numbers
 from mjcompose.link.bodies import bodies, effective_pose

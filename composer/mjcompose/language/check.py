@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
-from mjcompose import homes
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.extensions import ExtensionTable
 from mjcompose.language.element import path_of
@@ -15,8 +14,17 @@ from mjcompose.language.forms.context import Rows, Schema, Settings
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import Turns, When
 
-MODULES = homes.CHECKS
-"""The module of each check: its form and its executor. A recipe imports those that it writes."""
+_OWN = (
+    "expect",
+    "settles",
+    "clearance",
+    "reachable",
+    "unchanged",
+    "budget",
+    "targets",
+    "moves_alike",
+    "lint",
+)
 SEVERITY = "severity"
 
 
@@ -33,26 +41,43 @@ class CheckPart(Model):
 
 
 class Check(CheckPart):
-    """The value behind the word of a check.
+    """The form of the value behind the word of a check.
 
     A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe whose place
-    is unknown. The module of a check that `is_in_mujoco` has a function `check`, which runs next to the compiled model;
-    any other module has a function `run`.
+    is unknown. One that `reads_text` reads the XML of the model, too. The effect of a check that `is_in_mujoco` is a
+    function `check`, which runs next to the compiled model; the effect of any other check is a function `run`.
     """
+
+    keeps_written: ClassVar[bool] = True
 
     word: ClassVar[str]
     needs_world: ClassVar[bool] = False
+    reads_text: ClassVar[bool] = False
     is_in_mujoco: ClassVar[bool] = True
+    _written: Any = PrivateAttr(None)
 
     @property
     def name(self) -> str:
         return str(self.at[-2])
 
-    def asked(self) -> dict[str, Any]:
-        return self.model_dump(warnings=False)
+    @property
+    def written(self) -> Any:
+        """The value as the recipe writes it, which the form reads again in another process."""
+        return self._written
 
 
-KINDS: ExtensionTable[type[Check]] = ExtensionTable("checks", {}, "KIND", kind=type, modules=MODULES)
+KINDS: ExtensionTable[type[Check]] = ExtensionTable(
+    "checks",
+    {},
+    "KIND",
+    kind=type,
+    modules={word: f"mjcompose.language.checks.{word}" for word in _OWN},
+    effects=("check", "run"),
+)
+"""All checks: the form of each value. One of ours is imported when a recipe writes it.
+
+`mjcompose.homes` has the effects.
+"""
 _INSTEAD = {
     "size": "write `expect: {attr: nu, equals: 7}`",
     "mass": "write `expect: {attr: mass, range: [LOW, HIGH]}`",
@@ -91,8 +116,8 @@ class _SaysSomething:
             yield Fault("missing-key", f"{IT} checks nothing", help="write for instance `unchanged: {}`")
 
     def schema(self) -> Iterator[Schema]:
-        none: Schema = dict.fromkeys(MODULES, False)
-        advice = f"write one or more of {', '.join(f'`{word}`' for word in MODULES)}"
+        none: Schema = dict.fromkeys(KINDS.own, False)
+        advice = f"write one or more of {', '.join(f'`{word}`' for word in KINDS.own)}"
         yield {"if": {"properties": none}, "then": {"required": ["expect"], "errorMessage": advice}}
 
 

@@ -2,63 +2,54 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
-
-from pydantic import Discriminator, Field, Tag
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.base.extensions import ExtensionTable
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.report import with_rest
-from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.context import Rows, Settings
-from mjcompose.language.forms.model import IT, AnyOf
-from mjcompose.language.forms.scalars import (
-    LENGTHS,
-    Expects,
-    Hints,
-    Items,
-    Name,
-    NotNegative,
-    NumberUnit,
-    Positive,
-    Range,
-    Scaled,
+from mjcompose.language.checks.lint import (
+    RULES,
+    InertiaImplausible,
+    JointUnactuated,
+    KeyOutOfRange,
+    Lint,
+    RuleSettings,
+    ShapeOffMesh,
 )
-from mjcompose.lint.rule import FAMILIES, Subject, rules, subject_of
+from mjcompose.lint.rule import Subject, rules, subject_of
 from mjcompose.mujoco.arrays import HINGE, SLIDE
 from mjcompose.mujoco.solids import Shapes, faults, largest_volume
-from mjcompose.verify.checks.check import CheckEnds, Scope, at_keys, check_globs, failed, keys_named, names_nothing
+from mjcompose.verify.checks.check import (
+    CheckEnds,
+    Scope,
+    ShapeErrors,
+    at_keys,
+    check_globs,
+    failed,
+    keys_named,
+    names_nothing,
+)
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
+
+Globs = Sequence[str]
 
 
-class RuleSettings(CheckPart):
-    """The settings of a rule, and the `kinds` that `except` can name. With `limits`, it runs only if one is written."""
-
-    word: ClassVar[str]
-    kinds: ClassVar[tuple[str, ...]]
-    limits: ClassVar[tuple[str, ...]] = ()
-    example: ClassVar = "{}"
-
-    @staticmethod
-    @abstractmethod
-    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        """Return the findings for the settings."""
-
-
-def chosen(scope: Scope, kind: str, settings: Mapping[str, Any], usual: Iterable[int]) -> list[int]:
-    """Return the elements that the setting of their kind names, by default the usual ones, without excepted ones."""
-    globs: Sequence[str] = settings[kind]
+def chosen(scope: Scope, kind: str, globs: Globs, ignored: Globs, usual: Iterable[int]) -> list[int]:
+    """Return the elements that the globs of a setting name, by default the usual ones, without ignored ones."""
     check_globs(scope, (kind,), globs, at=(kind,))
     named = dict.fromkeys(each for glob in globs for each in scope.matching(kind, glob)) if globs else usual
-    ignored = excepted(scope, (kind,), settings)
-    return [each for each in named if (kind, each) not in ignored]
+    left_out = elements_ignored(scope, (kind,), ignored)
+    return [each for each in named if (kind, each) not in left_out]
 
 
-def excepted(scope: Scope, kinds: Sequence[str], settings: Mapping[str, Any]) -> set[tuple[str, int]]:
-    check_globs(scope, kinds, settings["except"], at=("except",))
-    return {(kind, each) for glob in settings["except"] for kind in kinds for each in scope.matching(kind, glob)}
+def elements_ignored(scope: Scope, kinds: Sequence[str], ignored: Globs) -> set[tuple[str, int]]:
+    """Return the elements of these kinds that `except` names. Raises CheckEnds for a glob that matches nothing."""
+    check_globs(scope, kinds, ignored, at=("except",))
+    return {(kind, each) for glob in ignored for kind in kinds for each in scope.matching(kind, glob)}
 
 
 def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int) -> list[Fault]:
@@ -69,73 +60,45 @@ def listed(lines: Sequence[str], expected: str, actual: str, *at: str | int) -> 
     return [failed(first, expected, actual, *at, more=more)]
 
 
-class InertiaImplausible(RuleSettings):
-    """Each body has a mass and an inertia that its geoms can have."""
-
-    word: ClassVar = "inertia-implausible"
-    kinds: ClassVar = ("body",)
-    instead: ClassVar = {"bodies": "body"}
-
-    body: Annotated[tuple[Annotated[str, Name("body", glob=True)], ...], Items(1, single=True)] = ()
-    """the bodies; by default all with a mass and geoms"""
-    density: Annotated[Range, Expects("a list of 2 numbers", "[100, 9000]"), NumberUnit("kg/m³")] | None = None
-    """the smallest and largest density, in kg/m³; by default any"""
-    gyration: Positive = 1.0
-    """the largest radius of gyration, relative to the distance of the farthest point from the center of mass"""
-    outside: NotNegative = 0.02
-    """the allowed distance of the center of mass outside the box around the geoms, relative to the box's diagonal"""
-
-    @staticmethod
-    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        shapes = Shapes(scope.mujoco, scope.model)
-        named = chosen(scope, "body", settings, usual=scope.own("body"))
-        bodies = [each for each in named if each and scope.model.body_mass[each] > 0 and shapes.welded(each)]
-        wrong = [
-            f"{scope.called('body', body)}: {each}"
-            for body in bodies
-            for each in _faults(scope, shapes, body, settings=settings)
-        ]
-        scope.found("bodies", len(bodies))
-        scope.found("implausible", len(wrong))
-        actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {len(bodies)} bodies"
-        return listed(wrong, "masses and inertias that the geoms could have", actual)
+def inertia_implausible(scope: Scope, rule: InertiaImplausible, ignored: Globs) -> list[Fault]:
+    """Report masses and inertias that the geoms of a body cannot have."""
+    shapes = Shapes(scope.mujoco, scope.model)
+    named = chosen(scope, "body", rule.body, ignored, usual=scope.own("body"))
+    bodies = [each for each in named if each and scope.model.body_mass[each] > 0 and shapes.welded(each)]
+    wrong = [
+        f"{scope.called('body', body)}: {fault}" for body in bodies for fault in _faults(scope, shapes, body, rule)
+    ]
+    scope.found("bodies", len(bodies))
+    scope.found("implausible", len(wrong))
+    actual = f"{len(wrong)} fault{'s' * (len(wrong) > 1)} in {len(bodies)} bodies"
+    return listed(wrong, "masses and inertias that the geoms could have", actual)
 
 
-def _faults(scope: Scope, shapes: Shapes, body: int, settings: Mapping[str, Any]) -> Iterator[str]:
-    yield from faults(shapes, body, gyration=settings["gyration"], outside=settings["outside"])
+def _faults(scope: Scope, shapes: Shapes, body: int, rule: InertiaImplausible) -> Iterator[str]:
+    yield from faults(shapes, body, gyration=rule.gyration, outside=rule.outside)
     own = shapes.own(body)
-    if settings["density"] is not None and own:
-        mass = float(scope.model.body_mass[body])
-        volume = largest_volume(scope.mujoco, scope.model, own)
-        low, high = settings["density"]
-        weighs = f"it weighs {mass:.4g} kg, which is {{:.4g}} kg/m³ of the volume of its geoms, {{}}"
-        if volume.most > 0 and mass / volume.most > high:
-            yield weighs.format(mass / volume.most, f"above {high:g}")
-        elif volume.least > 0 and mass / volume.least < low:
-            yield weighs.format(mass / volume.least, f"below {low:g}")
+    if rule.density is None or not own:
+        return
+    mass = float(scope.model.body_mass[body])
+    volume = largest_volume(scope.mujoco, scope.model, own)
+    low, high = rule.density
+    weighs = f"it weighs {mass:.4g} kg, which is {{:.4g}} kg/m³ of the volume of its geoms, {{}}"
+    if volume.most > 0 and mass / volume.most > high:
+        yield weighs.format(mass / volume.most, f"above {high:g}")
+    elif volume.least > 0 and mass / volume.least < low:
+        yield weighs.format(mass / volume.least, f"below {low:g}")
 
 
-class JointUnactuated(RuleSettings):
-    """An actuator moves every joint, directly or through a tendon or an equality."""
-
-    word: ClassVar = "joint-unactuated"
-    kinds: ClassVar = ("joint",)
-    instead: ClassVar = {"joints": "joint"}
-
-    joint: Annotated[tuple[Annotated[str, Name("joint", glob=True)], ...], Items(1, single=True)] = ()
-    """the joints; by default all hinges and slides"""
-
-    @staticmethod
-    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        mujoco = scope.mujoco
-        model = scope.model
-        single = (joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in (HINGE, SLIDE))
-        joints = chosen(scope, "joint", settings, usual=single)
-        moved = _moved(mujoco, model)
-        without = [joint for joint in joints if joint not in moved]
-        scope.found("joints", len(joints))
-        lines = [f"{scope.called('joint', joint)} has no actuator" for joint in without]
-        return listed(lines, f"{len(joints)} joints moved", f"{len(joints) - len(without)}")
+def joint_unactuated(scope: Scope, rule: JointUnactuated, ignored: Globs) -> list[Fault]:
+    """Report joints that no actuator moves."""
+    model = scope.model
+    single = (joint for joint in scope.own("joint") if int(model.jnt_type[joint]) in (HINGE, SLIDE))
+    joints = chosen(scope, "joint", rule.joint, ignored, usual=single)
+    moved = _moved(scope.mujoco, model)
+    without = [joint for joint in joints if joint not in moved]
+    scope.found("joints", len(joints))
+    lines = [f"{scope.called('joint', joint)} has no actuator" for joint in without]
+    return listed(lines, f"{len(joints)} joints moved", f"{len(joints) - len(without)}")
 
 
 def _moved(mujoco: Any, model: MjModel) -> set[int]:
@@ -155,120 +118,98 @@ def _moved(mujoco: Any, model: MjModel) -> set[int]:
     return moved
 
 
-class KeyOutOfRange(RuleSettings):
-    """In keyframes, positions, controls and activations are within their ranges."""
+def key_out_of_range(scope: Scope, rule: KeyOutOfRange, ignored: Globs) -> list[Fault]:
+    """Report positions, controls and activations of keyframes that are outside their ranges."""
+    from mjcompose.mujoco.index import index, ranged
 
-    word: ClassVar = "key-out-of-range"
-    kinds: ClassVar = ("joint", "actuator")
-    instead: ClassVar = {"keys": "key"}
-
-    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """the keyframes; by default all"""
-    margin: NotNegative = 0.0
-    """the smallest distance to both ends, in the unit of each range"""
-
-    @staticmethod
-    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        from mjcompose.mujoco.index import index, ranged
-
-        keys = keys_named(scope, settings["key"])
-        margin = settings["margin"]
-        ignored = excepted(scope, KeyOutOfRange.kinds, settings)
-        outside: list[str] = []
-        count = 0
-        compiled = index(scope.model, scope.mujoco)
-        for name, data in at_keys(scope, keys):
-            for each in ranged(compiled, {"qpos": data.qpos, "ctrl": data.ctrl, "act": data.act}):
-                if (each.kind, each.number) in ignored or not scope.owns(each.kind, each.number):
-                    continue
-                count += 1
-                if not each.is_within(margin):
-                    low, high = each.range
-                    unit = f" {each.unit}" if each.kind == "joint" else ""
-                    where = f"`{each.vector}` of {scope.called(each.kind, each.number)} in `{name}`"
-                    number = f"{each.value:.6g}{unit}"
-                    ends = f"{low:.6g} to {high:.6g}"
-                    outside.append(f"{where} is {number}, and its range is from {ends}")
-        scope.found("values", count)
-        ends = f", {margin:g} from both ends" if margin else ""
-        return listed(outside, f"all within their ranges{ends}", f"{len(outside)} outside")
+    keys = keys_named(scope, rule.key)
+    left_out = elements_ignored(scope, rule.kinds, ignored)
+    outside: list[str] = []
+    count = 0
+    compiled = index(scope.model, scope.mujoco)
+    for name, data in at_keys(scope, keys):
+        for value in ranged(compiled, {"qpos": data.qpos, "ctrl": data.ctrl, "act": data.act}):
+            if (value.kind, value.number) in left_out or not scope.owns(value.kind, value.number):
+                continue
+            count += 1
+            if not value.is_within(rule.margin):
+                low, high = value.range
+                unit = f" {value.unit}" if value.kind == "joint" else ""
+                where = f"`{value.vector}` of {scope.called(value.kind, value.number)} in `{name}`"
+                number = f"{value.value:.6g}{unit}"
+                outside.append(f"{where} is {number}, and its range is from {low:.6g} to {high:.6g}")
+    scope.found("values", count)
+    ends = f", {rule.margin:g} from both ends" if rule.margin else ""
+    return listed(outside, f"all within their ranges{ends}", f"{len(outside)} outside")
 
 
-_Length = Annotated[float, Scaled(LENGTHS, ge=0)]
-_LIMITS = ("hausdorff", "beyond", "short", "uncovered", "volume")
 _LENGTHS = {
     "hausdorff": "is {} m off",
     "beyond": "reaches {} m out of the mesh",
     "short": "leaves the mesh {} m outside",
 }
+Named = tuple[str, ShapeErrors]
+"""The errors of the shapes of a mesh, with its name as the recipe writes it."""
 
 
-class ShapeOffMesh(RuleSettings):
-    """Shapes and meshes from `collision` and `simplify` are close to the original meshes."""
-
-    word: ClassVar = "shape-off-mesh"
-    kinds: ClassVar = ("mesh",)
-    limits: ClassVar = _LIMITS
-    example: ClassVar = "{hausdorff: 0.002}"
-    instead: ClassVar = {"meshes": "mesh"}
-    rules: ClassVar = (
-        AnyOf(*_LIMITS, lacks="does not say how near", advice="write for instance `hausdorff: 0.002`, in meters"),
-    )
-
-    mesh: Annotated[tuple[Annotated[str, Name("mesh", glob=True)], ...], Items(1, single=True)] = ()
-    """the meshes; by default all"""
-    hausdorff: _Length | None = None
-    """the largest distance between the two surfaces, in meters"""
-    beyond: _Length | None = None
-    """the largest allowed distance of the shapes outside the mesh, in meters"""
-    shortfall: _Length | None = Field(None, alias="short")
-    """the largest allowed distance of the mesh outside the shapes, in meters"""
-    uncovered: NotNegative | None = None
-    """the largest share of the mesh's surface outside the shapes"""
-    volume: Annotated[Range, Expects("a list of 2 numbers", "[0.9, 1.2]")] | None = None
-    """the least and the largest volume, relative to the mesh's"""
-
-    @staticmethod
-    def check(scope: Scope, settings: Mapping[str, Any]) -> list[Fault]:
-        made = [each for each in settings["shapes"] if each["mesh"].startswith(scope.prefix)]
-        pairs = [(each["mesh"].removeprefix(scope.prefix), each) for each in made]
-        names = [name for name, _ in pairs]
-        fitting: dict[str, set[str]] = {"mesh": set(), "except": set()}
-        for key, found in fitting.items():
-            for at, glob in enumerate(settings[key]):
-                if not (fits := scope.fitting(glob, names)):
-                    message = f"nothing was made of a mesh `{glob}`"
-                    known = sorted(set(names))
-                    raise names_nothing(message, glob, "mesh", known=known, at=(key, at))
-                found |= fits
-        meant = [each for each in pairs if each[0] in (fitting["mesh"] or names) and each[0] not in fitting["except"]]
-        if not meant:
-            return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
-        scope.found("meshes", len(meant))
-        findings = []
-        for measure, words in _LENGTHS.items():
-            scope.found(measure, max(each[measure] for _, each in meant))
-            if (most := settings["shortfall" if measure == "short" else measure]) is not None:
-                wrong = [(each[measure], name) for name, each in meant if each[measure] > most]
-                findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
-        if covered := [(each["uncovered"], name) for name, each in meant if each["uncovered"] is not None]:
-            scope.found("uncovered", max(covered)[0])
-        if (most := settings["uncovered"]) is not None:
-            wrong = [each for each in covered if each[0] > most]
-            findings += _failed(wrong, "leaves {} of the surface outside", f"at most {most:g}", measure="uncovered")
-        if settings["volume"] is not None:
-            findings += _volumes(meant, *settings["volume"])
-        return findings
+def shape_off_mesh(scope: Scope, rule: ShapeOffMesh, ignored: Globs) -> list[Fault]:
+    """Report shapes that are farther off their meshes than the rule allows."""
+    meant = _meant(scope, rule, ignored)
+    if not meant:
+        return [failed("no `collision` or `simplify` made anything of a mesh", "at least one mesh", "none")]
+    scope.found("meshes", len(meant))
+    findings: list[Fault] = []
+    for measure, words in _LENGTHS.items():
+        lengths = [(float(getattr(errors, measure)), name) for name, errors in meant]
+        scope.found(measure, max(lengths)[0])
+        most = rule.shortfall if measure == "short" else getattr(rule, measure)
+        if most is not None:
+            wrong = [each for each in lengths if each[0] > most]
+            findings += _failed(wrong, words, f"at most {most:g} m", measure=measure)
+    covered = [(errors.uncovered, name) for name, errors in meant if errors.uncovered is not None]
+    if covered:
+        scope.found("uncovered", max(covered)[0])
+    if rule.uncovered is not None:
+        wrong = [each for each in covered if each[0] > rule.uncovered]
+        findings += _failed(
+            wrong, "leaves {} of the surface outside", f"at most {rule.uncovered:g}", measure="uncovered"
+        )
+    if rule.volume is not None:
+        findings += _volumes(meant, *rule.volume)
+    return findings
 
 
-def _volumes(meant: list[tuple[str, dict[str, Any]]], low: float, high: float) -> list[Fault]:
+def _meant(scope: Scope, rule: ShapeOffMesh, ignored: Globs) -> list[Named]:
+    """Return the meshes that the rule is about. Raises CheckEnds for a glob of which nothing was made."""
+    made = [
+        (errors.mesh.removeprefix(scope.prefix), errors)
+        for errors in scope.facts.shapes
+        if errors.mesh.startswith(scope.prefix)
+    ]
+    names = [name for name, _ in made]
+    fitting: dict[str, set[str]] = {}
+    for key, globs in (("mesh", rule.mesh), ("except", ignored)):
+        fitting[key] = set()
+        for at, glob in enumerate(globs):
+            fits = scope.fitting(glob, names)
+            if not fits:
+                message = f"nothing was made of a mesh `{glob}`"
+                raise names_nothing(message, glob, "mesh", known=sorted(set(names)), at=(key, at))
+            fitting[key] |= fits
+    wanted = fitting["mesh"] or set(names)
+    return [each for each in made if each[0] in wanted and each[0] not in fitting["except"]]
+
+
+def _volumes(meant: list[Named], low: float, high: float) -> list[Fault]:
     expected = f"{low:g} to {high:g}"
-    if open_ones := [name for name, each in meant if each["volume"] is None]:
+    open_ones = [name for name, errors in meant if errors.volume is None]
+    if open_ones:
         message = f"the mesh `{open_ones[0]}` is open: it has no volume to compare with"
         more = [f"so is `{name}`" for name in open_ones[1:8]]
         help = "close the meshes, or name the others by `mesh`"
         return [failed(message, expected, "unknown", "volume", more=more, help=help)]
-    wrong = [(each["volume"], name) for name, each in meant if not low <= each["volume"] <= high]
+    volumes = [(errors.volume, name) for name, errors in meant if errors.volume is not None]
+    wrong = [each for each in volumes if not low <= each[0] <= high]
     return _failed(wrong, "has {} of the volume", expected, measure="volume")
 
 
@@ -278,131 +219,52 @@ def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: 
     return listed(lines, expected, f"{ranked[0][0]:.4g}" if ranked else "", measure)
 
 
-RULES: ExtensionTable[type[RuleSettings]] = ExtensionTable(
-    "rules", {each.word: each for each in (InertiaImplausible, JointUnactuated, KeyOutOfRange, ShapeOffMesh)}, "RULE"
-)
-_PLAIN = {code: each for code, each in rules().items() if code not in RULES and not each.in_files}
-"""The rules of `mjcompose lint` that read no files. They have no settings."""
+_EFFECTS: Mapping[type[RuleSettings], Callable[[Scope, Any, Globs], list[Fault]]] = {
+    InertiaImplausible: inertia_implausible,
+    JointUnactuated: joint_unactuated,
+    KeyOutOfRange: key_out_of_range,
+    ShapeOffMesh: shape_off_mesh,
+}
+"""How to carry out each rule with settings. It gets the rule's form, and the globs of elements that it ignores."""
+check_rows("the rules with settings that composer/mjcompose/lint/check.py carries out", _EFFECTS, RULES.values())
 
 
-def _globs(kinds: tuple[str, ...]) -> Any:
-    """Return the form of one glob or several over the names of elements."""
-    about = Field(description=f"elements that it ignores: {', '.join(kinds)}")
-    return Annotated[tuple[Annotated[str, Name(*kinds, glob=True)], ...], Items(1, single=True), about]
-
-
-_EXCEPTED: ExtensionTable[Any] = ExtensionTable(
-    "rules", {word: _globs(rule.kinds) for word, rule in RULES.items()}, "RULE"
-)
-if TYPE_CHECKING:
-    from mjcompose.mujoco.model_types import MjModel
-
-    _Word: TypeAlias = str
-    _WithoutSettings: TypeAlias = str
-else:
-    _Word = Literal[(*RULES, *_PLAIN)]
-    _WithoutSettings = Literal[(*(word for word, rule in RULES.items() if not rule.limits), *FAMILIES, *_PLAIN)]
-    """The rules that run if they are selected in a list, and the families: other rules need limits."""
-_Shape = Discriminator(lambda value: "<mapping>" if isinstance(value, dict | CheckPart) else "<list>")
-
-
-class SelectedRules(CheckPart):
-    """Rules with their settings."""
-
-    noun: ClassVar = "rule"
-    words: Annotated[Mapping[str, Any], Rows(lambda: RULES)] = Field({}, alias="<rules>")
-
-
-class ExceptedElements(CheckPart):
-    """Rules with the elements that they ignore."""
-
-    noun: ClassVar = "rule"
-    words: Annotated[Mapping[str, Any], Rows(lambda: _EXCEPTED)] = Field({}, alias="<rules>")
-
-
-_Mapping = Tag("<mapping>")
-_List = Tag("<list>")
-_Rules = Expects("a list of rules", "[joint-unactuated]")
-_NeedsLimits = Hints({"shape-off-mesh": "write `select: {shape-off-mesh: {hausdorff: 0.002}}`"})
-_Listed = Annotated[tuple[Annotated[_WithoutSettings, _NeedsLimits], ...], Items(1), _Rules, _List]
-_Selected = Annotated[_Listed | Annotated[SelectedRules, _Mapping], _Shape]
-_Names = Annotated[tuple[_Word, ...], Items(1), _Rules, _List]
-_Excepted = Annotated[_Names | Annotated[ExceptedElements, _Mapping], _Shape]
-
-
-class Lint(Check):
-    """The model follows rules that most models should follow."""
-
-    word: ClassVar = "lint"
-    example: ClassVar = "{except: [joint-unactuated]}"
-
-    select: _Selected | None = None
-    """rules or families as a list, or rules with settings; by default all rules that need no settings"""
-    excepted: _Excepted | None = Field(None, alias="except")
-    """rules to skip, as a list, or the elements that each ignores"""
-
-    @property
-    def selected(self) -> dict[str, RuleSettings | None]:
-        """The rules that `select` selects, with their settings; None for a rule without settings."""
-        if isinstance(self.select, SelectedRules):
-            return dict(self.select.words)
-        usual = [word for word, each in _PLAIN.items() if each.usual]
-        words = self.select or [*(word for word, rule in RULES.items() if not rule.limits), *usual]
-        families = {word: [code for code, each in _PLAIN.items() if each.family == word] for word in FAMILIES}
-        codes = dict.fromkeys(code for word in words for code in families.get(word, (word,)))
-        return {code: RULES[code]() if code in RULES else None for code in codes}
-
-    def contradictions(self, context: Settings) -> Iterator[Fault]:
-        selected = self.selected
-        excepted = self.excepted
-        words = excepted.words if isinstance(excepted, ExceptedElements) else excepted or ()
-        for index, word in enumerate(words):
-            if word not in selected:
-                at = ("except", index if isinstance(words, tuple) else word)
-                message = f"`except` names the rule `{word}`, which {IT} does not run"
-                yield Fault("unknown-key", message, at, help=f"remove `{word}`")
-        if isinstance(words, tuple) and {*selected} <= {*words}:
-            yield Fault("missing-key", f"{IT} has no rule left", ("except",), help="remove a rule from `except`")
-
-    def asked(self) -> dict[str, Any]:
-        excepted = self.excepted
-        ignored = excepted.words if isinstance(excepted, ExceptedElements) else dict.fromkeys(excepted or ())
-        rules = {word: each for word, each in self.selected.items() if ignored.get(word, ()) is not None}
-        settings = {word: {} if each is None else each.model_dump(warnings=False) for word, each in rules.items()}
-        return {"rules": {word: {**each, "except": ignored.get(word, ())} for word, each in settings.items()}}
-
-
-KIND = Lint
-
-
-def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+def check(scope: Scope, lint: Lint) -> list[Fault]:
+    """Report what the selected rules find, each at the rule."""
     findings: list[Fault] = []
-    subject = subject_of(asked["text"], scope.mujoco, scope.model)
-    for word, settings in asked["rules"].items():
+    subject = subject_of(scope.facts.text, scope.mujoco, scope.model)
+    ignored = lint.ignored
+    for word, rule in lint.selected.items():
+        globs = ignored.get(word, ())
+        if globs is None:
+            continue
         values = dict(scope.values)
-        told = {**settings, "shapes": asked["shapes"]}
         try:
-            found = RULES[word].check(scope, told) if word in RULES else _plain(word, subject, scope)
+            found = _plain(word, subject, scope) if rule is None else _EFFECTS[type(rule)](scope, rule, globs)
         except CheckEnds as end:
             found = [end.fault]
-        for finding in found:
-            key, *below = finding.at if finding.at[:1] == ("except",) else ("select", *finding.at)
-            each = replace(finding, at=(key, word, *below))
-            if each.code == "check-failed":
-                accepts = f"{{{word}: [NAME]}}" if word in RULES else f"[{word}]"
-                help = each.help or f"fix it, or write `except: {accepts}` to accept it"
-                each = replace(each, message=f"{each.message} ({word})", help=help)
-            findings.append(each)
+        findings += [_at_rule(fault, word, has_settings=rule is not None) for fault in found]
         named = {key if key in values else f"{word} {key}": value for key, value in scope.values.items()}
         scope.values.clear()
         scope.values.update(named)
     return findings
 
 
+def _at_rule(fault: Fault, word: str, has_settings: bool) -> Fault:
+    """Return a finding of a rule with its place in the check and, if the model breaks the rule, with a help."""
+    key, *below = fault.at if fault.at[:1] == ("except",) else ("select", *fault.at)
+    fault = replace(fault, at=(key, word, *below))
+    if fault.code != "check-failed":
+        return fault
+    accepts = f"{{{word}: [NAME]}}" if has_settings else f"[{word}]"
+    help = fault.help or f"fix it, or write `except: {accepts}` to accept it"
+    return replace(fault, message=f"{fault.message} ({word})", help=help)
+
+
 def _plain(code: str, subject: Subject, scope: Scope) -> list[Fault]:
     """Return the finding of a rule of the linter about the elements of the recipe."""
     lines = []
-    for finding in _PLAIN[code].run(subject):
+    for finding in rules()[code].run(subject):
         near = finding.element if finding.element is not None else subject.root
         name = next((str(each.get("name")) for each in (near, *near.iterancestors()) if each.get("name")), "")
         if scope.whole or (name.startswith(scope.prefix) and not name.startswith(tuple(scope.others))):

@@ -16,7 +16,9 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.codes import CODES, RULES
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.extensions import check_rows
 from mjcompose.base.suggest import did_you_mean
+from mjcompose.language.lint_rules import FAMILY_RULES, SELECTED_BY_NAME
 from mjcompose.tree.classes import Classes, class_in_force, text_in_effect
 from mjcompose.tree.names import NameIndex
 from mjcompose.tree.select import kind_of
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.solids import Shapes
     from mjcompose.tree.unit import Unit
 
-FAMILIES = ("dead", "ranges", "order", "physics", "contact", "units", "names", "portable", "files")
+FAMILIES = tuple(FAMILY_RULES)
 """The modules of rules, in this folder."""
 
 
@@ -109,7 +111,18 @@ def rules() -> Mapping[str, Rule]:
     """Return all rules by code, family by family."""
     for family in FAMILIES:
         importlib.import_module(f"mjcompose.lint.{family}")
-    return dict(sorted(_RULES.items(), key=lambda each: (FAMILIES.index(each[1].family), each[0])))
+    ordered = dict(sorted(_RULES.items(), key=lambda each: (FAMILIES.index(each[1].family), each[0])))
+    _check_names(ordered.values())
+    return ordered
+
+
+def _check_names(every: Iterable[Rule]) -> None:
+    """Raise TypeError if the language knows other rules than these, in other families, or selects others by itself."""
+    known = [(family, code) for family, codes in FAMILY_RULES.items() for code in codes]
+    in_models = [each for each in every if not each.in_files]
+    table = "composer/mjcompose/language/lint_rules.py"
+    check_rows(table, known, [(each.family, each.code) for each in in_models])
+    check_rows(f"SELECTED_BY_NAME in {table}", SELECTED_BY_NAME, [each.code for each in in_models if not each.usual])
 
 
 class UnknownRuleError(ValueError):

@@ -15,11 +15,11 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, renaming, unknown_name
 from mjcompose.language.attach import Axis
+from mjcompose.language.checks.unchanged import Unchanged
 from mjcompose.language.condition import has_conditions
 from mjcompose.language.expand import expand
 from mjcompose.language.keyframe import FROM
 from mjcompose.language.parameters import choose, node_of, read_axes
-from mjcompose.language.unchanged import Unchanged
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.plan.plan import AttachPart, Plan, part_name
 from mjcompose.sources.context import Context

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.report import with_rest
 from mjcompose.base.scratch import scratch
-from mjcompose.language.check import Check
-from mjcompose.language.forms.model import IT
-from mjcompose.language.forms.scalars import Checked, Name, NumberUnit, Positive
-from mjcompose.targets.names import READ_IN
-from mjcompose.tree.history import RELEASED, release
+from mjcompose.language.checks.moves_alike import MUJOCO, MovesAlike
+from mjcompose.tree.history import release
 from mjcompose.verify.checks.check import SOLVED, failed
 
 if TYPE_CHECKING:
@@ -23,45 +18,12 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
     from mjcompose.verify.run_checks import Checks, NestedRecipe
 
-_MUJOCO = "mujoco=="
-
-
-def _program_fault(text: str) -> Fault | None:
-    if text in READ_IN or (text.startswith(_MUJOCO) and release(text.removeprefix(_MUJOCO))):
-        return None
-    programs = ", ".join(f"`{each}`" for each in READ_IN)
-    help = f"write `mujoco==VERSION`, from {RELEASED[0]} to {RELEASED[-1]}, or one of {programs}"
-    return Fault("wrong-keyword", f"{IT} cannot be `{text}`", help=help)
-
-
-class MovesAlike(Check):
-    """The model moves as in another version of MuJoCo, or as in another program."""
-
-    word: ClassVar = "moves_alike"
-    is_in_mujoco: ClassVar = False
-    short: ClassVar = "as"
-    example: ClassVar = "{as: mujoco==3.12}"
-
-    program: Annotated[str, Checked(_program_fault)] = Field(alias="as", examples=["mujoco==3.12"])
-    """a version of MuJoCo that `mjcompose install` has installed, such as `mujoco==3.12`, or a target"""
-    signal: Literal["qpos", "xpos"] = "qpos"
-    """the compared positions: of joints, or of bodies (only for MuJoCo)"""
-    seconds: Annotated[float, Field(gt=0, le=60), NumberUnit("s")] = 1.0
-    """the length of each simulation, at most 60"""
-    tol: Positive = 1e-3
-    """the allowed distance, in m or rad"""
-    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """the keyframe from which MuJoCo holds, steps and drops the model; without it, the first one"""
-
-
-KIND = MovesAlike
-
 
 def run(checks: Checks, check: MovesAlike, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
     """Simulate the model here and there; report joints and bodies that move differently to the context."""
     from mjcompose.verify.run_checks import report
 
-    is_mujoco = check.program.startswith(_MUJOCO)
+    is_mujoco = check.program.startswith(MUJOCO)
     found, values = _in_mujoco(checks, check, context) if is_mujoco else _there(checks, check)
     for finding in found:
         report(finding, check, recipe, context=context)
@@ -72,7 +34,7 @@ def _in_mujoco(checks: Checks, check: MovesAlike, context: Context) -> tuple[lis
     from mjcompose.mujoco.environments import TRIALS, Motion, Other, UnknownKeyError, differences, kept, this_python
     from mjcompose.mujoco.programs import MissingError, ProgramError
 
-    version = release(check.program.removeprefix(_MUJOCO)) or ""
+    version = release(check.program.removeprefix(MUJOCO)) or ""
     question = {"seconds": check.seconds, "trials": TRIALS, "key": check.key}
     try:
         own = Other(this_python(), checks.session.mujoco_version or "")

@@ -21,10 +21,11 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.processes import DEVNULL, PIPE, Overrun, Process, WorkFolder, isolated
 from mjcompose.base.scratch import scratch
 from mjcompose.bundle.bundle import Bundle
+from mjcompose.language.checks.targets import Targets
+from mjcompose.language.target_names import CONSUMERS, READ_IN
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
 from mjcompose.targets.judge import asked_of, judged, motion_of, without_lost
-from mjcompose.targets.names import CONSUMERS, READ_IN
 from mjcompose.targets.readers.shared import facts as facts_module
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
@@ -138,33 +139,31 @@ class Work(Struct):
     environment: Mapping[str, str]
 
 
-def carry_out(work: Work, asked: dict[str, Any]) -> tuple[Sequence[Fault], dict[str, Any]]:
+def carry_out(work: Work, check: Targets) -> tuple[Sequence[Fault], dict[str, Any]]:
     """Return a finding for each target that lacks something of the model, cannot read it, or reads a different model.
 
-    `asked` is a check `targets` as a mapping.
+    The values are the number of losses or the version of the program, by target.
     """
     findings: list[Fault] = []
     values: dict[str, Any] = {}
     questions: dict[str, Any] = {}
-    if asked["read"]:
+    if check.read:
         answer = engine.call(work.session, asked_of, [work.whole], argument=_POSES)
         if not answer.ok:
             return [Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")], values
         questions = answer.value
-    for index, name in enumerate(asked["targets"]):
+    for index, name in enumerate(check.targets):
         at = ("in", index)
         with scratch("target") as folder:
-            each, value = _about(work, name, folder, asked, questions)
+            each, value = _about(work, name, folder, check, questions)
         findings += [replace(fault, at=at) for fault in each]
         values |= {} if value is None else {name: value}
     return findings, values
 
 
-def _about(
-    work: Work, name: str, folder: Path, asked: dict[str, Any], questions: dict[str, Any]
-) -> tuple[list[Fault], Any]:
+def _about(work: Work, name: str, folder: Path, check: Targets, questions: dict[str, Any]) -> tuple[list[Fault], Any]:
     """Return the findings for one target, and its number of losses or the version of the program."""
-    reader = READERS[name] if asked["read"] else None
+    reader = READERS[name] if check.read else None
     python = None if reader is None else interpreter(reader, work.environment)
     if reader is not None and python is None:
         return [_missing(name, reader, work.environment)], None
@@ -173,7 +172,7 @@ def _about(
         return [written], None
     losses = [Loss(**loss) for loss in written["losses"]]
     lacked = [loss for loss in losses if not loss.otherwise]
-    if lacked and asked["losses"] == "error":
+    if lacked and check.losses == "error":
         return [_lacking(name, lacked)], len(lacked)
     faults = _reported(name, lacked)
     if reader is None or python is None:

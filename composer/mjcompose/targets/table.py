@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mjcompose.base.extensions import ExtensionTable, check_rows
+from mjcompose.language.target_names import MUJOCO, NAMES
 from mjcompose.targets import restrictions as limits, simulators
-from mjcompose.targets.names import MUJOCO, NAMES
 from mjcompose.targets.target import Draft, FeatureOutcome, Limit, Target, write_mjcf
 from mjcompose.targets.urdf import write_urdf
 

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from typing import Any
 
+from mjcompose import homes
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Severity, Span
-from mjcompose.base.extensions import ExtensionTable
+from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN
 from mjcompose.base.sink import Sink
 from mjcompose.bundle.assemble import Renamed
 from mjcompose.bundle.bundle import Bundle, CheckOutcome
-from mjcompose.language.check import MODULES, SEVERITY, Check
+from mjcompose.language.check import KINDS, SEVERITY, Check
 from mjcompose.link.files import Merged
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.messages import CRASHES
 from mjcompose.plan.plan import BASE, GeneratedShapes, PartRecord, Plan, arrays_of_draw
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Mapping, Scalar, find, locate
-from mjcompose.verify.checks.check import ask, from_json
+from mjcompose.verify.checks.check import RecipeFacts, ShapeErrors, WorldPlace, ask, from_json
 from mjcompose.verify.compile import WHOLE
 from mjcompose.verify.parts import PartComparer
 
@@ -41,10 +42,10 @@ class NestedRecipe(Struct):
         fields = {"prefix": self.prefix, "others": list(self.others), "separator": separator}
         return {**fields, "keys": self.keys, "whole": whole}
 
-    def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
-        """Return the body and pose of its world in the model, taken from its base; None if the pose is unknown."""
+    def world(self, members: Sequence[PartRecord]) -> WorldPlace | None:
+        """Return the place of its world in the model, taken from its base; None if the pose is unknown."""
         if not self.part:
-            return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
+            return WorldPlace(None, ORIGIN, IDENTITY_QUAT)
         name = f"{self.part}{BASE}"
         plan = self.plan
         while plan.base is not None and isinstance(plan.base.model, Plan):
@@ -52,7 +53,7 @@ class NestedRecipe(Struct):
             plan = plan.base.model
         for member in members:
             if member.part == name and member.pose is not None:
-                return {"body": member.body, "pos": member.pose.pos, "quat": member.pose.quat}
+                return WorldPlace(member.body, member.pose.pos, member.pose.quat)
         return None
 
 
@@ -67,8 +68,9 @@ def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
 # The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
 _LOSS = "target-loss"  # a warning: the check holds
-_RUNS: ExtensionTable[Callable[..., dict[str, Any]]] = ExtensionTable("checks", {}, "run", modules=MODULES)
+_RUNS: ExtensionTable[Callable[..., dict[str, Any]]] = ExtensionTable("checks", {}, "run", modules=homes.CHECKS)
 """How to carry out the checks that need more than the compiled model."""
+check_rows("the effects of checks in composer/mjcompose/homes.py", _RUNS.own, KINDS.own)
 
 
 @dataclass(frozen=True)
@@ -115,24 +117,19 @@ class Checks:
 
     def _ask(self, check: Check, recipe: NestedRecipe, context: Context) -> tuple[bool, dict[str, Any]]:
         """Run a check on the compiled model in its process. Return whether it still has the model, and the values."""
-        path = check.at
-        written = next((key for key in ("equals", "range") if find(recipe.plan.document, (*path, key))), "select")
-        asked = {
-            **check.asked(),
-            "angle": recipe.plan.angle_context.at((*path, written)).angle,
-            "frame": recipe.frame(self.members),
-            "size": sum(map(len, self.bundle.files.values())),
-            "shapes": [{"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in self.shapes],
-        }
-        if check.word == "lint":
-            asked["text"] = self.bundle.files[self.bundle.model].decode()
+        facts = self._facts(check, recipe)
         about = f"check `{recipe.part}{check.name}`"
-        if check.needs_world and asked["frame"] is None:
+        if check.needs_world and facts.world is None:
             message = f"{about}: the world of this recipe has no known place in the model, because it has no base"
             help = "move the check to the recipe around it"
             context.sink.error("check-failed", message, _place(check, recipe), help=help)
             return True, {}
-        question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
+        question = {
+            "word": check.word,
+            "written": check.written,
+            "scope": recipe.scope(),
+            "facts": asdict(facts),
+        }
         answer = engine.call(self.session, ask, [WHOLE], argument=question)
         if not answer.ok:
             code = CRASHES.get(answer.crash or "", "mujoco-crash")
@@ -142,6 +139,16 @@ class Checks:
         for finding in map(from_json, answer.value["findings"]):
             report(finding, check, recipe, context=context)
         return True, answer.value["values"]
+
+    def _facts(self, check: Check, recipe: NestedRecipe) -> RecipeFacts:
+        written = next((key for key in ("equals", "range") if find(recipe.plan.document, (*check.at, key))), "select")
+        return RecipeFacts(
+            recipe.plan.angle_context.at((*check.at, written)).angle,
+            recipe.world(self.members),
+            sum(map(len, self.bundle.files.values())),
+            shapes=[ShapeErrors.of(made.mesh, made.error) for made in self.shapes],
+            text=self.bundle.files[self.bundle.model].decode() if check.reads_text else "",
+        )
 
 
 def check_spans(plan: Plan) -> dict[str, Span]:

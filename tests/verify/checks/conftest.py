@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import mujoco
@@ -13,7 +15,7 @@ from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.language.check import checks_of
 from mjcompose.text.load import load
-from mjcompose.verify.checks.check import ask as ask_in_child, from_json
+from mjcompose.verify.checks.check import RecipeFacts, WorldPlace, ask as ask_in_child, from_json
 
 Ask = Callable[..., list[Fault]]
 
@@ -36,10 +38,11 @@ def ask() -> Ask:
         recipe = validate(node, sink)
         assert recipe is not None, "\n".join(map(render, sink.diagnostics))
         (read,) = checks_of(recipe.check)
-        asked = {**read.asked(), "angle": recipe.angle, "frame": frame, "shapes": (), "text": xml}
+        facts = RecipeFacts(recipe.angle, WorldPlace(**frame), text=xml)
         if scope.get("prefix") or scope.get("others"):
             scope["whole"] = False
-        question = {"kind": read.word, "asked": asked, "scope": scope}
+        question = {"word": read.word, "written": read.written, "scope": scope, "facts": asdict(facts)}
+        question = json.loads(json.dumps(question))  # as it crosses into the child
         return [
             from_json(each) for each in ask_in_child(mujoco, mujoco.MjModel.from_xml_string(xml), question)["findings"]
         ]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import mujoco
 import pytest
+from mjcompose.language.checks.budget import Budget
 from mjcompose.verify.checks.budget import check
-from mjcompose.verify.checks.check import Scope
+from mjcompose.verify.checks.check import RecipeFacts, Scope
 
 from tests.verify.checks.conftest import notes
 
@@ -59,9 +60,8 @@ def test_a_speed_is_called_a_measurement(ask) -> None:
 
 
 def test_bytes_are_those_of_the_files() -> None:
-    none = dict.fromkeys(("geoms", "faces", "meshes", "textures", "contacts", "steps_per_second"))
-    asked = {**none, "bytes": 1000, "key": (), "size": 1001}
-    (finding,) = check(Scope(mujoco, mujoco.MjModel.from_xml_string(MODEL)), asked)
+    scope = Scope(mujoco, mujoco.MjModel.from_xml_string(MODEL), facts=RecipeFacts(size=1001))
+    (finding,) = check(scope, Budget(bytes=1000))
     assert notes(finding) == ("expected: at most 1000", "actual: 1001")
 
 

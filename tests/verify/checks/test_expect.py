@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import mujoco
 import pytest
+from mjcompose.language.checks.expect import COUNTS
 from mjcompose.mujoco.attributes import TAGS, NameTable, array_of, attributes
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.verify.checks.check import Scope
-from mjcompose.verify.checks.expect import COUNTS, _size
+from mjcompose.verify.checks.expect import _size
 
 from tests.verify.checks.conftest import notes
 

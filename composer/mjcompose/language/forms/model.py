@@ -57,7 +57,8 @@ class Model(BaseModel):
     `rules` say which keys exclude or need one another. `short` is the key of a value that is written without a mapping:
     a text, or a value of `short_type`. Messages recommend `example`, in which `…` is the written text, and call a key
     by its `noun`. `instead` maps wrong words to the right key, or to a help line. `called` is the mapping's name in
-    messages, with `{}` for the last step of its path, and `owned` the owner of its keys, if it is not the mapping.
+    messages, with `{}` for the last step of its path, and `owned` the owner of its keys, if it is not the mapping. One
+    that `keeps_written` has the value from which it was made as `_written`.
 
     No key accepts null. Values are not converted, except whole numbers where any number is accepted.
     """
@@ -80,6 +81,7 @@ class Model(BaseModel):
     instead: ClassVar[Mapping[str, str]] = {}
     called: ClassVar[str | None] = None
     owned: ClassVar[str | None] = None
+    keeps_written: ClassVar[bool] = False
     _at: Path = PrivateAttr(())
 
     @property
@@ -121,6 +123,7 @@ class Model(BaseModel):
     @classmethod
     def _with_rules(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         at = path_of(value)
+        written = value
         context = settings(info.context)
         faults: list[Fault] = []
         if is_whole(cls):
@@ -142,6 +145,8 @@ class Model(BaseModel):
         made = validated_with(handler, value, faults)
         if at:
             made._at = at
+        if cls.keeps_written:
+            made._written = written
         if contradictions := list(made.contradictions(context)):
             raise validation_error(contradictions, value)
         return made

@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
-from mjcompose.base.codes import CODES
+from mjcompose.base.codes import CODES, RULES
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Note
 from mjcompose.base.suggest import advised
@@ -405,14 +405,20 @@ def _is_computed(value: Any, faults: list[Fault]) -> bool:
 ALLOW = "allow"
 
 
+def _codes() -> list[str]:
+    """Return the codes of builds, without those of the linter's rules, which may be known, too."""
+    return [code for code in CODES if code not in RULES]
+
+
 def _code_fault(code: str) -> Fault | None:
-    if code in CODES:
+    known = _codes()
+    if code in known:
         return None
-    help, fix = advised(code, CODES)
+    help, fix = advised(code, known)
     note = Note("`mjcompose explain --codes` lists all codes")
     return Fault("wrong-keyword", f"the code `{code}` does not exist", notes=(note,), help=help, fix=fix)
 
 
-definition("code")(lambda _: computable({"enum": list(CODES)}))
+definition("code")(lambda _: computable({"enum": _codes()}))
 Code = Annotated[str, Checked(_code_fault), Expects("the code of a warning"), WithJsonSchema(reference("code"))]
 Codes = Annotated[tuple[Code, ...], Items(1, unique=True), Expects("a list of codes of warnings", "[convert-loss]")]

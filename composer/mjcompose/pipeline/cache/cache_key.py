@@ -25,12 +25,12 @@ from typing import TYPE_CHECKING
 from mjcompose.base import __version__, files
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import open_regular
+from mjcompose.language.target_names import CONSUMERS
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.kinds import KINDS
 from mjcompose.sources.license import license_names
 from mjcompose.sources.reference import Source
-from mjcompose.targets.names import CONSUMERS
 
 if TYPE_CHECKING:
     from mjcompose.plan.plan import Plan

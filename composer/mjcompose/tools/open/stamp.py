@@ -23,9 +23,9 @@ from mjcompose.base.suggest import exists_note
 from mjcompose.bundle.bundle import MANIFEST, WORLDS, Bundle, path_of_bundle
 from mjcompose.bundle.manifest import FileName, Manifest, Name, Sha256, from_json, in_words
 from mjcompose.bundle.read import ReadError, read
+from mjcompose.language.target_names import NAMES
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.targets.names import NAMES
 from mjcompose.text.load import load
 from mjcompose.text.node import locate
 from mjcompose.tools.open.recipe import as_yaml, nodes_of

@@ -5,45 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.language.check import Check
-from mjcompose.language.forms.model import AnyOf
-from mjcompose.language.forms.scalars import BYTES, Items, Name, NotNegative, Positive, Scaled
+from mjcompose.language.checks.budget import Budget
 from mjcompose.verify.checks.check import Scope, at_keys, failed, keys_named
-
-_MOST = ("geoms", "faces", "meshes", "textures", "bytes", "contacts", "steps_per_second")
-_BYTES = Annotated[float, Scaled(BYTES, ge=0)]
-
-
-class Budget(Check):
-    """The model stays within these limits of size and speed."""
-
-    word: ClassVar = "budget"
-    example: ClassVar = "{faces: 50000}"
-    rules: ClassVar = (AnyOf(*_MOST, lacks="limits nothing", advice="write for instance `faces: 50000`"),)
-    instead: ClassVar = {"keys": "key"}
-
-    geoms: NotNegative | None = None
-    """the largest number of geoms"""
-    faces: NotNegative | None = None
-    """the largest number of triangles of all meshes together"""
-    meshes: _BYTES | None = None
-    """the largest memory of all meshes together, in bytes"""
-    textures: _BYTES | None = None
-    """the largest memory of all textures together, in bytes"""
-    bytes: _BYTES | None = None
-    """the largest size of all files of the model together, in bytes"""
-    contacts: NotNegative | None = None
-    """the largest number of contacts in a keyframe, or in the reference configuration"""
-    steps_per_second: Positive | None = None
-    """the smallest number of steps per second, in one thread on this machine"""
-    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """the keyframes in which to count contacts; by default all, and the reference configuration"""
-
-
-KIND = Budget
 
 _WARM_UP = 20
 _SECONDS = 0.2
@@ -54,28 +19,29 @@ _SHOWN_SPEED = 2
 """Digits: the speed differs from run to run."""
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+def check(scope: Scope, budget: Budget) -> list[Fault]:
     """Return one finding for each exceeded limit."""
-    keys = keys_named(scope, asked["key"])
+    keys = keys_named(scope, budget.key)
     faces = scope.model.mesh_facenum
     counted: Mapping[str, Callable[[], tuple[int, str]]] = {
         "geoms": lambda: (len(list(scope.own("geom"))), ""),
         "meshes": lambda: (_meshes(scope), " bytes in memory"),
         "faces": lambda: (sum(int(faces[mesh]) for mesh in scope.own("mesh")), ", in all meshes together"),
-        "bytes": lambda: (int(asked["size"]), ", in all files of the model together"),
+        "bytes": lambda: (scope.facts.size, ", in all files of the model together"),
         "textures": lambda: (_textures(scope), " bytes in memory"),
-        "contacts": lambda: _contacts(scope, keys, everywhere=not asked["key"]),
+        "contacts": lambda: _contacts(scope, keys, everywhere=not budget.key),
     }
     found: list[Fault] = []
     for name, count in counted.items():
-        if (most := asked[name]) is None:
+        most = getattr(budget, name)
+        if most is None:
             continue
         value, words = count()
         scope.found(name, value)
         if value > most:
             found.append(failed(f"`{name}` is {value}{words}", f"at most {most:.15g}", str(value), name))
-    if asked["steps_per_second"] is not None:
-        found += _speed(scope, asked["steps_per_second"])
+    if budget.steps_per_second is not None:
+        found += _speed(scope, budget.steps_per_second)
     return found
 
 

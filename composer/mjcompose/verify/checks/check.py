@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, field
-from functools import cache, cached_property
+from dataclasses import asdict, field, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from mjcompose import homes
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
-from mjcompose.language.check import MODULES
+from mjcompose.language.check import KINDS
+from mjcompose.language.checks.expect import SUBTREE_MASS, Number, naming
+from mjcompose.language.forms.context import Settings
 from mjcompose.mujoco.arrays import JOINT_TYPES, words
 from mjcompose.mujoco.attributes import ANGLES, ENUMERATED, ON_BODIES, NameTable, array_of, holder, name_table
-from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.name_order import NameOrder
-from mjcompose.tree.pattern import BadPattern, fitter, is_pattern, literals_of, paths_of
+from mjcompose.tree.pattern import BadPattern, fitter, is_pattern, literals_of
 from mjcompose.tree.values import is_in_degrees
 
 if TYPE_CHECKING:
@@ -70,6 +72,50 @@ def from_json(data: dict[str, Any]) -> Fault:
 _FIELDS = ("code", "message", "at", "notes", "help")
 
 
+class WorldPlace(Struct):
+    """The place of a recipe's world in the model: a body, or None for the world of the model, and the pose in it."""
+
+    body: str | None
+    pos: Sequence[float]
+    quat: Sequence[float]
+
+
+class ShapeErrors(Struct):
+    """How far the shapes that were made of a mesh are off it, as `mjcompose.mujoco.fit` measures it."""
+
+    mesh: str
+    hausdorff: float
+    beyond: float
+    short: float
+    uncovered: float | None
+    volume: float | None
+
+    @classmethod
+    def of(cls, mesh: str, error: Mapping[str, Any]) -> ShapeErrors:
+        """Return the errors of a mesh by their names, of which there may be more."""
+        return cls(mesh, **{field.name: error[field.name] for field in fields(cls) if field.name != "mesh"})
+
+
+class RecipeFacts(Struct):
+    """What the compiled model does not say about its recipe and its files.
+
+    `angle` is the unit of numbers without one in the check, `size` the bytes of all files, and `text` the model.
+    """
+
+    angle: str | None = None
+    world: WorldPlace | None = None
+    size: int = 0
+    shapes: Sequence[ShapeErrors] = ()
+    text: str = ""
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> RecipeFacts:
+        """Return the facts that `asdict` turned into data."""
+        world = data["world"] and WorldPlace(**data["world"])
+        shapes = [ShapeErrors(**errors) for errors in data["shapes"]]
+        return cls(data["angle"], world, data["size"], shapes=shapes, text=data["text"])
+
+
 SOLVED = 4
 """Digits kept of simulated or solved values."""
 
@@ -86,7 +132,8 @@ class Scope:
     """The names of a recipe in a compiled model, where each of them starts with `prefix`.
 
     `others` are longer prefixes that do not belong to the recipe. `keys` is the prefix of its keyframes, or None if
-    they were left out. `whole` says that the whole model is the recipe's. `values` are those that a check found.
+    they were left out. `whole` says that the whole model is the recipe's. `facts` are what else is known of the recipe.
+    `values` are those that a check found.
     """
 
     mujoco: Any
@@ -96,6 +143,7 @@ class Scope:
     separator: str = "/"
     keys: str | None = ""
     whole: bool = True
+    facts: RecipeFacts = RecipeFacts()
     values: dict[str, Any] = field(default_factory=dict, init=False)
 
     @cached_property
@@ -238,54 +286,8 @@ def names_nothing(message: str, glob: str, what: str, known: Sequence[str], at: 
     return CheckEnds(Fault("unknown-name", message, at, notes=notes, help=help))
 
 
-SUBTREE_MASS = "subtree_mass"
-"""An attribute of bodies that MJCF does not have: the mass of a body and all below it."""
-Number = tuple[float, str | None]
-"""A number and the unit that is written after it, `deg` or `rad`."""
 ROUNDING = {4: 1e-6, 8: 1e-9}
 """Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
-_NAMING = (
-    "geom",
-    "site",
-    "camera",
-    "light",
-    "skin",
-    "material",
-    "pair",
-    "exclude",
-    "equality",
-    "tendon",
-    "actuator",
-    "sensor",
-)
-_NOT_COMPILED = ("default", "instance")
-
-
-@cache
-def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
-    """Return the keywords of a tag's attributes. The keywords of a family's `type` are its tags."""
-    paths = paths_of(tag)
-    found: dict[str, tuple[str, ...]] = {}
-    for name in sorted(ENUMERATED.get(tag, ())):
-        attributes = [GRAMMAR.element(path).attributes.get(name) for path in paths]
-        words = {word for each in attributes if each is not None for word in each.keywords}
-        found[name] = tuple(sorted(words or {GRAMMAR.element(path).tag for path in paths}))
-    return found
-
-
-@cache
-def naming(tag: str) -> Mapping[str, str | None]:
-    """Return the attributes of a tag that name another element, with its kind; None if another attribute gives it."""
-    if tag not in _NAMING:
-        return {}
-    return {
-        name: attribute.refers
-        for path in sorted(paths_of(tag))
-        for name, attribute in GRAMMAR.element(path).attributes.items()
-        if (attribute.is_reference or attribute.refers_by) and attribute.refers not in _NOT_COMPILED
-    }
-
-
 _SECOND = ("refsite", "slidersite", "refname")
 
 
@@ -341,37 +343,33 @@ class Quantity(Struct):
         return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
 
 
-def values_of(scope: Scope, tag: str, index: int, asked: Mapping[str, Any]) -> Any:
-    """Return the numbers of an attribute as a flat array, or the number at its `index`. Raises CheckEnds."""
+def values_of(scope: Scope, tag: str, index: int, attr: str, subscript: int | None) -> Any:
+    """Return the numbers of an attribute as a flat array, or the one that a subscript selects. Raises CheckEnds."""
     import numpy as np
 
     from mjcompose.mujoco.addresses import rows_of
 
-    attr = asked["attr"]
     name = "body_subtreemass" if attr == SUBTREE_MASS else array_of(tag, attr)
     if (array := getattr(scope.model, name, None)) is None:
         raise CheckEnds(Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",)))
     row = rows_of(scope.model, tag, name, index=index).start  # a joint has one value; for an actuator the first counts
     numbers = np.atleast_1d(array[row]).ravel()
-    if asked["index"] is None:
+    if subscript is None:
         return numbers
-    if asked["index"] >= numbers.size:
+    if subscript >= numbers.size:
         message = f"`{attr}` of {scope.called(tag, index)} has {numbers.size} numbers"
         raise CheckEnds(Fault("wrong-length", message, ("attr",), notes=(Note(f"the first is `{attr}[0]`"),)))
-    return numbers[asked["index"]][None]
+    return numbers[subscript][None]
 
 
-def quantities_of(
-    scope: Scope, tag: str, index: int, asked: Mapping[str, Any], numbers: Sequence[Number]
-) -> list[Quantity]:
+def quantities_of(scope: Scope, tag: str, index: int, attr: str, numbers: Sequence[Number]) -> list[Quantity]:
     """Return the expected numbers in the unit of the compiled model. Raises CheckEnds."""
-    attr = asked["attr"]
     joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
     angular = attr in ANGLES.get(joint, ())
     quantities: list[Quantity] = []
     for number, unit in numbers:
         if unit is None and angular and number != 0:
-            unit = {"degree": "deg", "radian": "rad", None: None}[asked["angle"]]
+            unit = {"degree": "deg", "radian": "rad", None: None}[scope.facts.angle]
             if unit is None:
                 help = f"write `{number:.9g}deg` or `{number:.9g}rad`, or `angle: degree` at the top of the recipe"
                 message = f"`{attr}` of {joint} {scope.called(tag, index)} is an angle, and `{number:.9g}` has no unit"
@@ -417,16 +415,22 @@ def like(quantities: Sequence[Quantity], numbers: Sequence[float]) -> list[str]:
     return [each.like(number) for each, number in zip(quantities, numbers, strict=True)]
 
 
-CHECKS: ExtensionTable[Callable[[Scope, dict[str, Any]], list[Fault]]] = ExtensionTable(
-    "checks", {}, "check", modules=MODULES
+CHECKS: ExtensionTable[Callable[[Scope, Any], list[Fault]]] = ExtensionTable(
+    "checks", {}, "check", modules=homes.CHECKS
 )
+"""How to carry out each check that reads the compiled model. It gets the check's form."""
 
 
 def ask(mujoco: Any, model: MjModel, question: dict[str, Any]) -> dict[str, Any]:
-    """Return the findings and values of the check `kind` on `asked` in a `scope`; runs under `engine.call`."""
-    scope = Scope(mujoco, model, **question["scope"])
+    """Return the findings and values of a check in a scope; runs under `engine.call`.
+
+    The check is sent as the recipe writes it. Its form reads it here as it did there.
+    """
+    scope = Scope(mujoco, model, **question["scope"], facts=RecipeFacts.of(question["facts"]))
+    word = question["word"]
+    form = KINDS[word].model_validate(question["written"], context=Settings(separator=scope.separator))
     try:
-        found = CHECKS[question["kind"]](scope, question["asked"])
+        found = CHECKS[word](scope, form)
     except BadPattern as bad:
         found = [Fault("selector", bad.message, help=bad.help)]
     except CheckEnds as end:

@@ -3,49 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.report import with_rest
-from mjcompose.language.check import Check
-from mjcompose.language.forms.scalars import LENGTHS, Expects, Items, Name, Scaled
+from mjcompose.language.checks.clearance import Clearance
 from mjcompose.verify.checks.check import SOLVED, Scope, at_keys, beside, check_globs, failed, keys_named
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData
-
-_GLOB = Annotated[str, Name("geom", "body", glob=True)]
-_SIDE = Annotated[tuple[_GLOB, ...], Items(1, single=True)]
-_SIDES = Expects("two sides, each a glob over geoms or bodies or a list of them", '["arm/**", table]')
-_PAIR = Annotated[tuple[_GLOB, ...], Items(2, 2), Expects("pairs of globs, each a list of its own", "[[a, b]]")]
-_PAIRS = Expects("a list of pairs of globs", '[["gripper/**", "gripper/**"]]')
-
-
-class Clearance(Check):
-    """Geoms are not inside each other, or keep a distance."""
-
-    word: ClassVar = "clearance"
-    example: ClassVar = "{key: home}"
-    instead: ClassVar = {
-        "max": "write `min: -1mm` for a depth of at most 1 mm",
-        "distance": "min",
-        "exclude": "except",
-        "keys": "key",
-    }
-
-    key: Annotated[tuple[Annotated[str, Name("key", glob=True)], ...], Items(1, single=True)] = ()
-    """the keyframes to check; by default the reference configuration"""
-    min: Annotated[float, Scaled(LENGTHS)] = -1e-3
-    """the smallest allowed distance, in meters; a negative number allows an overlap of that depth"""
-    excepted: Annotated[tuple[_PAIR, ...], Items(), _PAIRS] = Field((), alias="except")
-    """pairs to ignore, as globs over names of geoms and bodies"""
-    between: Annotated[tuple[_SIDE, ...], Items(2, 2), _SIDES] | None = None
-    """the two sides, each a glob over geoms and bodies, or a list of globs; by default all geoms that can touch"""
-
-
-KIND = Clearance
 
 _NAMED = ("geom", "body", "flex")
 _SLACK = 1e-9
@@ -55,14 +21,14 @@ Side = tuple[str, int]
 Pair = tuple[Side, Side]
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+def check(scope: Scope, clearance: Clearance) -> list[Fault]:
     """Report the pairs that are nearer to each other than the check allows, the nearest first."""
-    least: float = asked["min"]
-    ignored = _ignored(scope, asked["excepted"])
-    sides = _sides(scope, asked["between"] or ())
+    least = clearance.min
+    ignored = _ignored(scope, clearance.excepted)
+    sides = _sides(scope, clearance.between or ())
     near: dict[tuple[str, Pair], float] = {}
     nearest: float | None = None
-    for where, data in _places(scope, asked["key"]):
+    for where, data in _places(scope, clearance.key):
         for pair, distance in _apart(scope, data, sides, least) if sides else _touching(scope, data, least):
             if distance >= least and nearest is not None and distance >= nearest:
                 continue

@@ -2,64 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
-
-from pydantic import Field
+from typing import TYPE_CHECKING
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.language.check import Check, CheckPart
-from mjcompose.language.forms.scalars import Name, NumberUnit, Positive
+from mjcompose.language.checks.settles import Near, Settles
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.verify.checks.check import SOLVED, Scope, beside, failed
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
 
-
-class Near(CheckPart):
-    """The expected final positions of all joints."""
-
-    example: ClassVar = "{key: …, within: 0.05}"
-
-    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """a keyframe; by default the start keyframe"""
-    within: Positive = Field(examples=["0.05"])
-    """the greatest distance of a joint from its position in that keyframe, in m or rad"""
-
-
-class Settles(Check):
-    """The simulation from a keyframe does not diverge, and the model is at rest at the end."""
-
-    word: ClassVar = "settles"
-    example: ClassVar = "{key: home}"
-
-    key: Annotated[str, Name("key", what="the name of a keyframe")] | None = None
-    """the keyframe to start from; by default the reference configuration"""
-    seconds: Annotated[Positive, NumberUnit("s")] = 1.0
-    """the length of the simulation"""
-    max_speed: Positive = 0.05
-    """the greatest speed of a joint in the last tenth of that time, in m/s or rad/s"""
-    near: Near | None = None
-    """every joint must also end near its position in a keyframe"""
-
-
-KIND = Settles
-
 _AT_THE_END = 0.1
 """The final share of the simulated time in which speeds are checked."""
 
 
-def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+def check(scope: Scope, settles: Settles) -> list[Fault]:
+    """Report a simulation that diverges, or a joint that moves at its end or ends elsewhere."""
     import numpy as np
 
     from mjcompose.mujoco.controls import Divergence, steps_in
 
     mujoco = scope.mujoco
     model = scope.model
-    data = scope.at_key(asked["key"])
+    data = scope.at_key(settles.key)
     diverged = Divergence(mujoco, model, data)
-    limit = asked["max_speed"]
-    seconds = asked["seconds"]
+    limit = settles.max_speed
+    seconds = settles.seconds
     if not model.opt.timestep > 0:
         return [failed("no time passes: the timestep of the model is 0", "a timestep above 0", "0")]
     steps = steps_in(model, seconds)
@@ -82,7 +50,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
                 dof = int(dofs[worst])
     scope.found("speed", fastest, SOLVED)
     if fastest <= limit:
-        return [] if asked["near"] is None else _near(scope, data, asked)
+        return [] if settles.near is None else _near(scope, data, settles.near, start=settles.key)
     joint = int(model.dof_jntid[dof])
     unit = _unit(model, dof, joint)
     speed = beside(fastest, limit)
@@ -90,12 +58,11 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     return [failed(message, f"at most {limit:g} {unit}", f"{speed} {unit}", "max_speed")]
 
 
-def _near(scope: Scope, data: MjData, asked: dict[str, Any]) -> list[Fault]:
-    """Report joints that end far from their position in a keyframe."""
+def _near(scope: Scope, data: MjData, near: Near, start: str | None) -> list[Fault]:
+    """Report joints that end far from their position in a keyframe, by default the one that was the start."""
     import numpy as np
 
-    near = asked["near"]
-    key = near["key"] or asked["key"]
+    key = near.key or start
     there = scope.at_key(key, "near", "key")
     mujoco = scope.mujoco
     model = scope.model
@@ -106,14 +73,14 @@ def _near(scope: Scope, data: MjData, asked: dict[str, Any]) -> list[Fault]:
     dof = max(own, key=lambda each: abs(apart[each]))
     farthest = float(abs(apart[dof]))
     scope.found("distance", farthest, SOLVED)
-    if farthest <= near["within"]:
+    if farthest <= near.within:
         return []
     joint = int(model.dof_jntid[dof])
     unit = _unit(model, dof, joint).removesuffix("/s")
     where = f"`{key}`" if key else "the reference configuration"
-    off = beside(farthest, near["within"])
+    off = beside(farthest, near.within)
     message = f"{scope.called('joint', joint)} is {off} {unit} from where it is in {where}"
-    return [failed(message, f"at most {near['within']:g} {unit}", f"{off} {unit}", "near", "within")]
+    return [failed(message, f"at most {near.within:g} {unit}", f"{off} {unit}", "near", "within")]
 
 
 def _unit(model: MjModel, dof: int, joint: int) -> str:

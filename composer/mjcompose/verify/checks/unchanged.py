@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mjcompose.language.unchanged import Unchanged, attributes
+from mjcompose.language.checks.unchanged import Unchanged, attributes
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.text.node import locate
 
@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
     from mjcompose.verify.parts import PartComparison
     from mjcompose.verify.run_checks import Checks, NestedRecipe
-
-
-KIND = Unchanged
 
 
 def run(checks: Checks, check: Unchanged, recipe: NestedRecipe, context: Context) -> dict[str, Any]:

@@ -49,3 +49,6 @@ class Unchanged(Check):
         (), alias="except"
     )
     """MJCF attributes that you change on purpose"""
+
+
+KIND = Unchanged
