@@ -5,9 +5,13 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+from language.validating import validate
+from mjcompose.base.sink import Sink
 from mjcompose.language.checks.lint import InertiaImplausible
 from mjcompose.lint.check import inertia_implausible
+from mjcompose.lint.rule import rules
 from mjcompose.mujoco.solids import volume
+from mjcompose.text.load import load
 from mjcompose.verify.checks.check import Scope
 
 BOX = """<mujoco><worldbody>
@@ -137,3 +141,13 @@ def test_a_nested_recipe_answers_for_its_own_elements(ask) -> None:
     assert ask(model, "lint: {select: [awkward-name]}", prefix="left/")
     assert not ask(model, "lint: {select: [awkward-name]}", prefix="right/")
     assert not ask(model, "lint: {select: [unused-material]}", prefix="left/")
+
+
+def test_allow_takes_no_rule_of_the_linter() -> None:
+    """It is about warnings of builds, also in a process that knows the rules."""
+    assert "unused-mesh" in rules()
+    sink = Sink()
+    node = load("recipe: 1\nallow: [unused-mesh]\n", "recipe.yaml", sink)
+    assert node is not None
+    assert validate(node, sink) is None
+    assert [each.code for each in sink.diagnostics] == ["wrong-keyword"]

@@ -11,7 +11,7 @@ from mjcompose.mujoco import environments
 from mjcompose.mujoco.environments import Other, this_python
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.targets import moves_alike, read_back
+from mjcompose.targets import read_back
 from tools.migrate.test_upgrade import MODEL
 
 OWN = mujoco.__version__
@@ -133,4 +133,3 @@ def test_drake_itself(tmp_path: Path) -> None:
 def test_programs_that_nobody_can_ask(tmp_path: Path, program: str) -> None:
     ((code, message),), _ = checked(tmp_path, program)
     assert (code, message) == ("wrong-keyword", f"`as` of check `moves` cannot be `{program}`")
-    assert moves_alike.KIND.word == "moves_alike"
