@@ -25,6 +25,7 @@ VERBS = {
     "inertia": "mjcompose.compose.verbs.inertia",
     "convert": "mjcompose.compose.verbs.convert",
     "datasheet": "mjcompose.compose.verbs.datasheet",
+    "calibrate": "mjcompose.compose.verbs.calibrate",
     "move": "mjcompose.compose.verbs.move",
     "rename": "mjcompose.compose.verbs.rename",
     "remove": "mjcompose.compose.verbs.remove",

@@ -147,6 +147,7 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"), "needs files beside it: tests/urdf"
     ),
+    **dict.fromkeys(("measured-format", "measured-stale"), "needs a file of measurements: tests/errors/measured"),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/sides",
     "no-rendering": "needs a machine without OpenGL: tests/tools/diff",

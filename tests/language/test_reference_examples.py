@@ -36,6 +36,9 @@ BOX = """\
 <robot name="box"><link name="box"><collision><geometry><mesh filename="package://box_meshes/box.obj"/></geometry>
 </collision></link></robot>
 """
+A12 = """measured: 1
+values: {joint elbow: {damping: {value: 0.62, std: 0.03}, zero: {value: -1.3deg, std: 0.1deg}}}
+"""
 CLOTH = """\
 <mujoco>
   <extension><plugin plugin="mujoco.pid"><instance name="soft"/></plugin></extension>
@@ -131,6 +134,7 @@ def test_an_example_builds(name: str, number: int, tmp_path: Path) -> None:
     (tmp_path / "rail.yaml").write_text(RAIL, encoding="utf-8")
     (tmp_path / "box.urdf").write_text(BOX, encoding="utf-8")
     (tmp_path / "claw.xml").write_text(CLAW, encoding="utf-8")
+    (tmp_path / "A12.yaml").write_text(A12, encoding="utf-8")
     (tmp_path / "cloth.xml").write_text(CLOTH, encoding="utf-8")
     (tmp_path / "box_meshes").mkdir()
     (tmp_path / "box_meshes" / "box.obj").write_bytes((ROOT / "recipes/models/arm6/assets/elbow.obj").read_bytes())

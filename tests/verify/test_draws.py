@@ -12,10 +12,11 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.bundle.staging import write_folder
+from mjcompose.mujoco.settable import DerivedValues, are_close
 from mjcompose.mujoco.varying import flat
 from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.verify.draws import DerivedValues, _following, are_close
+from mjcompose.verify.draws import _following
 
 MODEL = """\
 <mujoco>
@@ -215,7 +216,8 @@ def test_behind_an_actuator_with_several_outputs(tmp_path: Path) -> None:
 
 def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from mjcompose.mujoco.engine import Called, Session
-    from mjcompose.verify.draws import DrawTable, resolve_addresses
+    from mjcompose.mujoco.settable import resolve_addresses
+    from mjcompose.verify.draws import DrawTable
 
     (tmp_path / "m.xml").write_text(MODEL)
     (tmp_path / "r.yaml").write_text(

@@ -18,6 +18,8 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "cells-not-checked": "a recipe has a matrix, and only one model of it was checked",
         "check-failed": "the model does not meet a check of your recipe",
         "expression": "an expression cannot be read or has no value",
+        "measured-format": "a file of measurements has another form than expected",
+        "measured-stale": "a file of measurements was measured with another version of the recipe",
         "missing-key": "a required key is missing",
         "out-of-range": "a number is outside of what is allowed",
         "recipe-version": "the recipe names no version of the language, or an unknown one",

@@ -265,6 +265,11 @@ class ModelEdits(Struct):
                 if not stand_ins:
                     _carry_out(step, editing, self.plan, composer=self.composer)
                 self.linking.watch(self.linking.units, step)
+        if self.plan.measured is not None and not of_keys:
+            from mjcompose.plan.measured import KINDS, check_names  # few recipes have a file of measurements
+
+            names = {kind: editing.known_names(kind) for kind in KINDS}
+            check_names(self.plan.measured, names, self.making.sink)
 
     def _report_turns_without_effect(self) -> None:
         """Report turns of one `for` that set the same attribute of the same elements to different values."""

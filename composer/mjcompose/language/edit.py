@@ -94,6 +94,7 @@ _OWN = (
     "inertia",
     "convert",
     "datasheet",
+    "calibrate",
     "move",
     "rename",
     "remove",

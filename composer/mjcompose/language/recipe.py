@@ -311,6 +311,8 @@ class Recipe(Model):
     inertia and source."""
     edit: Edits = ()
     """Changes to selected elements, in order, after everything else is in place."""
+    measured: Annotated[Any, Lazy("mjcompose.language.measured:UseMeasured")] = None
+    """The file with the measured numbers of one robot, which the model gets after `edit`."""
     keyframe: Annotated[
         dict[str, Keyframe],
         Keys(lambda name, _: name_fault(name, IT, (name,))),

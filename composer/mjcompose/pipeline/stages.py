@@ -204,6 +204,10 @@ class Build(Struct, frozen=False):
             from mjcompose.verify.frictions import check_frictions  # few recipes change frictions
 
             check_frictions(composed.model, session, sink=context.sink)
+        if any(each.measured is not None for each in plan.plans()):
+            from mjcompose.verify.measured import check_measured  # few recipes have a file of measurements
+
+            check_measured(plan, session, sink=context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 Checks(

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from mjcompose.language.distribution import Operation
     from mjcompose.language.randomize import DrawField, Randomize
     from mjcompose.link.subtree import DroppedElement, Subtree
+    from mjcompose.plan.measured import Measurements
 
 
 class Drawn(Struct):
@@ -275,6 +276,8 @@ class Plan(Struct):
     """The data sheets of motors that the recipe has."""
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
+    measured: Measurements | None = None
+    """The file of measurements whose numbers are among the edits."""
     randomize: Randomize | None = None
     sample: int = 0
     """The number of the sample; 0 is the nominal model."""

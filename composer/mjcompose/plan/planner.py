@@ -53,6 +53,7 @@ from mjcompose.tree.grammar import GRAMMAR, to_text
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import Randomize
+    from mjcompose.plan.measured import Measurements
 
 STEPS: tuple[type[Step], ...] = (
     AddElement,
@@ -67,7 +68,9 @@ STEPS: tuple[type[Step], ...] = (
 )
 """All types of steps in the order in which they are carried out: settings, classes, and the steps that may use them."""
 # Keys that the planner reads itself: settings of the whole recipe, its sources and its checks.
-_PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check datasheets".split()
+_PLANNED = (
+    "recipe name description angle eulerseq separator conflict allow base attach check datasheets measured".split()
+)
 
 for _each in STEPS:
     if inspect.isabstract(_each):
@@ -135,6 +138,7 @@ class _LoadedRecipe(Struct):
     randomize: Randomize | None = None
     sample: int = 0
     drawn: tuple[Drawn, ...] = ()
+    measured: Measurements | None = None
 
 
 def compiler_settings(attachment: Attachment) -> CompilerSettings:
@@ -172,7 +176,9 @@ class _Planner:
         valid = self._read(path, given) if self._may_nest(len(outer), span) else None
         if valid is None:
             return None
-        recipe, document, concrete, _ = valid
+        recipe = valid.recipe
+        document = valid.document
+        concrete = valid.concrete
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
         if self.worlds and not outer:
@@ -183,7 +189,9 @@ class _Planner:
                 valid = self._read(path, {**given, **values})
                 if valid is None:
                     return None
-                recipe, document, concrete, _ = valid
+                recipe = valid.recipe
+                document = valid.document
+                concrete = valid.concrete
                 randomize = recipe.randomize
         name, sample = (None, 0) if outer else (self.name, self.sample)
         loaded = _LoadedRecipe(
@@ -198,6 +206,7 @@ class _Planner:
             randomize=randomize,
             sample=sample,
             drawn=drawn,
+            measured=valid.measured,
         )
         return self._assembled(loaded, (*outer, (key, span)))
 
@@ -250,6 +259,7 @@ class _Planner:
             variants=concrete.variants if concrete else {},
             checks=tuple(checks_of(recipe.check)),
             datasheets=recipe.datasheets,
+            measured=loaded.measured,
             randomize=loaded.randomize,
             sample=loaded.sample,
             worlds=self.worlds,

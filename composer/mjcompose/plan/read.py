@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping as AbcMapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mjcompose.base import extensions
 from mjcompose.base.access import Door
@@ -68,6 +68,9 @@ from mjcompose.tree.unit import Unit
 from mjcompose.urdf.robot import SCHEMES
 from mjcompose.urdf.xacro import files_named, is_template as is_template_urdf
 
+if TYPE_CHECKING:
+    from mjcompose.plan.measured import Measurements
+
 Given = AbcMapping[str, Node]
 """Values of parameters and variants by name, each with the place that sets it."""
 
@@ -77,12 +80,16 @@ _KEPT = 256
 
 
 class ValidRecipe(NamedTuple):
-    """A recipe without faulty pieces, whose names are `lost`, its tree, and its expansion, None for no mapping."""
+    """A recipe without faulty pieces, whose names are `lost`, its tree, and its expansion, None for no mapping.
+
+    `measured` is the file of measurements that it uses, whose numbers are among its edits.
+    """
 
     recipe: Recipe
     document: Mapping
     concrete: Concrete | None
     lost: frozenset[str]
+    measured: Measurements | None = None
 
 
 def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | None:
@@ -103,9 +110,26 @@ def validated_recipe(path: Path, given: Given, context: Context) -> ValidRecipe 
         node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
         gone, lost = (frozenset(), frozenset()) if concrete is None else (concrete.gone, concrete.lost)
         valid = None if node is None else validate_what_remains(node, own.sink, gone)
-        return None if valid is None else ValidRecipe(valid.recipe, valid.document, concrete, lost=valid.lost | lost)
+        if valid is None:
+            return None
+        read = ValidRecipe(valid.recipe, valid.document, concrete, lost=valid.lost | lost)
+        return read if valid.recipe.measured is None else _with_measurements(read, own)
 
     return _once(("validated", path, _values(given)), context, work)
+
+
+def _with_measurements(read: ValidRecipe, context: Context) -> ValidRecipe | None:
+    """Return the recipe with the measured numbers among its edits; without them after reported errors."""
+    from mjcompose.plan.measured import read_measurements, with_edits  # few recipes have them
+
+    span = locate(read.document, ("measured",))
+    found = read_measurements(read.recipe.measured, read.document, folder_of(span, context), context)
+    if found is None:
+        return read
+    valid = validate_what_remains(with_edits(read.document, found), context.sink)
+    if valid is None:
+        return None
+    return read._replace(recipe=valid.recipe, document=valid.document, lost=read.lost | valid.lost, measured=found)
 
 
 def _values(given: Given) -> tuple[tuple[str, str], ...]:
@@ -424,6 +448,8 @@ def files_of_source(source: Source) -> Iterator[Path]:
 def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
     """Yield the files that a recipe itself names in its elements and may name."""
     folder = context.folder
+    if plan.measured is not None:
+        yield plan.measured.path
     for step in plan.steps:
         if isinstance(step, AddElement | AppendElement):
             for at, name in _named(step.element):

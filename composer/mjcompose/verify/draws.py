@@ -17,14 +17,10 @@ from mjcompose.base.distribution import CHOICE
 from mjcompose.base.scratch import scratch
 from mjcompose.bundle.bundle import DRAWS, MODEL, WORLDS, Bundle
 from mjcompose.bundle.listing import write_rows
-from mjcompose.language.assign import MASS
 from mjcompose.mujoco import engine
-from mjcompose.mujoco.addresses import rows_of
 from mjcompose.mujoco.arrays import FREE
-from mjcompose.mujoco.attributes import ON_BODIES, TAGS, array_of, attributes
-from mjcompose.mujoco.controls import GAINS
 from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
-from mjcompose.mujoco.unequal import Bound, unequal
+from mjcompose.mujoco.settable import DerivedValues, are_close, resolve_addresses
 from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
 from mjcompose.plan.plan import ElementDraws, Plan
 from mjcompose.sources.context import Context
@@ -35,7 +31,7 @@ from mjcompose.verify.compile import WHOLE
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField
-    from mjcompose.mujoco.model_types import MjData, MjModel
+    from mjcompose.mujoco.model_types import MjModel
 
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
@@ -168,76 +164,6 @@ def _field(field: DrawField) -> dict[str, Any]:
     }
 
 
-_CLOSE = 1e-9
-"""Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
-
-
-def resolve_addresses(mujoco: Any, model: MjModel, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
-
-    Runs under `mjcompose.mujoco.engine.call`. Each question has `tag`, `family`, `name` or `place`, `attribute`, and
-    `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
-    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to the first.
-    """
-    return [_resolved(mujoco, model, each) for each in asked]
-
-
-def _resolved(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
-    tag = asked["tag"]
-    family = asked["family"]
-    attribute = asked["attribute"]
-    gains = GAINS.get((tag, attribute))
-    if family not in TAGS or not (gains or attribute in attributes(family)):
-        return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
-    number = _id(mujoco, model, asked)
-    if isinstance(number, str):
-        return {"error": number, "nameless": not asked["name"]}
-    if family == "body" and attribute == MASS:
-        inertia = [{"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)]
-        return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
-    if gains is not None:
-        targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
-        return {"id": number, "targets": [targets]}
-    array = array_of(family, attribute)
-    rows = rows_of(model, family, array, index=number)
-    if family == "actuator":  # if an actuator has several controls, the draw is for the first
-        rows = range(rows.start, rows.start + 1)
-    found = getattr(model, array, None)
-    width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
-    last = asked["start"] + asked["count"]
-    if found is None or last > width:
-        return {"error": f"`{attribute}` of `{tag}` does not have that many numbers in mjModel"}
-    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in range(asked["start"], last)]
-    return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
-
-
-def _id(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> int | str:
-    family = asked["family"]
-    name = asked["name"]
-    place = asked["place"]
-    if name:
-        number = int(mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}"), name))
-        return number if number >= 0 else f"the compiled model has no {family} `{name}`"
-    if place is None:
-        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
-    body, position, count = place
-    number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
-    if number < 0 or family not in ON_BODIES:
-        return f"a `{asked['tag']}` without a name cannot be found in the compiled model"
-    there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
-    if len(there) != count:
-        return f"the {family}s without a name in body `{body}` cannot be distinguished"
-    return int(there[position])
-
-
-def are_close(a: Any, b: Any) -> bool:
-    """Return whether numbers are equal up to the rounding errors of two ways to compute them."""
-    a = np.asarray(a)
-    b = np.asarray(b)
-    bound = Bound(_CLOSE if a.dtype.itemsize == 8 else 1e-5)
-    return a.shape == b.shape and not unequal(b, a, bound).any()
-
-
 Build = Callable[[int], bool]
 """Builds a sample, which the session keeps as `SAMPLE`; returns whether it succeeded."""
 
@@ -353,52 +279,6 @@ def compare_world(mujoco: Any, nominal: MjModel, sample: MjModel, asked: dict[st
     for name, numbers in before.items():
         put(nominal, name, numbers)
     return sorted(different)
-
-
-class DerivedValues:
-    """The values that the compiler computes but mj_setConst does not, unless the model sets them."""
-
-    def __init__(self, mujoco: Any, model: MjModel, data: MjData) -> None:
-        self._mujoco = mujoco
-        self._model = model
-        self._data = data
-        self._inertia = model.stat.meaninertia
-        self._mass = model.stat.meanmass
-        self._has_inertia = are_close(_mean_inertia(model), self._inertia)
-        self._has_mass = are_close(_mean_mass(model), self._mass)
-        lengths = self._lengths() if model.ntendon else np.empty(0)
-        # If the range `springlength` is not set, both ends are the length in the springs' reference pose.
-        self._springs = [n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])]
-
-    def settle(self) -> None:
-        model = self._model
-        # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
-        self._mujoco.mj_resetData(model, self._data)
-        self._mujoco.mj_setConst(model, self._data)
-        # MuJoCo 3.12 computes these again even if `<statistic>` gives them; 4.0 never does.
-        model.stat.meaninertia = _mean_inertia(model) if self._has_inertia else self._inertia
-        model.stat.meanmass = _mean_mass(model) if self._has_mass else self._mass
-        if self._springs:
-            model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
-
-    def _lengths(self) -> Numbers:
-        mujoco = self._mujoco
-        model = self._model
-        data = self._data
-        mujoco.mj_resetData(model, data)
-        data.qpos[:] = model.qpos_spring
-        for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
-            stage(model, data)
-        lengths: Numbers = data.ten_length.copy()
-        return lengths
-
-
-def _mean_inertia(model: MjModel) -> float:
-    return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
-
-
-def _mean_mass(model: MjModel) -> float:
-    return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
 
 
 _OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}

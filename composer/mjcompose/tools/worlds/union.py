@@ -22,6 +22,7 @@ from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
+from mjcompose.mujoco.settable import are_close
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
@@ -29,7 +30,6 @@ from mjcompose.tools.worlds.join import CODE, Joining, Tree, UnsharedBody, World
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
-from mjcompose.verify.draws import are_close
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel

@@ -1,0 +1,180 @@
+"""Read the file of measurements that a recipe uses, and turn its numbers into entries of `edit`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping as Map
+from pathlib import Path
+
+from mjcompose.base.access import Door
+from mjcompose.base.dataclass import Struct
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import Refused, TooLarge, read_regular, unsaved_text
+from mjcompose.base.limits import in_force
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean
+from mjcompose.language.measured import (
+    DELAY,
+    KINDS as KINDS,
+    TOPICS,
+    ZERO,
+    MeasuredValue,
+    MeasurementFile,
+    UseMeasured,
+    values_of,
+)
+from mjcompose.language.variation import read
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import nearest
+from mjcompose.text.expression import Angle
+from mjcompose.text.load import load, refuse_size
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, locate, to_python
+from mjcompose.tree.pattern import fitter, is_pattern
+
+KEY = "measured"
+_EDIT = "edit"
+
+
+class Measurements(Struct):
+    """A file of measurements as a recipe uses it. `span` is the place in the recipe that names it.
+
+    `values` are all numbers of the file, and `topics` has the hash of each topic that the file says.
+    """
+
+    path: Path
+    shown: str
+    use: UseMeasured
+    file: MeasurementFile
+    document: Mapping
+    values: tuple[MeasuredValue, ...]
+    topics: Map[str, str]
+    span: Span
+
+    @property
+    def applied(self) -> Iterator[MeasuredValue]:
+        """Yield the numbers that the model gets."""
+        for value in self.values:
+            if value.is_applied and self._is_selected(value):
+                yield value
+
+    def _is_selected(self, value: MeasuredValue) -> bool:
+        only = self.use.only
+        if not only:
+            return True
+        name = value.names[0]
+        return value.kind in only and fitter(only[value.kind], lambda: [name], "/")(name)
+
+    def span_of(self, value: MeasuredValue, key: bool = False) -> Span:
+        return locate(self.document, value.path, key=key)
+
+
+def read_measurements(use: UseMeasured, document: Mapping, folder: Path, context: Context) -> Measurements | None:
+    """Return the file that the recipe `document` in `folder` names, or None after reported errors."""
+    at = (KEY, "file") if isinstance(find(document, (KEY,)), Mapping) else (KEY,)
+    span = locate(document, at)
+    path = folder / use.file
+    shown = context.shown(path)
+    text = _text(path, shown, folder, span, context=context)
+    tree = None if text is None else load(text, shown, context.sink)
+    if tree is None:
+        return None
+    written = to_python(tree)
+    if not isinstance(tree, Mapping):
+        help = "write `measured: 1` as its first line; `mjcompose identify` writes such files"
+        context.sink.error("wrong-type", f"`{shown}` is not a file of measurements", tree.span, help=help)
+        return None
+    file: MeasurementFile | None = read(MeasurementFile, written, tree, at=(), sink=context.sink)
+    if file is None:
+        return None
+    topics = {topic: str(file.recipe[topic]) for topic in TOPICS if topic in file.recipe}
+    return Measurements(
+        path, shown, use, file, document=tree, values=tuple(values_of(file, use)), topics=topics, span=span
+    )
+
+
+def _text(path: Path, shown: str, folder: Path, span: Span, context: Context) -> bytes | None:
+    # A recipe that MJCF attaches may read no more than that MJCF, whose folders are not known here.
+    door = Door.of([folder]) if context.attaching else context.door_of_text(folder)
+    if not door.sees(path):
+        door.outside(str(path)).report(context.sink, span, shown=context.shown)
+        return None
+    if (kept := unsaved_text(path)) is not None:
+        return kept
+    try:
+        return read_regular(path, in_force().recipe_size)
+    except Refused as error:
+        context.sink.error("file-unreadable", f"`{shown}` {error.why}", span, help="name a file of measurements")
+    except TooLarge:
+        refuse_size(shown, context.sink)
+    except FileNotFoundError:
+        near = _near(path)
+        help = f"did you mean `{near}`?" if near else "`mjcompose identify` writes it from a recording"
+        context.sink.error("file-not-found", f"the file of measurements `{shown}` does not exist", span, help=help)
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        context.sink.error("file-unreadable", f"`{shown}` cannot be read: {why}", span)
+    return None
+
+
+def _near(path: Path) -> str | None:
+    try:
+        names = sorted(each.name for each in path.parent.iterdir() if each.suffix in (".yaml", ".yml"))
+    except OSError:
+        return None
+    return nearest(path.name, names)
+
+
+def with_edits(document: Mapping, measurements: Measurements) -> Mapping:
+    """Return the recipe with an entry of `edit` for each measured number, after its own entries."""
+    entries = [_entry(measurements, value, name) for value in measurements.applied for name in value.names]
+    key, written = document.entries.get(_EDIT, (Key(_EDIT, measurements.span), Sequence((), measurements.span)))
+    if not isinstance(written, Sequence):
+        return document
+    edits = Sequence((*written.items, *entries), written.span)
+    return Mapping({**document.entries, _EDIT: (key, edits)}, document.span)
+
+
+def _entry(measurements: Measurements, value: MeasuredValue, name: str) -> Mapping:
+    """Return the entry for one element; its names and values have their places in the file."""
+    owner = locate(measurements.document, value.path[:-1], key=True)
+    at_number = measurements.span_of(value, key=True)
+    number = locate(measurements.document, (*value.path, "value"))
+    verb = "calibrate" if value.attribute in (ZERO, DELAY) else "set"
+    changes = _mapping({value.attribute: _scalar(value.number.value, number)}, at_number)
+    # An element that does not exist is reported with the names of the model, when that is composed.
+    return _mapping(
+        {"select": _selector(value.kind, name, owner), "optional": _scalar(True, owner), verb: changes}, at_number
+    )
+
+
+def _selector(kind: str, name: str, span: Span) -> Mapping:
+    if not is_pattern(name):
+        return _mapping({kind: _scalar(name, span)}, span)
+    everything = {kind: _scalar("**", span), "where": _scalar(f"${{name == {json.dumps(name)}}}", span)}
+    return _mapping(everything, span)
+
+
+def _mapping(entries: Map[str, Node], span: Span) -> Mapping:
+    return Mapping({name: (Key(name, span), node) for name, node in entries.items()}, span)
+
+
+def _scalar(value: float | str | bool | Angle, span: Span) -> Scalar:
+    if isinstance(value, Angle):
+        return Scalar(str(value), span, str(value), plain=True)
+    return Scalar(value, span, str(value), plain=True)
+
+
+def check_names(measurements: Measurements, known: Map[str, list[str]], sink: Sink) -> None:
+    """Report each element of the file that the model does not have; `known` has the names of each kind."""
+    reported: set[tuple[str, str]] = set()
+    for value in measurements.applied:
+        for name in value.names:
+            if name in known[value.kind] or (value.kind, name) in reported or sink.suppresses(name):
+                continue
+            reported.add((value.kind, name))
+            meant = did_you_mean(name, known[value.kind])
+            rename = 'a part with another prefix: `measured: {file: …, rename: {"left/**": "arm/**"}}`'
+            message = f"`{measurements.shown}` has numbers of {value.kind} `{name}`, which the model does not have"
+            span = locate(measurements.document, value.path[:-1], key=True)
+            help = rename if meant is None else f"{meant} {rename}"
+            sink.error("unknown-name", message, span, help=help, subjects=(name,))
