@@ -41,12 +41,14 @@ class DoctorOptions(Group):
     form: str = formats("text", "json")
 
 
-@command(DoctorOptions)
-def doctor(options: DoctorOptions, run: Run) -> Answer:
-    """Check this installation, and show its features.
+@command(
+    DoctorOptions,
+    help="""Check this installation, and show its features.
 
     The exit code is 1 if something that every build needs is missing.
-    """
+    """,
+)
+def doctor(options: DoctorOptions, run: Run) -> Answer:
     findings = [
         *_installed(),
         *_mujoco(),
@@ -211,9 +213,8 @@ class HelpOptions(Group):
     names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completion.commands)
 
 
-@command(HelpOptions)
+@command(HelpOptions, help="Print the help of COMMAND, or the list of commands.")
 def help(options: HelpOptions, run: Run) -> Answer:
-    """Print the help of COMMAND, or the list of commands."""
     context = click.get_current_context()
     about = context.find_root()
     for name in options.names:
@@ -226,9 +227,8 @@ def help(options: HelpOptions, run: Run) -> Answer:
     return Answer(about.get_help())
 
 
-@command(Group)
+@command(Group, help="Print the version. `mjcompose doctor` prints the versions of all dependencies.")
 def version(options: Group, run: Run) -> Answer:
-    """Print the version. `mjcompose doctor` prints the versions of all dependencies."""
     return Answer(f"mjcompose, version {__version__}")
 
 
@@ -236,12 +236,14 @@ class SchemaOptions(Group):
     what: str = argument(type=click.Choice(["recipe", "manifest", "diagnostics", "reference"]), default="recipe")
 
 
-@command(SchemaOptions)
-def schema(options: SchemaOptions, run: Run) -> Answer:
-    """Print a JSON Schema for editors and other tools, or the reference page of all keys.
+@command(
+    SchemaOptions,
+    help="""Print a JSON Schema for editors and other tools, or the reference page of all keys.
 
     The schema is that of recipes, of the manifests in bundles, or of the lines of --output-format json.
-    """
+    """,
+)
+def schema(options: SchemaOptions, run: Run) -> Answer:
     if options.what == "manifest":
         from mjcompose.bundle.manifest import schema as text
     elif options.what == "diagnostics":

@@ -101,9 +101,11 @@ class BuildCommandOptions(BuildingOptions):
         return self.cells.one and self.table is None
 
 
-@command(BuildCommandOptions)
+@command(
+    BuildCommandOptions,
+    help="Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written.",
+)
 def build(options: BuildCommandOptions, run: Run) -> int:
-    """Build the model of RECIPE: one MJCF file and its assets, compiled in MuJoCo before it is written."""
     code = _build(options, run)
     if code or (options.depfile is None and options.sbom is None):
         return code

@@ -34,13 +34,15 @@ class VerifyOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(VerifyOptions)
-def verify(options: VerifyOptions, run: Run) -> int:
-    """Verify each BUNDLE: a folder, .zip or .mjz.
+@command(
+    VerifyOptions,
+    help="""Verify each BUNDLE: a folder, .zip or .mjz.
 
     A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, its joints, actuators,
     sensors and keyframes have the order of the manifest, and every part is the same as its source alone.
-    """
+    """,
+)
+def verify(options: VerifyOptions, run: Run) -> int:
     from mjcompose.mujoco.engine import Session
     from mjcompose.verify.stored import verify_stored
 
@@ -85,13 +87,15 @@ class ListOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(ListOptions)
-def list(options: ListOptions, run: Run) -> int:
-    """List the models that `build --all` wrote to FOLDER.
+@command(
+    ListOptions,
+    help="""List the models that `build --all` wrote to FOLDER.
 
     FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
     path of a model, and its values from the matrix and from draws. JSON has all columns of the index.
-    """
+    """,
+)
+def list(options: ListOptions, run: Run) -> int:
     from mjcompose.bundle.listing import ListingError, RowCondition, rows
 
     context = run.context
@@ -130,13 +134,15 @@ class RebuildOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(RebuildOptions)
-def rebuild(options: RebuildOptions, run: Run) -> Answer:
-    """Build the model of STAMP again, to the byte, or say what differs and write nothing.
+@command(
+    RebuildOptions,
+    help="""Build the model of STAMP again, to the byte, or say what differs and write nothing.
 
     STAMP is a JSON file with the result of `mjcompose.stamp(BUNDLE)`. RECIPE is its recipe, by default at the path that
     the stamp records, from the folder of the stamp.
-    """
+    """,
+)
+def rebuild(options: RebuildOptions, run: Run) -> Answer:
     from mjcompose.bundle.write import write
     from mjcompose.tools.open.stamp import read_stamp, rebuild as build_again
 

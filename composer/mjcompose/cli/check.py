@@ -41,13 +41,15 @@ class CheckOptions(BuildingOptions):
     )
 
 
-@command(CheckOptions)
-def check(options: CheckOptions, run: Run) -> int:
-    """Check each of RECIPES: read, plan and compose it, compile it in MuJoCo, and run its checks.
+@command(
+    CheckOptions,
+    help="""Check each of RECIPES: read, plan and compose it, compile it in MuJoCo, and run its checks.
 
     Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
     file of --junit.
-    """
+    """,
+)
+def check(options: CheckOptions, run: Run) -> int:
     recipes = list(dict.fromkeys(options.recipes))
     one = options.cells.one
     workers = options.workers
@@ -269,9 +271,8 @@ class PlanOptions(ModelOptions):
     licenses: bool = flag("--licenses", help="Print only the license of every part.")
 
 
-@command(PlanOptions)
+@command(PlanOptions, help="Print the steps of a build of RECIPE, and the cells of its matrix.")
 def plan(options: PlanOptions, run: Run) -> Answer:
-    """Print the steps of a build of RECIPE, and the cells of its matrix."""
     from mjcompose.pipeline.cache.cells import cells_of
     from mjcompose.plan.describe import describe
     from mjcompose.plan.matrix import FilledValues, check_sample, filled_from_first_cell

@@ -31,9 +31,11 @@ class CompletionOptions(Group):
     shell: str = argument(type=click.Choice(tuple(_LINES)))
 
 
-@command(CompletionOptions)
+@command(
+    CompletionOptions,
+    help="Print the line that enables completion of commands, options, cells and names; put it in SHELL's start file.",
+)
 def completion(options: CompletionOptions, run: Run) -> Answer:
-    """Print the line that enables completion of commands, options, cells and names; put it in SHELL's start file."""
     return Answer(_LINES[options.shell])
 
 

@@ -32,9 +32,9 @@ class ExplainOptions(ModelOptions):
     codes: bool = flag("--codes", help="List all error codes.")
 
 
-@command(ExplainOptions)
-def explain(options: ExplainOptions, run: Run) -> Answer:
-    """Show where an element or attribute of MODEL, a recipe or an MJCF file, came from and what changed it.
+@command(
+    ExplainOptions,
+    help="""Show where an element or attribute of MODEL, a recipe or an MJCF file, came from and what changed it.
 
     With only an error CODE such as `bare-angle`, print what the error means and how to fix it.
 
@@ -46,7 +46,9 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
       'geom#3'                      an element without a name, by its index in MuJoCo
       'option timestep'             a setting
       'gripper.xml:12'              the element on that line
-    """  # noqa: D301  (a backspace, by which click keeps the lines)
+    """,
+)
+def explain(options: ExplainOptions, run: Run) -> Answer:
     from mjcompose.lint.rule import rules
 
     model = options.model
@@ -122,12 +124,14 @@ class TreeOptions(ModelOptions):
     depth: int | None = option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
 
 
-@command(TreeOptions)
-def tree(options: TreeOptions, run: Run) -> Answer:
-    """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
+@command(
+    TreeOptions,
+    help="""Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
 
     Poses are in the reference configuration. Joint ranges are in degrees and meters, in JSON in radians and meters.
-    """
+    """,
+)
+def tree(options: TreeOptions, run: Run) -> Answer:
     from mjcompose.tools.outline import as_data, outline, render, render_places
 
     model = Path(options.model)
@@ -155,13 +159,16 @@ class NamesOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(NamesOptions)
-def names(options: NamesOptions, run: Run) -> Answer:
-    """Write the names of joints, actuators, sensors and keyframes of MODEL, with addresses, units, ranges and values.
+@command(
+    NamesOptions,
+    help="""Write the names of joints, actuators, sensors and keyframes of MODEL,
+    with addresses, units, ranges and values.
 
     MODEL is a bundle, a recipe or a model file. It may be in a git revision: `main:arm.yaml`. The result needs no
     other file, and equal models give equal bytes.
-    """
+    """,
+)
+def names(options: NamesOptions, run: Run) -> Answer:
     from mjcompose.tools import names as tool
 
     if options.python + options.cpp + options.json != 1:
@@ -239,14 +246,16 @@ class DiffOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(DiffOptions)
-def diff(options: DiffOptions, run: Run) -> Answer:
-    """Report the differences between model A and model B, grouped by the line that causes them.
+@command(
+    DiffOptions,
+    help="""Report the differences between model A and model B, grouped by the line that causes them.
 
     A and B are recipes, MJCF files or bundles (folder, .zip, .mjz). They may be in a git revision: `main:arm.yaml`.
     Exit codes: 0 no difference, 1 differences, 2 a model cannot be read or built. With --breaking, 2 is also a major
     change.
-    """
+    """,
+)
+def diff(options: DiffOptions, run: Run) -> Answer:
     from mjcompose.contrast.text import as_data, breaking_as_data, render, render_breaking, render_markdown
     from mjcompose.mujoco.engine import Session
     from mjcompose.tools.diff.diff import diff

@@ -42,13 +42,15 @@ class FmtOptions(Group):
     check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")
 
 
-@command(FmtOptions)
-def fmt(options: FmtOptions, run: Run) -> int:
-    """Format each of FILES in the canonical layout: recipes, MJCF models, and both in folders.
+@command(
+    FmtOptions,
+    help="""Format each of FILES in the canonical layout: recipes, MJCF models, and both in folders.
 
     `-` formats standard input to standard output. Comments and blank lines are kept, and so is the text of values in
     models. Before a file is written, its values are read again and compared.
-    """
+    """,
+)
+def fmt(options: FmtOptions, run: Run) -> int:
     context = run.context
     check = options.check
     files = {file: door for name in options.files for file, door in _inside(name, context)}
@@ -221,9 +223,9 @@ class FixOptions(RecipeOptions):
     yes: bool = flag("-y", "--yes", help="The same as --write.")
 
 
-@command(FixOptions)
-def fix(options: FixOptions, run: Run) -> int:
-    """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
+@command(
+    FixOptions,
+    help="""Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
 
     Each fix is first tried in every cell of the matrix and every variant. A fix that does not remove its fault from
     all of them, or changes something else, is not made. No fix replaces a template `${…}`.
@@ -232,7 +234,9 @@ def fix(options: FixOptions, run: Run) -> int:
     --write. Comments and layout are kept. Errors that need a decision are reported as by `check`.
 
     Exit codes: 0 no errors are left, 1 fixes are not written or errors need a decision, 2 wrong usage.
-    """
+    """,
+)
+def fix(options: FixOptions, run: Run) -> int:
     from mjcompose.tools.fix import fix
 
     context = run.context
@@ -328,15 +332,17 @@ class LintOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(LintOptions)
-def lint(options: LintOptions, run: Run) -> Answer | int:
-    """Find mistakes in FILES that MuJoCo accepts: MJCF, URDF, recipes, bundles, and folders with them.
+@command(
+    LintOptions,
+    help="""Find mistakes in FILES that MuJoCo accepts: MJCF, URDF, recipes, bundles, and folders with them.
 
     Needs no configuration. A comment `mjcompose: ignore[RULE]` on the line of a finding, or above it, ignores it;
     `mjcompose: ignore-file[RULE]` ignores a rule in the whole file. `mjcompose explain RULE` prints the page of a rule.
 
     Exit codes: 0 no findings, 1 there are findings, 2 wrong usage.
-    """
+    """,
+)
+def lint(options: LintOptions, run: Run) -> Answer | int:
     from mjcompose.base.processes import cores
     from mjcompose.tools.lint import lint_all
 

@@ -300,11 +300,15 @@ def _bug(error: Exception) -> str:
     )
 
 
-@click.command(cls=_Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(__version__, "-V", "--version", prog_name="mjcompose")
-def main() -> None:
-    """Compose MuJoCo models from recipes.
+@click.command(
+    cls=_Verbs,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    help="""Compose MuJoCo models from recipes.
 
     Exit codes: 0 success, 1 there are errors in the files, 2 the command is wrong or names a file that does not
     exist.
-    """
+    """,
+)
+@click.version_option(__version__, "-V", "--version", prog_name="mjcompose")
+def main() -> None:
+    pass

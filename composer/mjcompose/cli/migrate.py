@@ -64,15 +64,17 @@ class MigrateOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(MigrateOptions)
-def migrate(options: MigrateOptions, run: Run) -> Answer | int:
-    """Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
+@command(
+    MigrateOptions,
+    help="""Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
 
     Without -o and --in-place, the changes are only shown. The model keeps its meaning: attributes get their new names,
     and defaults that changed are written out. Anything that cannot be kept is reported.
 
     Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
-    """
+    """,
+)
+def migrate(options: MigrateOptions, run: Run) -> Answer | int:
     from mjcompose.tools.migrate.migrate import MigrateRequest, run as migrated
 
     _check_usage(options)
@@ -243,15 +245,17 @@ class UpgradeOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(UpgradeOptions)
-def upgrade(options: UpgradeOptions, run: Run) -> Answer:
-    """Show how MODEL, an MJCF file, moves differently in another version of MuJoCo, and which line causes it.
+@command(
+    UpgradeOptions,
+    help="""Show how MODEL, an MJCF file, moves differently in another version of MuJoCo, and which line causes it.
 
     Four trials run in both versions: the model settles from its reference configuration, holds a keyframe, gets a step
     of all controls, and drops without actuators. `mjcompose install` installs other versions.
 
     Exit codes: 0 the model moves the same, 1 something moves differently or fails, 2 wrong usage.
-    """
+    """,
+)
+def upgrade(options: UpgradeOptions, run: Run) -> Answer:
     from mjcompose.tools.migrate.upgrade import UpgradeRequest, upgrade as upgraded
 
     if Path(options.model).suffix.lower() in RECIPES:

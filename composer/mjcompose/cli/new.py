@@ -41,9 +41,8 @@ class NewOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(NewOptions)
+@command(NewOptions, help="Write a commented starter recipe to PATH (default: model.yaml). It builds without changes.")
 def new(options: NewOptions, run: Run) -> Answer | None:
-    """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
     path = options.path
     context = run.context
     if options.project and options.examples:
@@ -158,9 +157,9 @@ class ImportOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(ImportOptions)
-def import_(options: ImportOptions, run: Run) -> Answer | int:
-    """Propose a recipe that builds the model MERGED from the models PARTS, build it, and report the differences.
+@command(
+    ImportOptions,
+    help="""Propose a recipe that builds the model MERGED from the models PARTS, build it, and report the differences.
 
     Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
     installed packages. If none are found, the recipe starts from MERGED itself.
@@ -170,7 +169,9 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     Parts are recognized by the names of their bodies, with or without a prefix. Anything that a recipe cannot express
     becomes a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
     wrong usage.
-    """
+    """,
+)
+def import_(options: ImportOptions, run: Run) -> Answer | int:
     from mjcompose.tools.importing.recover import recover
 
     merged = options.merged

@@ -35,14 +35,16 @@ class InstallOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(InstallOptions)
-def install(options: InstallOptions, run: Run) -> Answer:
-    """Install PROGRAM, such as mujoco==3.12, into a folder of your own. Without PROGRAM, list the installed ones.
+@command(
+    InstallOptions,
+    help="""Install PROGRAM, such as mujoco==3.12, into a folder of your own. Without PROGRAM, list the installed ones.
 
     `upgrade`, `migrate --prove` and the check `moves_alike` use it. Nothing else installs anything. It uses uv if that
     is on your PATH, otherwise pip, with the package index in your own settings. The variable MJCOMPOSE_PROGRAMS names
     another folder.
-    """
+    """,
+)
+def install(options: InstallOptions, run: Run) -> Answer:
     environment = run.context.environment
     lines: list[str] = []
     with _reported(run):
@@ -62,9 +64,8 @@ class UninstallOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(UninstallOptions)
+@command(UninstallOptions, help="Remove PROGRAM, such as mujoco==3.12, which `install` has installed.")
 def uninstall(options: UninstallOptions, run: Run) -> Answer:
-    """Remove PROGRAM, such as mujoco==3.12, which `install` has installed."""
     with _reported(run):
         removed = [each for each in options.versions if programs.uninstall(each, run.context.environment)]
     lines = [

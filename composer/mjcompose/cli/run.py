@@ -5,6 +5,7 @@ A command is a class of options and a function of them and a `Run`; docs/contrib
 
 from __future__ import annotations
 
+import inspect
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
@@ -75,9 +76,9 @@ class Group(Struct):
 
 
 def command(
-    options: type[Options], *, within: click.Group | None = None
+    options: type[Options], *, help: str, within: click.Group | None = None
 ) -> Callable[[Callable[[Options, Run], Answer | int | None]], click.Command]:
-    """Return a decorator that makes a function a command, with its docstring as the help text.
+    """Return a decorator that makes a function a command with this help text.
 
     The function gets its options and a `Run`, and returns the `Answer` to print after the report, or the exit
     code, or None: the exit code is then 1 if there are errors. It may raise `Stop`.
@@ -98,9 +99,8 @@ def command(
             sys.exit(_again_and_again(once, named))
 
         name = function.__name__.rstrip("_")
-        callback.__doc__ = function.__doc__
         make = click.command if within is None else within.command
-        return make(name, cls=_Command, params=list(_parameters(options)))(callback)
+        return make(name, cls=_Command, help=inspect.cleandoc(help), params=list(_parameters(options)))(callback)
 
     return decorate
 

@@ -71,15 +71,18 @@ _CLOSED = {"type": "object", "additionalProperties": False}
 _KINDS = {"string": str, "boolean": bool, "integer": int, "object": dict}
 
 
-@command(Group)
-def mcp(options: Group, run: Run) -> None:
-    """Serve tools to AI agents: tree, plan, check, fix, explain, render and reference, over standard input and output.
+@command(
+    Group,
+    help="""Serve tools to AI agents: tree, plan, check, fix, explain, render and reference,
+    over standard input and output.
 
     An agent starts it, in the folder of the recipes. Tools read no other folder, except installed packages and sources
     that were fetched before. They fetch nothing, and only `fix` with `write` changes files.
 
     It needs the extra `mcp`: pip install "mjcompose[mcp]".
-    """
+    """,
+)
+def mcp(options: Group, run: Run) -> None:
     try:
         import anyio
         from mcp.server.lowlevel import Server
@@ -215,16 +218,18 @@ class LspOptions(Group):
     )
 
 
-@command(LspOptions)
-def lsp(options: LspOptions, run: Run) -> None:
-    """Run the language server, which gives an editor errors, completion and more while you write a recipe.
+@command(
+    LspOptions,
+    help="""Run the language server, which gives an editor errors, completion and more while you write a recipe.
 
     An editor starts it and uses the Language Server Protocol over standard input and output. docs/how-to/editors.md
     has the settings for each editor. The server completes names in the models, shows the element and its origin, jumps
     to its line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
 
     It needs the extra `lsp`: pip install "mjcompose[lsp]".
-    """
+    """,
+)
+def lsp(options: LspOptions, run: Run) -> None:
     try:
         from mjcompose.lsp.server import serve
     except ImportError as error:
@@ -237,12 +242,14 @@ def lsp(options: LspOptions, run: Run) -> None:
     serve()
 
 
-@click.group()
-def plugin() -> None:
-    """Let MuJoCo open recipes in every program that loads its plugins: C++ programs, Studio, ROS 2 control.
+@click.group(
+    help="""Let MuJoCo open recipes in every program that loads its plugins: C++ programs, Studio, ROS 2 control.
 
     Python programs need no plugin: use `mjcompose.spec(RECIPE)` or `mjcompose.mujoco_plugin.register()`.
     """
+)
+def plugin() -> None:
+    pass
 
 
 class PluginOptions(Group):
@@ -252,12 +259,15 @@ class PluginOptions(Group):
     form: str = formats("text", "json")
 
 
-@command(PluginOptions, within=plugin)
-def install(options: PluginOptions, run: Run) -> Answer:
-    """Compile the plugin and copy it to MuJoCo's plugin folder.
+@command(
+    PluginOptions,
+    within=plugin,
+    help="""Compile the plugin and copy it to MuJoCo's plugin folder.
 
     It needs a C compiler and MuJoCo 4.0. It runs the mjcompose of this Python; MJCOMPOSE_PYTHON names another.
-    """
+    """,
+)
+def install(options: PluginOptions, run: Run) -> Answer:
     from mjcompose.tools.open import decoder
 
     with run.stopping(USAGE):
@@ -265,9 +275,8 @@ def install(options: PluginOptions, run: Run) -> Answer:
     return Answer(f"installed {place}", {"installed": str(place)}, is_outcome=True)
 
 
-@command(PluginOptions, within=plugin)
+@command(PluginOptions, within=plugin, help="Remove the plugin from MuJoCo's plugin folder.")
 def remove(options: PluginOptions, run: Run) -> Answer:
-    """Remove the plugin from MuJoCo's plugin folder."""
     from mjcompose.tools.open import decoder
 
     with run.stopping(USAGE):

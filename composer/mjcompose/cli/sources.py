@@ -25,21 +25,22 @@ if TYPE_CHECKING:
 _FIX = "run `mjcompose cache verify --fix`, which removes it; the next command that needs it fetches it again"
 
 
-@click.group()
-def cache() -> None:
-    """Inspect and clean the store of fetched sources and built models.
+@click.group(
+    help="""Inspect and clean the store of fetched sources and built models.
 
     The environment variable MJCOMPOSE_CACHE sets its folder, MJCOMPOSE_CACHE_SIZE its maximum size.
     """
+)
+def cache() -> None:
+    pass
 
 
 class InfoOptions(Group):
     form: str = formats("text", "json")
 
 
-@command(InfoOptions, within=cache)
+@command(InfoOptions, within=cache, help="Print the location, the size and the contents of the store.")
 def info(options: InfoOptions, run: Run) -> Answer:
-    """Print the location, the size and the contents of the store."""
     store = _store(run)
     entries = store.entries()
     built = list(blobs_in(store.folder))
@@ -77,12 +78,15 @@ class PruneOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(PruneOptions, within=cache)
-def prune(options: PruneOptions, run: Run) -> Answer:
-    """Remove least recently used entries, and files of killed processes.
+@command(
+    PruneOptions,
+    within=cache,
+    help="""Remove least recently used entries, and files of killed processes.
 
     Without options, entries used in the last hour stay, because a build may be reading them.
-    """
+    """,
+)
+def prune(options: PruneOptions, run: Run) -> Answer:
     from mjcompose.sources.store import GRACE
 
     store = _store(run)
@@ -104,12 +108,15 @@ class CacheVerifyOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(CacheVerifyOptions, within=cache)
-def verify(options: CacheVerifyOptions, run: Run) -> Answer | None:
-    """Hash every file in the store again, and report damaged files.
+@command(
+    CacheVerifyOptions,
+    within=cache,
+    help="""Hash every file in the store again, and report damaged files.
 
     Damaged files of built models are always removed. They are built again when they are needed.
-    """
+    """,
+)
+def verify(options: CacheVerifyOptions, run: Run) -> Answer | None:
     store = _store(run)
     sink = run.context.sink
     entries = store.entries()
@@ -185,14 +192,16 @@ class LockOptions(RecipeOptions):
     )
 
 
-@command(LockOptions)
-def lock(options: LockOptions, run: Run) -> Answer:
-    """Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
+@command(
+    LockOptions,
+    help="""Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
 
     The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries, unless you upgrade them. New
     sources are added, your own files are hashed again, and sources that are no longer used are removed. If the recipe
     has an `interface`, the lock has its names, sizes, units and ranges.
-    """
+    """,
+)
+def lock(options: LockOptions, run: Run) -> Answer:
     from mjcompose.tools.lock import write_lock
 
     names = () if options.upgrade else options.upgrade_sources or None

@@ -77,12 +77,14 @@ class ViewOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(ViewOptions)
-def view(options: ViewOptions, run: Run) -> Answer | int:
-    """Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
+@command(
+    ViewOptions,
+    help="""Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
 
     All files of the model are watched. When you save one, the page updates; errors appear above the last valid model.
-    """
+    """,
+)
+def view(options: ViewOptions, run: Run) -> Answer | int:
     from mjcompose.mujoco.engine import Session
     from mjcompose.sides.operand import as_recipe, read_operand
 
@@ -245,13 +247,15 @@ class RenderOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(RenderOptions)
-def render(options: RenderOptions, run: Run) -> Answer:
-    """Render a picture of TARGET: a recipe, an MJCF or URDF file, or a bundle.
+@command(
+    RenderOptions,
+    help="""Render a picture of TARGET: a recipe, an MJCF or URDF file, or a bundle.
 
     With --all, --pick or --sample, make a contact sheet of these cells of the matrix and samples, each with its name
     below it.
-    """
+    """,
+)
+def render(options: RenderOptions, run: Run) -> Answer:
     from mjcompose.mujoco.engine import Session
     from mjcompose.sides.operand import read_operand
     from mjcompose.tools.view.render import FILM, TILE, RenderRequest

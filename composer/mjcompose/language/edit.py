@@ -15,6 +15,7 @@ from mjcompose.language.assign import TAGS, Changed
 from mjcompose.language.forms.context import ByGrammar, Rows, Schema, Settings, definition, first_line, reference
 from mjcompose.language.forms.model import IT, Model, Rest
 from mjcompose.language.forms.scalars import Checked, Codes, Count, Expects, Hints, Items, Selects, Text, Turns, When
+from mjcompose.language.forms.source_text import text_of
 from mjcompose.language.select import GLOB, NARROWED, NARROWING, kinds_of, read_selector
 from mjcompose.language.value import exclusive
 from mjcompose.tree.grammar import GRAMMAR
@@ -165,7 +166,7 @@ class _ByTag:
 
 def _where_selected(tag: str, values: Mapping[str, Schema], forms: Mapping[str, Any]) -> Schema:
     selected: Schema = {"properties": {"select": {"required": [tag]}}, "required": ["select"]}
-    verbs = {name: {**each, "description": first_line(forms[name].__doc__)} for name, each in values.items()}
+    verbs = {name: {**each, "description": first_line(text_of(forms[name]))} for name, each in values.items()}
     return {"if": selected, "then": {"properties": verbs}}
 
 

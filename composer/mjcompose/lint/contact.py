@@ -18,6 +18,7 @@ _ICE = 0.02
 
 @rule(
     "overlap",
+    "Bodies that start inside each other",
     in_mujoco=True,
     profiles={
         "robot-asset": (
@@ -26,7 +27,6 @@ _ICE = 0.02
     },
 )
 def overlap(subject: Subject) -> Found:
-    """Bodies that start inside each other."""
     model = subject.model
     is_scene = bool((model.geom_bodyid == 0).any())
     for name, data, node, is_key in _starts(subject):
@@ -71,9 +71,8 @@ def _touching(subject: Subject, data: Any) -> Iterator[tuple[int, int, float]]:
             yield one, other, float(contact.dist)
 
 
-@rule("plane-hidden", in_mujoco=True)
+@rule("plane-hidden", "A plane below another plane", in_mujoco=True)
 def plane_hidden(subject: Subject) -> Found:
-    """A plane below another plane."""
     import numpy as np
 
     model = subject.model
@@ -101,9 +100,8 @@ def _name(geom: Node) -> str:
     return f"{class_in_force(geom).name or ''} {geom.get('name') or ''}".lower()
 
 
-@rule("visual-collides")
+@rule("visual-collides", "A visual geom that collides")
 def visual_collides(subject: Subject) -> Found:
-    """A visual geom that collides."""
     if not any("collision" in _name(geom) for geom in subject.each("geom")):
         return
     for geom in subject.each("geom"):
@@ -113,9 +111,8 @@ def visual_collides(subject: Subject) -> Found:
             yield Finding(geom, message, help='write `contype="0" conaffinity="0"`')
 
 
-@rule("collides-with-nothing", in_mujoco=True)
+@rule("collides-with-nothing", "A geom whose bits fit no other geom", in_mujoco=True)
 def collides_with_nothing(subject: Subject) -> Found:
-    """A geom whose bits fit no other geom."""
     model = subject.model
     bits = list(zip(model.geom_contype.tolist(), model.geom_conaffinity.tolist(), strict=True))
     pairs = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
@@ -129,9 +126,8 @@ def collides_with_nothing(subject: Subject) -> Found:
             yield Finding(subject.node("geom", geom), message, help="correct `contype` and `conaffinity`")
 
 
-@rule("hull-too-fine", in_mujoco=True)
+@rule("hull-too-fine", "A colliding mesh whose convex hull has thousands of vertices", in_mujoco=True)
 def hull_too_fine(subject: Subject) -> Found:
-    """A colliding mesh whose convex hull has thousands of vertices."""
     model = subject.model
     is_mesh = model.geom_type == int(subject.mujoco.mjtGeom.mjGEOM_MESH)
     collides = (model.geom_contype | model.geom_conaffinity) != 0
@@ -143,9 +139,8 @@ def hull_too_fine(subject: Subject) -> Found:
             yield Finding(subject.node("mesh", mesh), message, help='write `maxhullvert="64"`')
 
 
-@rule("geom-twice", in_mujoco=True)
+@rule("geom-twice", "Two colliding geoms of the same shape at the same place", in_mujoco=True)
 def geom_twice(subject: Subject) -> Found:
-    """Two colliding geoms of the same shape at the same place."""
     import numpy as np
 
     model = subject.model
@@ -160,9 +155,8 @@ def geom_twice(subject: Subject) -> Found:
             yield Finding(subject.node("geom", geom), message, help="remove it, or switch its contacts off")
 
 
-@rule("exclude-needless", in_mujoco=True)
+@rule("exclude-needless", "An `<exclude>` for bodies that never collide", in_mujoco=True)
 def exclude_needless(subject: Subject) -> Found:
-    """An `<exclude>` for bodies that never collide."""
     if not subject.is_part:
         return
     model = subject.model
@@ -187,9 +181,8 @@ def exclude_needless(subject: Subject) -> Found:
             yield Finding(node, message, help="remove it", edit=ElementEdit(removes=True))
 
 
-@rule("frictionless-foot", in_mujoco=True)
+@rule("frictionless-foot", "A foot that slides on the floor without friction", in_mujoco=True)
 def frictionless_foot(subject: Subject) -> Found:
-    """A foot that slides on the floor without friction."""
     model = subject.model
     plane = int(subject.mujoco.mjtGeom.mjGEOM_PLANE)
     floors = ((model.geom_type == plane) & (model.geom_bodyid == 0)).nonzero()[0].tolist()

@@ -11,9 +11,8 @@ from mjcompose.tree.names import GENERATORS, own_name
 _REMOVE = ElementEdit(removes=True)
 
 
-@rule("unused-class")
+@rule("unused-class", "A default class that no element uses")
 def unused_class(subject: Subject) -> Found:
-    """A default class that no element uses."""
     used = set(subject.names.uses.get("default", ()))
 
     def is_used(section: Node) -> bool:
@@ -42,19 +41,17 @@ def _unused(tag: str, user: str, summary: str) -> None:
                 message = f"no {user} uses the {tag} `{name}`"
                 yield Finding(element, message, attribute, help="use it, or remove it", edit=_REMOVE)
 
-    run.__doc__ = summary
-    rule(f"unused-{tag}")(run)
+    rule(f"unused-{tag}", summary)(run)
 
 
-_unused("mesh", "geom", "A mesh that no geom uses.")
-_unused("material", "element", "A material that no geom, site, tendon or skin uses.")
-_unused("texture", "material", "A texture that no material uses.")
-_unused("hfield", "geom", "A height field that no geom uses.")
+_unused("mesh", "geom", "A mesh that no geom uses")
+_unused("material", "element", "A material that no geom, site, tendon or skin uses")
+_unused("texture", "material", "A texture that no material uses")
+_unused("hfield", "geom", "A height field that no geom uses")
 
 
-@rule("unused-tendon", in_mujoco=True)
+@rule("unused-tendon", "A tendon that exerts no force and that nothing uses", in_mujoco=True)
 def unused_tendon(subject: Subject) -> Found:
-    """A tendon that exerts no force and that nothing uses."""
     model = subject.model
     used = subject.names.uses.get("tendon", {})
     for row in range(model.ntendon):
@@ -70,9 +67,8 @@ def unused_tendon(subject: Subject) -> Found:
             yield Finding(element, f"{subject.name('tendon', row)} exerts no force, and nothing refers to it", "name")
 
 
-@rule("dead-actuator", in_mujoco=True)
+@rule("dead-actuator", "An actuator that cannot exert a force", in_mujoco=True)
 def dead_actuator(subject: Subject) -> Found:
-    """An actuator that cannot exert a force."""
     model = subject.model
     kinds = subject.mujoco
     user = {int(kinds.mjtGain.mjGAIN_USER), int(kinds.mjtGain.mjGAIN_MUSCLE)}

@@ -23,9 +23,13 @@ _HEAVY = 5_000_000
 _ASSET = {"robot-asset": "SPDX: each file that is passed on names its license"}
 
 
-@rule("no-license", in_files=True, profiles={"menagerie": "README, Overview: each folder has a `LICENSE`", **_ASSET})
+@rule(
+    "no-license",
+    "A model without a license",
+    in_files=True,
+    profiles={"menagerie": "README, Overview: each folder has a `LICENSE`", **_ASSET},
+)
 def license_missing(subject: Subject) -> Found:
-    """A model without a license."""
     unit = subject.unit
     if unit is None or not subject.is_part or unit.origins.texts.get(unit.file) is None:
         return
@@ -43,9 +47,12 @@ def _is_packaged(path: Path) -> bool:
     return any(next(folder.glob("*.dist-info/**/LICEN*"), None) is not None for folder in list(path.parents)[:8])
 
 
-@rule("absolute-path", profiles={"robot-asset": "references between files are relative (OpenUSD, SimReady)"})
+@rule(
+    "absolute-path",
+    "A file named by a path that exists on one machine only",
+    profiles={"robot-asset": "references between files are relative (OpenUSD, SimReady)"},
+)
 def absolute_path(subject: Subject) -> Found:
-    """A file named by a path that exists on one machine only."""
     places = [*file_attributes(subject.root)]
     folders = ("meshdir", "texturedir", "assetdir")
     for each in subject.root.iterfind("compiler"):
@@ -72,9 +79,8 @@ def _assets(subject: Subject) -> Iterator[tuple[Node, str, str]]:
                 yield element, attribute, real
 
 
-@rule("same-file-twice", in_files=True)
+@rule("same-file-twice", "Two files with the same bytes", in_files=True)
 def same_file_twice(subject: Subject) -> Found:
-    """Two files with the same bytes."""
     sizes: dict[int, list[tuple[Node, str, str]]] = {}
     seen: set[str] = set()
     for element, attribute, real in _assets(subject):
@@ -90,9 +96,8 @@ def same_file_twice(subject: Subject) -> Found:
                     yield Finding(element, message, attribute)
 
 
-@rule("texture-too-large", in_files=True)
+@rule("texture-too-large", "A texture with more than 4096 × 4096 pixels", in_files=True)
 def texture_too_large(subject: Subject) -> Found:
-    """A texture with more than 4096 × 4096 pixels."""
     if subject.unit is None:
         return
     for element, attribute, _ in file_attributes(subject.root):
@@ -101,9 +106,8 @@ def texture_too_large(subject: Subject) -> Found:
             yield Finding(element, message, attribute, help="write an image of at most 4096 × 4096 pixels")
 
 
-@rule("mesh-too-fine", in_files=True)
+@rule("mesh-too-fine", "A mesh with more than 200,000 points", in_files=True)
 def mesh_too_fine(subject: Subject) -> Found:
-    """A mesh with more than 200,000 points."""
     if subject.unit is None:
         return
     for element in subject.root.iterfind("asset/mesh"):
@@ -112,9 +116,8 @@ def mesh_too_fine(subject: Subject) -> Found:
             yield Finding(element, message, "file", help="reduce it, for example with `edit: {simplify: …}`")
 
 
-@rule("file-too-large", in_files=True)
+@rule("file-too-large", "A file of more than 5 MB", in_files=True)
 def file_too_large(subject: Subject) -> Found:
-    """A file of more than 5 MB."""
     seen: set[str] = set()
     for element, attribute, real in _assets(subject):
         size = os.path.getsize(real)
@@ -127,9 +130,8 @@ def file_too_large(subject: Subject) -> Found:
 _SCENE = {"menagerie": "CONTRIBUTING, Code Style: always have a `scene.xml` that includes the model"}
 
 
-@rule("no-scene", in_files=True, usual=False, profiles=_SCENE)
+@rule("no-scene", "A robot without a scene that shows it", in_files=True, usual=False, profiles=_SCENE)
 def no_scene(subject: Subject) -> Found:
-    """A robot without a scene that shows it."""
     unit = subject.unit
     if unit is None or not subject.is_part or next(subject.each("joint", "freejoint"), None) is None:
         return
@@ -140,10 +142,12 @@ def no_scene(subject: Subject) -> Found:
 
 
 @rule(
-    "floor-in-model", usual=False, profiles={"menagerie": "README, Overview: the model file only describes the model"}
+    "floor-in-model",
+    "A floor in the file of a robot",
+    usual=False,
+    profiles={"menagerie": "README, Overview: the model file only describes the model"},
 )
 def floor_in_model(subject: Subject) -> Found:
-    """A floor in the file of a robot."""
     is_scene = subject.unit is not None and "scene" in os.path.basename(subject.unit.file)
     if not is_scene and subject.root.find("worldbody//joint") is not None:
         for element in subject.root.iterfind("worldbody/geom"):
@@ -156,6 +160,7 @@ _SECTIONS = ("compiler", "option", "size", "asset", "default", "worldbody")
 
 @rule(
     "section-order",
+    "A model whose body tree comes before its settings, assets or classes",
     usual=False,
     profiles={
         "menagerie": (
@@ -164,7 +169,6 @@ _SECTIONS = ("compiler", "option", "size", "asset", "default", "worldbody")
     },
 )
 def section_order(subject: Subject) -> Found:
-    """A model whose body tree comes before its settings, assets or classes."""
     body = next(filter(subject.is_own, subject.root.iterfind("worldbody")), None)
     if body is not None:
         for element in body.itersiblings(*_SECTIONS[:-1]):
@@ -177,6 +181,7 @@ def section_order(subject: Subject) -> Found:
 
 @rule(
     "indentation",
+    "A file that is not indented by two spaces",
     in_files=True,
     usual=False,
     profiles={
@@ -184,7 +189,6 @@ def section_order(subject: Subject) -> Found:
     },
 )
 def indentation(subject: Subject) -> Found:
-    """A file that is not indented by two spaces."""
     unit = subject.unit
     text = None if unit is None else unit.origins.texts.get(unit.file)
     if unit is None or text is None:

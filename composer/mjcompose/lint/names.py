@@ -20,9 +20,8 @@ def _unnamed(subject: Subject, elements: Iterator[Node], use: str) -> Found:
             yield Finding(element, f"programs {use.format(subject.called(element))}", help='write `name="…"`')
 
 
-@rule("unnamed-joint", profiles=_ASSET)
+@rule("unnamed-joint", "A joint without a name, in a model that moves it", profiles=_ASSET)
 def unnamed_joint(subject: Subject) -> Found:
-    """A joint without a name, in a model that moves it."""
     joints = []
     for joint in subject.each("joint", "freejoint"):
         around = {each.tag for each in joint.iterancestors()}
@@ -32,9 +31,8 @@ def unnamed_joint(subject: Subject) -> Found:
         yield from _unnamed(subject, iter(unnamed), "reach {} only by its number")
 
 
-@rule("unnamed-actuator", profiles=_ASSET)
+@rule("unnamed-actuator", "An actuator without a name", profiles=_ASSET)
 def unnamed_actuator(subject: Subject) -> Found:
-    """An actuator without a name."""
     taken = {str(each.get("name")) for each in subject.root.iterfind("actuator/*")}
     for element in subject.root.iterfind("actuator/*"):
         joint = element.get("joint")
@@ -46,31 +44,27 @@ def unnamed_actuator(subject: Subject) -> Found:
             yield Finding(element, message, help=f'write `name="{joint or "…"}"`', edit=edit)
 
 
-@rule("unnamed-sensor", profiles=_ASSET)
+@rule("unnamed-sensor", "A sensor without a name", profiles=_ASSET)
 def unnamed_sensor(subject: Subject) -> Found:
-    """A sensor without a name."""
     elements = (each for each in subject.root.iterfind("sensor/*") if isinstance(each.tag, str))
     yield from _unnamed(subject, elements, "read {} only by its address")
 
 
-@rule("unnamed-key")
+@rule("unnamed-key", "A keyframe without a name, in a model that has several")
 def unnamed_key(subject: Subject) -> Found:
-    """A keyframe without a name, in a model that has several."""
     keys = list(subject.root.iterfind("keyframe/key"))
     if len(keys) > 1:
         yield from _unnamed(subject, iter(keys), "reset to {} only by its number")
 
 
-@rule("unnamed-model", usual=False, profiles=_ASSET)
+@rule("unnamed-model", "A model without a name of its own", usual=False, profiles=_ASSET)
 def unnamed_model(subject: Subject) -> Found:
-    """A model without a name of its own."""
     if subject.is_part and not subject.root.get("model") and subject.root.find("worldbody//body") is not None:
         yield Finding(subject.root, "the model has no name", help='write `<mujoco model="…">`')
 
 
-@rule("awkward-name", profiles=_ASSET)
+@rule("awkward-name", "A name with spaces or with characters that other programs refuse", profiles=_ASSET)
 def awkward_name(subject: Subject) -> Found:
-    """A name with spaces or with characters that other programs refuse."""
     for element in subject.root.iter("*"):
         name = element.get("name")
         is_free = element.tag in ("material", "texture", "text", "numeric", "mesh")
@@ -79,9 +73,8 @@ def awkward_name(subject: Subject) -> Found:
             yield Finding(element, message, "name", help="use letters, digits and `_ . / : -`")
 
 
-@rule("names-differ-by-case")
+@rule("names-differ-by-case", "Two elements of one kind whose names differ only in capital letters")
 def names_differ_by_case(subject: Subject) -> Found:
-    """Two elements of one kind whose names differ only in capital letters."""
     for kind, named in subject.names.declared.items():
         seen: dict[str, str] = {}
         for name, element in named.items():
@@ -122,9 +115,8 @@ def other_side(name: str) -> str:
     return _SIDE.sub(swapped, name)
 
 
-@rule("side-mismatch")
+@rule("side-mismatch", "An element named left that refers to something named right, or the other way round")
 def side_mismatch(subject: Subject) -> Found:
-    """An element named left that refers to something named right, or the other way round."""
     for section in ("actuator", "sensor", "worldbody"):
         for top in subject.root.iterfind(section):
             for element in top.iterdescendants("*"):

@@ -11,9 +11,8 @@ _FAR = 0.05
 """How far a control may be from the position of its joint, relative to the joint's range."""
 
 
-@rule("actuator-order", in_mujoco=True)
+@rule("actuator-order", "Actuators in a different order from their joints", in_mujoco=True)
 def actuator_order(subject: Subject) -> Found:
-    """Actuators in a different order from their joints."""
     model = subject.model
     at_joints = (model.actuator_trntype == int(subject.mujoco.mjtTrn.mjTRN_JOINT)).nonzero()[0]
     joints = model.actuator_trnid[at_joints, 0].tolist()
@@ -28,9 +27,8 @@ def actuator_order(subject: Subject) -> Found:
             return
 
 
-@rule("key-does-not-hold", in_mujoco=True)
+@rule("key-does-not-hold", "A keyframe whose controls move the joints away from its pose", in_mujoco=True)
 def key_does_not_hold(subject: Subject) -> Found:
-    """A keyframe whose controls move the joints away from its pose."""
     model = subject.model
     servos = position_servos(subject)
     for row, name, data in subject.at_keys():
@@ -58,9 +56,8 @@ def key_does_not_hold(subject: Subject) -> Found:
             yield Finding(element, f"{aims}, and {subject.name('joint', joint)} is at {at:.4g}", "ctrl")
 
 
-@rule("key-breaks-equality", in_mujoco=True)
+@rule("key-breaks-equality", "A keyframe whose pose breaks an equality constraint", in_mujoco=True)
 def key_breaks_equality(subject: Subject) -> Found:
-    """A keyframe whose pose breaks an equality constraint."""
     import numpy as np
 
     for row, name, data in subject.at_keys():

@@ -37,9 +37,13 @@ _RESISTING = ("damping", "armature", "frictionloss", "stiffness")
 _SECONDS = 1.0
 
 
-@rule("inertia-implausible", in_mujoco=True, profiles={"robot-asset": _UNITS})
+@rule(
+    "inertia-implausible",
+    "A mass or inertia that the shapes of the body cannot have",
+    in_mujoco=True,
+    profiles={"robot-asset": _UNITS},
+)
 def inertia_implausible(subject: Subject) -> Found:
-    """A mass or inertia that the shapes of the body cannot have."""
     from mjcompose.mujoco.solids import faults
 
     shapes = subject.shapes
@@ -68,9 +72,8 @@ def _inertial(subject: Subject, body: int) -> Node | None:
     return None if node is None else node.find("inertial")
 
 
-@rule("density-impossible", in_mujoco=True, profiles={"robot-asset": _UNITS})
+@rule("density-impossible", "A body that is denser than any metal", in_mujoco=True, profiles={"robot-asset": _UNITS})
 def density_impossible(subject: Subject) -> Found:
-    """A body that is denser than any metal."""
     for body in range(1, subject.model.nbody):
         mass = float(subject.model.body_mass[body])
         geoms = subject.shapes.welded(body)
@@ -86,13 +89,13 @@ def density_impossible(subject: Subject) -> Found:
 
 @rule(
     "inertial-missing",
+    "A moving body whose mass nobody wrote",
     usual=False,
     profiles={
         "robot-asset": _MASS.format("“mass & their other inertial properties explicitly specified”"),
     },
 )
 def inertial_missing(subject: Subject) -> Found:
-    """A moving body whose mass nobody wrote."""
     for body in subject.each("body"):
         geoms = list(body.iterchildren("geom"))
         joints = list(body.iterchildren("joint", "freejoint"))
@@ -102,9 +105,8 @@ def inertial_missing(subject: Subject) -> Found:
             yield Finding(body, message, help="add `<inertial>`, or `mass` to a geom")
 
 
-@rule("mass-guessed")
+@rule("mass-guessed", "A moving link of a URDF whose mass is guessed from its shapes")
 def mass_guessed(subject: Subject) -> Found:
-    """A moving link of a URDF whose mass is guessed from its shapes."""
     unit = subject.unit
     for body in subject.each("body"):
         if unit is None or not unit.origins.span(body, unit.file).file.endswith(URDF_FILES):
@@ -125,9 +127,8 @@ def _moves(body: Node) -> bool:
     )
 
 
-@rule("inertial-ignored", in_mujoco=True)
+@rule("inertial-ignored", "An `<inertial>` that MuJoCo ignores", in_mujoco=True)
 def inertial_ignored(subject: Subject) -> Found:
-    """An `<inertial>` that MuJoCo ignores."""
     if subject.setting("compiler", "inertiafromgeom") != "true":
         return
     for body in range(1, subject.model.nbody):
@@ -139,9 +140,8 @@ def inertial_ignored(subject: Subject) -> Found:
             yield Finding(inertial, message, "mass", help='remove `inertiafromgeom="true"`, or `<inertial>`')
 
 
-@rule("inertia-balanced")
+@rule("inertia-balanced", "An inertia that no rigid body can have, which MuJoCo replaces silently")
 def inertia_balanced(subject: Subject) -> Found:
-    """An inertia that no rigid body can have, which MuJoCo replaces silently."""
     import numpy as np
 
     balances, by_geoms = (subject.setting("compiler", name) for name in ("balanceinertia", "inertiafromgeom"))
@@ -165,9 +165,8 @@ def inertia_balanced(subject: Subject) -> Found:
             yield Finding(element, message, name, help="write the inertia of the CAD model")
 
 
-@rule("free-joint-damped")
+@rule("free-joint-damped", "A free joint with the damping, armature, friction or stiffness of hinges")
 def free_joint_damped(subject: Subject) -> Found:
-    """A free joint with the damping, armature, friction or stiffness of hinges."""
     free = []
     others = set()
     for joint in subject.each("joint"):
@@ -187,13 +186,13 @@ def free_joint_damped(subject: Subject) -> Found:
 
 @rule(
     "timestep-too-long",
+    "A servo or spring that is too stiff for the time step",
     in_mujoco=True,
     profiles={
         "robot-asset": _DRIVE.format("“within reasonable ranges for stable simulation”"),
     },
 )
 def timestep_too_long(subject: Subject) -> Found:
-    """A servo or spring that is too stiff for the time step."""
     servos = subject.servos
     for mode in servos.unstable():
         joint = int(subject.model.dof_jntid[mode.dof])
@@ -215,13 +214,13 @@ def _single(subject: Subject) -> Iterator[tuple[int, int]]:
 
 @rule(
     "servo-undamped",
+    "A position servo that nothing damps",
     in_mujoco=True,
     profiles={
         "robot-asset": _DRIVE.format("“include sufficient damping for stability”"),
     },
 )
 def servo_undamped(subject: Subject) -> Found:
-    """A position servo that nothing damps."""
     model = subject.model
     servos = subject.servos
     for joint, dof in _single(subject):
@@ -240,9 +239,8 @@ def _unit(subject: Subject, joint: int, per: bool = True) -> str:
     return ("N·m" if is_hinge else "N") + (("/rad" if is_hinge else "/m") if per else "")
 
 
-@rule("friction-exceeds-motor", in_mujoco=True)
+@rule("friction-exceeds-motor", "A joint with more dry friction than its motors can overcome", in_mujoco=True)
 def friction_exceeds_motor(subject: Subject) -> Found:
-    """A joint with more dry friction than its motors can overcome."""
     servos = subject.servos
     for joint, dof in _single(subject):
         ends = servos.strongest(dof)
@@ -254,9 +252,8 @@ def friction_exceeds_motor(subject: Subject) -> Found:
             yield Finding(subject.node("joint", joint), message, "frictionloss", help="lower `frictionloss`")
 
 
-@rule("motor-too-weak", in_mujoco=True)
+@rule("motor-too-weak", "A motor that cannot hold its joint against gravity in a keyframe", in_mujoco=True)
 def motor_too_weak(subject: Subject) -> Found:
-    """A motor that cannot hold its joint against gravity in a keyframe."""
     from mjcompose.mujoco.servos import Servos
 
     seen: dict[int, Finding] = {}
@@ -295,6 +292,7 @@ def _held(subject: Subject, data: MjData, servos: Servos) -> Iterator[tuple[int,
 
 @rule(
     "simulation-diverges",
+    "A simulation that diverges within a second",
     in_mujoco=True,
     profiles={
         "menagerie": (
@@ -305,7 +303,6 @@ def _held(subject: Subject, data: MjData, servos: Servos) -> Iterator[tuple[int,
     },
 )
 def simulation_diverges(subject: Subject) -> Found:
-    """A simulation that diverges within a second."""
     from mjcompose.mujoco.controls import advance
 
     mujoco = subject.mujoco
@@ -320,9 +317,8 @@ def simulation_diverges(subject: Subject) -> Found:
         yield Finding(subject.node("key", 0) if has_key else None, f"from {start}, the simulation is {why}")
 
 
-@rule("armature-missing", in_mujoco=True, usual=False)
+@rule("armature-missing", "A joint with an actuator but without armature", in_mujoco=True, usual=False)
 def armature_missing(subject: Subject) -> Found:
-    """A joint with an actuator but without armature."""
     servos = subject.servos
     for joint, dof in _single(subject):
         if servos.of_dof(dof) and subject.model.dof_armature[dof] == 0:

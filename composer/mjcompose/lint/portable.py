@@ -45,8 +45,8 @@ def _rule(name: str, title: str) -> Callable[[Subject], Found]:
         if not refusing:
             yield from _losses(subject, name)
 
-    run.__doc__ = f"Something in the model that {title} does not have."
-    return rule(f"unread-by-{name}", in_mujoco=True, usual=False)(run)
+    summary = f"Something in the model that {title} does not have"
+    return rule(f"unread-by-{name}", summary, in_mujoco=True, usual=False)(run)
 
 
 def _losses(subject: Subject, name: str) -> Found:
@@ -86,9 +86,8 @@ for _name, _title in _PROGRAMS.items():
     _rule(_name, _title)
 
 
-@rule("newer-mujoco", usual=False)
+@rule("newer-mujoco", "An element or attribute that older versions of MuJoCo do not read", usual=False)
 def newer_mujoco(subject: Subject) -> Found:
-    """An element or attribute that older versions of MuJoCo do not read."""
     from mjcompose.tree.history import unread
 
     for each in unread(subject.root, "3.0.0"):

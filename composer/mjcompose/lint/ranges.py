@@ -29,18 +29,16 @@ def _limited(subject: Subject) -> list[tuple[Node, str, str]]:
     return [(each, *names) for each, kind in found for names in _LIMITS[kind]]
 
 
-@rule("range-ignored")
+@rule("range-ignored", "A range next to the word that turns its limit off")
 def range_ignored(subject: Subject) -> Found:
-    """A range next to the word that turns its limit off."""
     for element, attribute, switch in _limited(subject):
         if element.get(attribute) and element.get(switch) == "false":
             message = f"MuJoCo ignores `{attribute}` of {subject.called(element)}, because `{switch}` is false"
             yield Finding(element, message, attribute, help=f"remove `{switch}` or `{attribute}`")
 
 
-@rule("range-inverted")
+@rule("range-inverted", "A range whose first number is larger than the second")
 def range_inverted(subject: Subject) -> Found:
-    """A range whose first number is larger than the second."""
     for element, attribute, _ in _limited(subject):
         numbers = subject.numbers(element, attribute)
         if numbers is not None and len(numbers) == 2 and numbers[0] > numbers[1]:
@@ -54,9 +52,8 @@ _ROUNDING = 1e-4
 _FAR_FROM_UNIT = 0.02
 
 
-@rule("key-out-of-range", in_mujoco=True)
+@rule("key-out-of-range", "A position, control or activation of a keyframe that is outside its range", in_mujoco=True)
 def key_out_of_range(subject: Subject) -> Found:
-    """A position, control or activation of a keyframe that is outside its range."""
     from mjcompose.mujoco.index import index, ranged
 
     model = subject.model
@@ -80,9 +77,12 @@ def key_out_of_range(subject: Subject) -> Found:
                     yield Finding(element, message, each.vector)
 
 
-@rule("reference-out-of-range", in_mujoco=True)
+@rule(
+    "reference-out-of-range",
+    "A joint whose reference position is outside its range, in a model without keyframes",
+    in_mujoco=True,
+)
 def reference_out_of_range(subject: Subject) -> Found:
-    """A joint whose reference position is outside its range, in a model without keyframes."""
     model = subject.model
     if model.nkey or not subject.is_complete:
         return
@@ -98,9 +98,12 @@ def reference_out_of_range(subject: Subject) -> Found:
             yield Finding(subject.node("joint", row), message, "range")
 
 
-@rule("control-misses-range", in_mujoco=True)
+@rule(
+    "control-misses-range",
+    "A position actuator whose controls leave a part of its joint's range out of reach",
+    in_mujoco=True,
+)
 def control_misses_range(subject: Subject) -> Found:
-    """A position actuator whose controls leave a part of its joint's range out of reach."""
     model = subject.model
     for row, joint, control, gear in position_servos(subject):
         if not (model.actuator_ctrllimited[control] and model.jnt_limited[joint]):
@@ -128,9 +131,8 @@ _MIRRORED = frozenset(("range", "actuatorfrcrange", "ctrlrange", "forcerange"))
 _ALIKE = Bound(0.01, floor=0.0)
 
 
-@rule("sides-differ")
+@rule("sides-differ", "A left joint or actuator with other limits, gains or friction than the right one")
 def sides_differ(subject: Subject) -> Found:
-    """A left joint or actuator with other limits, gains or friction than the right one."""
     joints = list(subject.each("joint"))
     actuators = [each for each in subject.root.iterfind("actuator/*") if isinstance(each.tag, str)]
     for kind, elements in (("joint", joints), ("actuator", actuators)):
@@ -200,9 +202,8 @@ def position_servos(subject: Subject) -> list[JointServo]:
     return found
 
 
-@rule("solref-below-timestep")
+@rule("solref-below-timestep", "A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces")
 def solref_below_timestep(subject: Subject) -> Found:
-    """A time constant in `solref` that is shorter than two time steps, which MuJoCo replaces."""
     if subject.setting("option/flag", "refsafe") == "disable":
         return
     step = float(subject.setting("option", "timestep") or 0.002)
@@ -215,9 +216,8 @@ def solref_below_timestep(subject: Subject) -> Found:
                 yield Finding(element, message, name, help=f"write at least {2 * step:g}")
 
 
-@rule("quat-not-unit", in_mujoco=True)
+@rule("quat-not-unit", "A quaternion in a keyframe whose length is not 1", in_mujoco=True)
 def quat_not_unit(subject: Subject) -> Found:
-    """A quaternion in a keyframe whose length is not 1."""
     model = subject.model
     offsets = {FREE: 3, BALL: 0}
     types = model.jnt_type.tolist()

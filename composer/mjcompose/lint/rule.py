@@ -76,18 +76,21 @@ _RULES: dict[str, Rule] = {}
 
 def rule(
     code: str,
+    summary: str,
     *,
     in_mujoco: bool = False,
     in_files: bool = False,
     usual: bool = True,
     profiles: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
-    """Return a decorator that makes a function the rule `code`; `profiles` quote the sources that require it."""
+    """Return a decorator that makes a function the rule `code`; `summary` says what it finds.
+
+    `profiles` quote the sources that require it.
+    """
 
     def decorate(function: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
         if code in CODES:
             raise ValueError(f"the code `{code}` exists already")
-        summary = (function.__doc__ or "").strip().rstrip(".")
         family = function.__module__.rpartition(".")[2]
         _RULES[code] = Rule(
             code,

@@ -30,9 +30,8 @@ def _ranges(subject: Subject, unit: str) -> Iterator[tuple[Node, list[float]]]:
                 yield joint, ends
 
 
-@rule("range-in-radians")
+@rule("range-in-radians", "A range in degrees that looks like radians")
 def range_in_radians(subject: Subject) -> Found:
-    """A range in degrees that looks like radians."""
     for joint, ends in _ranges(subject, "degree"):
         is_round = any(abs(abs(end) - each) < _DIGITS for end in ends for each in _ROUND if end)
         if is_round and max(map(abs, ends)) < _TURN + _DIGITS:
@@ -40,9 +39,8 @@ def range_in_radians(subject: Subject) -> Found:
             yield Finding(joint, message, "range", help='write `<compiler angle="radian"/>`, or degrees')
 
 
-@rule("range-in-degrees")
+@rule("range-in-degrees", "A range in radians that looks like degrees")
 def range_in_degrees(subject: Subject) -> Found:
-    """A range in radians that looks like degrees."""
     for joint, ends in _ranges(subject, "radian"):
         if max(map(abs, ends)) > _DEGREES and all(end % 5 == 0 for end in ends):
             message = f"the range of {subject.called(joint)}, {ends[0]:g} to {ends[1]:g} rad, looks like degrees"
@@ -53,9 +51,12 @@ _LEAST = 50.0
 _MOST = 65.0
 
 
-@rule("control-in-degrees", in_mujoco=True)
+@rule(
+    "control-in-degrees",
+    "A position actuator in degrees whose joint is in radians, or the other way round",
+    in_mujoco=True,
+)
 def control_in_degrees(subject: Subject) -> Found:
-    """A position actuator in degrees whose joint is in radians, or the other way round."""
     model = subject.model
     for row, joint, control, gear in position_servos(subject):
         if not (model.actuator_ctrllimited[control] and model.jnt_limited[joint]):
@@ -79,18 +80,16 @@ def control_in_degrees(subject: Subject) -> Found:
         yield Finding(subject.node("actuator", row), message, "ctrlrange", help=help)
 
 
-@rule("gravity-unit", usual=False, profiles={"robot-asset": _METERS})
+@rule("gravity-unit", "Gravity that is not in m/s²", usual=False, profiles={"robot-asset": _METERS})
 def gravity_unit(subject: Subject) -> Found:
-    """Gravity that is not in m/s²."""
     for option in subject.root.iterfind("option"):
         if (size := math.hypot(*(subject.numbers(option, "gravity") or []))) > _GRAVITY:
             message = f"gravity is {size:g} m/s², {size / 9.81:.3g} times the gravity of the earth"
             yield Finding(option, message, "gravity", help="write lengths in meters, and gravity in m/s²")
 
 
-@rule("timestep-extreme")
+@rule("timestep-extreme", "A time step that is very long or very short")
 def timestep_extreme(subject: Subject) -> Found:
-    """A time step that is very long or very short."""
     for option in subject.root.iterfind("option"):
         step = (subject.numbers(option, "timestep") or [0.002])[0]
         if option.get("timestep") and not _SHORTEST <= step <= _LONGEST:
@@ -98,9 +97,8 @@ def timestep_extreme(subject: Subject) -> Found:
             yield Finding(option, message, "timestep", help="write seconds, such as 0.002")
 
 
-@rule("mesh-in-millimeters", in_mujoco=True, profiles={"robot-asset": _METERS})
+@rule("mesh-in-millimeters", "A mesh that is in millimeters", in_mujoco=True, profiles={"robot-asset": _METERS})
 def mesh_size(subject: Subject) -> Found:
-    """A mesh that is in millimeters."""
     import numpy as np
 
     from mjcompose.mujoco.shapes import MeshMeasurements, doubts

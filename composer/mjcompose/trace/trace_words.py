@@ -6,7 +6,6 @@ It also finds the attributes that determine a value that MJCF writes elsewhere: 
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
@@ -42,6 +41,7 @@ from mjcompose.link.names import names
 from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler, model_autolimits
 from mjcompose.link.submodels import submodel_options, submodels
+from mjcompose.link.subtree import Subtree
 from mjcompose.link.world import roots, sections
 from mjcompose.mujoco.attributes import attributes as compared
 from mjcompose.plan.plan import DropElements, Plan
@@ -124,12 +124,25 @@ def _drawn(cause: TracedOperation, node: Node, field: str) -> object | None:
 
 
 def _summary(done: object) -> str:
-    """Return the words in the row of a pass, or the first line of another function's docstring."""
-    if (row := row_of(done)) is not None:
+    """Return the words in the row of a pass, or those of another function or class."""
+    row = row_of(done)
+    if row is not None:
         return row.words
-    module = inspect.getmodule(done)
-    text = (inspect.getdoc(done) or getattr(module, "__doc__", None) or type(done).__name__).strip()
-    return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
+    return _OF_OTHERS.get(done) or _OF_OTHERS.get(type(done)) or "Compose the model"
+
+
+_OF_OTHERS: dict[object, str] = {
+    Subtree: "One body of a model by its name, or None for the whole unit, and the elements that were dropped",
+    add_file: "Add a file from the recipe. It is stored below `assets/`, as for parts",
+    check_names: "Declare every new name, then look up every reference",
+    collect: "Name the files as in the bundle",
+    dedup: "Merge equal textures, materials, meshes and height fields",
+    delays: "Write the `nsample` of each delay that a data sheet gives, for the time step of the model as it is now",
+    hold_poses: "Write the controls, and the activations of filters and integrators, of every key that holds its pose",
+    settle_joints: "Write the ranges and references of joints after the classes, and so the joint types, are known",
+    share_in_copies: "The copies of a part share its meshes, textures and height fields",
+}
+"""The functions and classes that change models and are no passes."""
 
 
 _DEFAULT = SourceSettings()

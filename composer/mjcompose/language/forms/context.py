@@ -25,6 +25,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.extensions import ExtensionTable
 from mjcompose.base.suggest import closest
+from mjcompose.language.forms.source_text import text_of
 from mjcompose.tree.pattern import Selector
 
 Schema = dict[str, Any]
@@ -264,7 +265,7 @@ class Rows:
         found: dict[str, Schema] = {}
         for word in self.table().own:
             form = self.form(word)
-            about = form.__doc__ if isinstance(form, type) and issubclass(form, BaseModel) else None
+            about = text_of(form) if isinstance(form, type) and issubclass(form, BaseModel) else ""
             described = {"description": first_line(about)} if about else {}
             found[word] = {**generate(_adapter(form).core_schema), **described}
         return found

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-import sys
 from functools import cache
-from itertools import pairwise
 from typing import Any
 
 from pydantic import GetJsonSchemaHandler
@@ -15,6 +11,7 @@ from pydantic_core import CoreSchema
 
 from mjcompose.language.forms.context import ELSEWHERE, LIST, Schema, computable, definition, reference
 from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rest_of, rows_of
+from mjcompose.language.forms.source_text import text_of, texts_below
 
 _TEMPLATE = r"\$\{"
 
@@ -99,6 +96,9 @@ class Generator(GenerateJsonSchema):
 
 def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
     found = handler.resolve_ref_schema(handler(schema))
+    description = text_of(model)
+    if description:
+        found["description"] = description
     properties: dict[str, Schema] = {}
     written = found["properties"]
     for key, info in fields_of(model).items():
@@ -135,28 +135,5 @@ def descriptions(model: type[Model]) -> dict[str, str]:
     found: dict[str, str] = {}
     for each in reversed(model.__mro__):
         if issubclass(each, Model):
-            found |= {names[name]: text for name, text in _texts_below(each).items() if name in names}
+            found |= {names[name]: text for name, text in texts_below(each).items() if name in names}
     return found
-
-
-def _texts_below(model: type[Model]) -> dict[str, str]:
-    tree = _syntax_tree(model.__module__)
-    declared = next(
-        (each for each in ast.walk(tree) if isinstance(each, ast.ClassDef) and each.name == model.__name__), None
-    )
-    if declared is None:  # created by a function
-        return {}
-    return {
-        field.target.id: inspect.cleandoc(text.value.value)
-        for field, text in pairwise(declared.body)
-        if isinstance(field, ast.AnnAssign)
-        and isinstance(field.target, ast.Name)
-        and isinstance(text, ast.Expr)
-        and isinstance(text.value, ast.Constant)
-        and isinstance(text.value.value, str)
-    }
-
-
-@cache
-def _syntax_tree(module: str) -> ast.Module:
-    return ast.parse(inspect.getsource(sys.modules[module]))
