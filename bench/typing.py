@@ -33,7 +33,8 @@ def rows() -> Iterator[Row]:
     robots = os.environ.get("MENAGERIE_ROOT") or (corpus and str(Path(corpus, "models")))
     environment = {**os.environ, **({"MENAGERIE_ROOT": robots} if robots else {})}
     with Editor(REPOSITORY / "recipes", environment=environment) as editor:
-        for name in _LIMITS if robots else ["demo"]:
+        names = _LIMITS if robots else ["demo"]
+        for name in names:
             yield from _typed(editor, name)
     yield _of_parts()
     if Path("/proc/self/status").exists():

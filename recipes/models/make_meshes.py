@@ -77,7 +77,8 @@ def rod(radius: float, low: float, high: float, bevel: float = 0.004, axis: str 
 
 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], bevel: float = 0.002) -> Solid:
-    a, b = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    a = (x[1] - x[0]) / 2
+    b = (y[1] - y[0]) / 2
     corners = np.array([[a, -b], [a, b], [-a, b], [-a, -b]])
     center = np.array([x[0] + x[1], y[0] + y[1]]) / 2
     return bevelled(center + corners, z[0], z[1], bevel)
@@ -217,7 +218,9 @@ def camera_mount() -> None:
 
 def table() -> None:
     """Boards of wood, each with a grain of its own; the pattern goes on over every edge."""
-    size, boards, shades = 128, 4, 24
+    size = 128
+    boards = 4
+    shades = 24
     random = np.random.default_rng(6)
     v, u = np.mgrid[0:size, 0:size] / size
     board = np.floor(u * boards).astype(int)

@@ -196,7 +196,8 @@ def test_objects_of_both_are_alike(
     for dataclass in MADE:
         cls = shape(dataclass)
         try:
-            made, other = cls(*arguments, **named), cls(*arguments, **named)
+            made = cls(*arguments, **named)
+            other = cls(*arguments, **named)
         except TypeError:
             outcomes.append(["TypeError"])
             continue

@@ -49,7 +49,8 @@ def tarred(name: str, type: bytes, leads_to: str = "") -> bytes:
     return stream.getvalue()
 
 
-GOOD, CHANGED = zipped(**{"arm.xml": MODEL}), zipped(**{"arm.xml": OTHER})
+GOOD = zipped(**{"arm.xml": MODEL})
+CHANGED = zipped(**{"arm.xml": OTHER})
 
 
 @dataclass

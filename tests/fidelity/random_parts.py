@@ -413,7 +413,8 @@ def random_case(seed: int) -> Case:
             + "}"
         )
         names = {"site": "tip", "body": "link"}
-        for number in range(2) if copies else (None,):
+        turns = range(2) if copies else (None,)
+        for number in turns:
             prefix = f"{key}/" if number is None else f"{key}{number}/"
             attached.append(
                 Attached(

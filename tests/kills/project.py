@@ -142,7 +142,8 @@ def _is_empty(path: Path) -> bool:
 def digest(path: Path) -> str:
     """Of a file, or of a folder with the names and contents of all that is in it."""
     found = hashlib.sha256()
-    for file in [path] if path.is_file() else sorted(path.rglob("*")):
+    files = [path] if path.is_file() else sorted(path.rglob("*"))
+    for file in files:
         if file.is_file():
             found.update(file.relative_to(path.parent).as_posix().encode() + b"\0" + file.read_bytes())
     return found.hexdigest()

@@ -252,7 +252,8 @@ def good(section: str) -> list[Any]:
 
 
 def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    for key, each in value.items() if isinstance(value, dict) else enumerate(value):
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, each in items:
         yield (*path, key)
         if isinstance(each, dict | list):
             yield from places(each, (*path, key))

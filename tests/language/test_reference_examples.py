@@ -98,7 +98,8 @@ def inside(value: Any, key: str) -> Iterator[Any]:
     """Every value of a key, at any depth."""
     if isinstance(value, dict):
         yield from (each for name, each in value.items() if name == key)
-    for each in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    for each in items:
         yield from inside(each, key)
 
 

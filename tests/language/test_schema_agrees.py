@@ -79,7 +79,8 @@ def recipes() -> list[dict[str, Any]]:
 
 def parts(value: Any) -> Iterator[tuple[str | None, Any]]:
     """Every key with its value, and every item."""
-    for name, each in value.items() if isinstance(value, dict) else ((None, item) for item in value):
+    items = value.items() if isinstance(value, dict) else ((None, item) for item in value)
+    for name, each in items:
         yield name, each
         if isinstance(each, dict | list):
             yield from parts(each)
@@ -177,7 +178,8 @@ def test_both_say_the_same(seed: int) -> None:
 def values(value: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], Any]]:
     """Yield every text, number and flag of a recipe with its path, and every list of numbers."""
     if isinstance(value, dict | list):
-        for step, each in value.items() if isinstance(value, dict) else enumerate(value):
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        for step, each in items:
             yield from values(each, (*at, step))
     is_vector = isinstance(value, list) and value and all(type(each) in (int, float) for each in value)
     if is_vector or isinstance(value, str | int | float):

@@ -46,7 +46,8 @@ def _same(model: RootElement) -> None:
     before = model.compile_model(conflict="base").model
     mjcf.commit_defaults(model)
     after = model.compile_model(conflict="base").model
-    for name in before._all_fields if hasattr(before, "_all_fields") else dir(before):
+    fields = before._all_fields if hasattr(before, "_all_fields") else dir(before)
+    for name in fields:
         array = getattr(before, name)
         if isinstance(array, np.ndarray):
             np.testing.assert_array_equal(array, getattr(after, name), name)

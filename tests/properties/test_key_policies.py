@@ -101,7 +101,8 @@ def test_two_parts_on_a_base(tmp_path: Path, base: str, part: str, written: str 
             continue
         expected = Expected(own)
         expected.come(base, "", OWN)
-        for each in [prefix] if copies == 1 else ["part0/", "part1/"]:
+        prefixes = [prefix] if copies == 1 else ["part0/", "part1/"]
+        for each in prefixes:
             expected.come(part, each, keys)
         others: Keys = [("home", {"k": 0.9})]
         expected.come(second, "second/", others)

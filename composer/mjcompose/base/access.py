@@ -108,7 +108,8 @@ class Door(Struct):
             for folder in folders:
                 if not self.sees(folder):
                     raise self.outside(folder)
-                for name in _names(folder) if _MAGIC.search(part) else [part]:
+                names = _names(folder) if _MAGIC.search(part) else [part]
+                for name in names:
                     if next(looks, None) is None:
                         raise Refused(pattern, "fits too many files to look through")
                     path = os.path.join(folder, name)

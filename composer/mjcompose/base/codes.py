@@ -220,7 +220,8 @@ def page(code: str) -> str:
 
 def address(code: str, urls: Iterable[str] | None = None) -> str | None:
     """Return the address of the page on the published site, or None; the package's metadata names the site."""
-    for each in _urls() if urls is None else urls:
+    project_urls = _urls() if urls is None else urls
+    for each in project_urls:
         label, _, url = each.partition(", ")
         if label.lower() == "documentation":
             return f"{url.rstrip('/')}/{'rules' if code in RULES else 'errors'}/{code}.html"

@@ -122,7 +122,8 @@ class TruncNormal(_Between):
         high = (self.high - self.mean) / self.std
         sign = 1.0
         if low > 0:
-            low, high, sign = -high, -low, -1.0
+            low, high = -high, -low
+            sign = -1.0
         return probability(low), probability(high), sign
 
     def _draw(self, bits: Any, by: Arithmetic) -> Any:

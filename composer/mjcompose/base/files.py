@@ -83,8 +83,9 @@ def mark_of(path: str | os.PathLike[str]) -> Mark:
 
 
 _FEW = 4
+"""The smallest number of files for which a folder is listed."""
 _LISTED = 16
-"""The smallest number of files for which a folder is listed, and the number of entries read for each."""
+"""The number of entries that are read for each of these files."""
 _real = Memory(os.path.realpath, os.path.realpath)
 
 

@@ -292,8 +292,9 @@ _OPENAT = (257, 56)
 _IOCTL = (16, 29)
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | 0o20000000  # O_TMPFILE without O_DIRECTORY
 _TERMINAL = 0x5401
+"""The request with which Python tests for a terminal, by `ioctl`."""
 _CLOSES = 0x5451
-"""The requests of Python with `ioctl`: to test for a terminal, and to close a file for other programs."""
+"""The request with which Python closes a file for other programs, by `ioctl`."""
 _ALLOW = 0x7FFF0000
 _KILL = 0x80000000
 _REFUSE = 0x00050000

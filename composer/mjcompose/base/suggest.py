@@ -396,6 +396,7 @@ def unknown_attribute(
     known = list(known)
     likely = [*known, *near]
     notes = (exists_note("attribute", known, name),) if known else ()
-    help, fix = help or did_you_mean(name, likely) or otherwise, None if help else renaming(name, likely)
+    fix = None if help else renaming(name, likely)
+    help = help or did_you_mean(name, likely) or otherwise
     message = f"`{name}` is not an attribute of {owner}"
     return Diagnostic("unknown-attribute", message, span, notes=notes, help=help, fix=fix)

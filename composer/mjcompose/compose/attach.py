@@ -243,7 +243,8 @@ def _note_excepted(plan: Plan, records: Iterable[UnplacedRecord]) -> None:
     by_part = _by_part(records, plan.separator)
     for check in checks:
         arrays = {array for name in check.excepted for array in arrays_of(name)}
-        for record in records if check.part is None else by_part.get(check.part, []):
+        checked_records = records if check.part is None else by_part.get(check.part, [])
+        for record in checked_records:
             record.add_changed(arrays)
 
 
@@ -320,7 +321,8 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
         # With the class `main`, it has none of the joint defaults of its place, which are for other joints.
         part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
     elif joint is not None:
-        for element in joint if isinstance(joint, tuple) else (joint,):
+        joints = joint if isinstance(joint, tuple) else (joint,)
+        for element in joints:
             if isinstance(joint, tuple):
                 named = {"name": step.prefix + str(element.attributes["name"])}
             spans = {name: making.span(element, name) for name in element.attributes}
@@ -343,7 +345,8 @@ def _sense(step: AttachPart, making: ElementBuilder) -> SensorBody | None:
 def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> None:
     """Report classes of the joints that do not exist, once all classes of the model are known."""
     joint = step.attachment.joint
-    for element in joint if isinstance(joint, tuple) else (joint,):
+    joints = joint if isinstance(joint, tuple) else (joint,)
+    for element in joints:
         if isinstance(element, RecipeElement) and (name := element.attributes.get("class")) is not None:
             check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 

@@ -99,7 +99,8 @@ class ElementBuilder(Struct, frozen=False):
         # `_set_euler` writes an `euler` as a `quat`.
         is_turned = attribute == "quat" and "euler" in element.attributes
         if attribute is not None:
-            for name in (attribute, "euler") if is_turned else (attribute,):
+            names = (attribute, "euler") if is_turned else (attribute,)
+            for name in names:
                 path = (*element.at, name)
                 if find(self.document, path) is not None:
                     return locate(self.document, path)
@@ -122,9 +123,10 @@ class ElementBuilder(Struct, frozen=False):
         written = {str(name): str(value) for name, value in node.items()}
         text = self.origins.text(self.file)
         names = [attribute, "euler"] if attribute == "quat" else [attribute] if attribute else []
-        for line in (start, start - 1) if text is not None else ():  # below the key, or next to it
-            assert text is not None
-            tag = str(node.tag)
+        tag = str(node.tag)
+        if text is None:
+            return locate(self.document, (*element.at, "xml"))
+        for line in (start, start - 1):  # below the key, or next to it
             place = next((at for name in names if (at := text.attribute(tag, line, written, name=name))), None)
             if place is None and attribute == "name" and text.element(tag, line, written) is not None:
                 return locate(self.document, element.at, key=True)
@@ -308,7 +310,8 @@ def turned(
         number = value.value
         written = "degree" if value.unit == "deg" else "radian"
     else:
-        number, written = float(value), settings.angle or unit  # type: ignore[arg-type]  # a bare one is 0
+        number = float(value)  # type: ignore[arg-type]  # a bare one is 0
+        written = settings.angle or unit
     if written == unit:
         return number
     return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE

@@ -125,7 +125,8 @@ class Condition:
         axis = self.axes.get(key.name)
         have = self.scope[key.name]
         holds = False
-        for each in node.items if isinstance(node, Sequence) and not isinstance(have, tuple) else (node,):
+        choices = node.items if isinstance(node, Sequence) and not isinstance(have, tuple) else (node,)
+        for each in choices:
             if axis is not None:
                 text = each.text if isinstance(each, Scalar) else ""
                 if text not in axis.entries:

@@ -156,7 +156,8 @@ def _fault_of_values(
     faults: list[Fault] = []
     checker = Checker(bare_angles, faults)
     distribution = field.distribution
-    for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
+    samples = distribution.values if distribution.kind == CHOICE else (_like(field),)
+    for value in samples:
         operation = _checked_as(field, value, fitting, is_mass=is_mass)
         checker.attributes(operation, {field.attr: value}, selector.tag, at=at)
         if faults:

@@ -287,7 +287,8 @@ class _Keys:
         found = {name: (meant[name], turns[1:] if name == turns[0] else []) for name in turns[:1]}
         for names in groups.values():
             together = len(names) > 2
-            for name in names[:1] if together else names:
+            row_names = names[:1] if together else names
+            for name in row_names:
                 if name not in turns:
                     about = meant[name].partition(": ")[0] if together else meant[name]
                     found[name] = about, names[1:] if together else []

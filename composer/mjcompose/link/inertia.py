@@ -366,7 +366,8 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
     for body in fused:
         _make_frame(body, frames)
     for host in dict.fromkeys(hosts.values()):
-        for parent in (host,) if host is not None else unit.root.iterchildren("worldbody"):
+        parents = (host,) if host is not None else unit.root.iterchildren("worldbody")
+        for parent in parents:
             _own_elements_first(unit, parent, hosts)
     # The host has the mass of both.
     return {host for host in hosts.values() if host is not None}

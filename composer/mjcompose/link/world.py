@@ -205,7 +205,8 @@ def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
         for node, attribute in users(section, "body", WORLD):
             naming.setdefault(whole(node), []).append((node, attribute))
         is_equality = section.tag == "equality"
-        for element in section.iterchildren("*") if is_equality else naming:
+        elements = section.iterchildren("*") if is_equality else naming
+        for element in elements:
             side = side_of_world(element) if is_equality else None
             named = naming.get(element, [])
             if (side is not None and hung.copied is not None) or ((named or side) and not hung.name):

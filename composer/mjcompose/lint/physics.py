@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.solids import Shapes
 
 _HEAVIEST = 22_590.0
+"""The density of osmium, in kg/m³."""
 _DENSE = 100_000.0
-"""The density of osmium, in kg/m³, and a density that is too high even for a geom that is too small."""
+"""A density that is too high even for a geom that is too small, in kg/m³."""
 _MARKER = 1e-6
 """The volume (m³) of a geom that only marks a place."""
 _BOXES = 0.1

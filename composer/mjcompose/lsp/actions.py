@@ -179,7 +179,8 @@ OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
 def actions(offered: Offer) -> list[Action]:
     """Return the changes that are offered at a place. The fixes of diagnostics come first."""
     found: dict[tuple[str, object], Action] = {}
-    for offer in (offer_fixes, offer_near, offer_ignore) if isinstance(offered.question, ModelQuestion) else OFFERS:
+    offers = (offer_fixes, offer_near, offer_ignore) if isinstance(offered.question, ModelQuestion) else OFFERS
+    for offer in offers:
         for action in offer(offered):
             found.setdefault((action.title, action.changes), action)
     return list(found.values())

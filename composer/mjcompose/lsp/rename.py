@@ -290,7 +290,8 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
                 continue
             own = other.plan.parts if other.plan is not None else ()  # without the parts of parts
             paths = [step.at for step in own if part_called(step.at, other.plan) == part]
-            for at in [(RESERVED,)] if part == RESERVED else paths[:1]:
+            holders = [(RESERVED,)] if part == RESERVED else paths[:1]
+            for at in holders:
                 path = (*at, "with", old)
                 if other.mapping is not None and find(other.mapping, path) is not None:
                     changes.append(TextChange(locate(other.mapping, path, key=True), new))

@@ -61,7 +61,8 @@ def _items(tree: Expression) -> Iterator[Subscript]:
         yield tree
         return
     for value in (getattr(tree, name) for name in tree.__dataclass_fields__):
-        for child in value if isinstance(value, tuple) else (value,):
+        children = value if isinstance(value, tuple) else (value,)
+        for child in children:
             if isinstance(child, Expression):
                 yield from _items(child)
 

@@ -310,7 +310,8 @@ def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, 
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
     elements = [each for name in (ACTUATORS if tag in ACTUATORS else (tag,)) for each in found.elements.get(name, ())]
-    for element in sorted(elements, key=position) if len(elements) > 1 else elements:
+    in_order = sorted(elements, key=position) if len(elements) > 1 else elements
+    for element in in_order:
         for name, value in [(str(key), str(value)) for key, value in element.items()]:
             if name not in attributes or name in _NEVER_GIVEN or (element.tag != tag and name not in OF_ALL):
                 continue

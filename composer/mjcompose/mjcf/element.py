@@ -464,7 +464,8 @@ class ElementList(Sequence[_E]):
     def __delitem__(self, index: SupportsIndex | str | slice) -> None:
         """Remove an element, or several, from the model. See `Element.remove`."""
         found = self[index]
-        for element in found if isinstance(found, list) else [found]:
+        elements = found if isinstance(found, list) else [found]
+        for element in elements:
             element.remove()
 
     def __setitem__(self, index: SupportsIndex | str | slice, value: object) -> None:

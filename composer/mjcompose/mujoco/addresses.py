@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
 _CORNERS = {1: 2, 2: 3, 3: 4}
+"""The number of corners of an element of a flex, by its dimension."""
 _EDGES = {1: 1, 2: 3, 3: 6}
-"""Numbers of an element of a flex, by its dimension."""
+"""The number of edges of an element of a flex, by its dimension."""
 
 Shape = tuple[int, ...]
 

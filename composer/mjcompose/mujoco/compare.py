@@ -360,7 +360,8 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
         if int(alone.jnt_type[joint]) == FREE and moved is not None:
             # Its linear velocity is in the frame of the world, and its angular velocity in the frame of the body.
             mine_v = np.array([*rotate(moved.quat, mine_v[:3].tolist()), *mine_v[3:].tolist()])
-            mine_q, theirs_q, bound = *_moved(mine_q, theirs_q, moved), ROUNDING
+            mine_q, theirs_q = _moved(mine_q, theirs_q, moved)
+            bound = ROUNDING
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
         yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
         yield from _plastic(matching, "joint", key, target=target, index=joint, there=there)
@@ -377,7 +378,8 @@ def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pos
         theirs = _mocap(composed, target, there)
         bound = 0.0
         if moved is not None:
-            mine, theirs, bound = *_moved(mine, theirs, moved), ROUNDING
+            mine, theirs = _moved(mine, theirs, moved)
+            bound = ROUNDING
         yield f"key_mpos of `{name}`", mine[:3], theirs[:3], bound
         yield f"key_mquat of `{name}`", mine[3:], theirs[3:], bound
 

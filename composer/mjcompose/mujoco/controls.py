@@ -26,9 +26,11 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
 
 FIXED = 0
+"""A value of `actuator_gaintype`: the gain is constant."""
 NO_BIAS = 0
+"""A value of `actuator_biastype`: the force has no bias."""
 AFFINE = 1
-"""The first is a value of `actuator_gaintype`, the others are values of `actuator_biastype`."""
+"""A value of `actuator_biastype`: the bias depends on length and velocity."""
 
 GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
     ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),

@@ -214,7 +214,8 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
     """Convert the model. Runs in the child."""
     try:
         converter = import_module("mujoco_usd_converter")
-        sdf, packing = import_module("pxr.Sdf"), import_module("pxr.UsdUtils")
+        sdf = import_module("pxr.Sdf")
+        packing = import_module("pxr.UsdUtils")
     except ImportError as error:
         return {"missing": str(error)}
     out = Path(argument["out"])

@@ -164,8 +164,9 @@ _KINDS = {
 
 _FRAMES = 50
 _STEP = 0.1
+"""The step of a control, as a share of its range or in its own unit."""
 _LIFT = 0.05
-"""The step of a control, as a share of its range or in its own unit, and the height of a drop in meters."""
+"""The height of a drop, in meters."""
 _MOST_STEPS = 1_000_000
 
 

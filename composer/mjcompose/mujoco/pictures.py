@@ -410,7 +410,7 @@ class _StoppedError(Exception):
 def draw(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Write a file, and return an empty answer or the fault. Runs under `mjcompose.mujoco.engine.call`.
 
-    ``asked`` has the fields of `mjcompose.tools.view.render.Wish` and ``out``, whose suffix is `.png`,
+    ``asked`` has the fields of `mjcompose.tools.view.render.RenderRequest` and ``out``, whose suffix is `.png`,
     `.gif` or `.mp4`. With ``tile``, a NumPy array of the picture with that text below goes to ``out`` instead.
     """
     subject = asked["look"]

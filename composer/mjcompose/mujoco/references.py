@@ -195,8 +195,9 @@ def _flex_materials(model: MjModel, index: int) -> Iterator[Link]:
 
 
 WRAP_JOINT = 1
+"""The value of `wrap_type` for which `wrap_objid` is the id of a joint."""
 WRAP_SITE = 3
-"""Values of `wrap_type` for which `wrap_objid` is the id of a joint or a site."""
+"""The value of `wrap_type` for which `wrap_objid` is the id of a site."""
 WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
 
@@ -237,8 +238,9 @@ def _exclude(model: MjModel, index: int) -> Iterator[Link]:
 
 
 ON_JOINTS = (0, 1)
+"""Values of `actuator_trntype` for an actuator on a joint, in its own frame or in its parent's."""
 ON_TENDON = 3
-"""Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
+"""The value of `actuator_trntype` for an actuator on a tendon."""
 
 _TARGETS: dict[int, tuple[str, ...]] = {
     **dict.fromkeys(ON_JOINTS, ("joint",)),

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
 
 _TRIES = 600
+"""The tries for each copy."""
 _ROUNDS = 6
-"""The tries for each copy, and how often to begin again if one of them finds no place."""
+"""How often to begin again if a copy finds no place."""
 _DEPTH = 1e-5
 """How deep a copy may be in the surface that it lies on, in meters."""
 _UP = 4e-7
@@ -362,6 +363,7 @@ def _support(model: MjModel, data: MjData, geom: int) -> Any:
     return pos + points @ matrix.T
 
 
+# Values of `mjtGeom`.
 _PLANE = 0
 _HFIELD = 1
 _SPHERE = 2
@@ -369,7 +371,6 @@ _CAPSULE = 3
 _ELLIPSOID = 4
 _CYLINDER = 5
 _MESH = 7
-"""Of `mjtGeom`."""
 
 
 def _turn(drawn: Any, count: int) -> Quat:

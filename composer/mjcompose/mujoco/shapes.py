@@ -226,12 +226,13 @@ def hull_of(vertices: numpy.ndarray, most: int | None = None) -> MeshHull:
     return MeshHull(corners, faces)
 
 
+# The codes of the warnings.
 SIZE = "mesh-size"
 SHAPE = "mesh-shape"
-"""The codes of the warnings."""
+
+# In meters, a hall and a screw. Beyond these a mesh is doubtful, but not in a model that is as large itself.
 _LARGE = 20.0
 _SMALL = 1e-3
-"""In meters: halls and screws. Beyond these a mesh is doubtful, but not in a model that is as large itself."""
 _TIMES = 50.0
 """By the distance of neighboring bodies."""
 _LEAST_REACH = 0.1

@@ -82,8 +82,11 @@ def rows_of_size(model: MjModel, kind: str, rows: int) -> Rows:
 
 
 Numbers = NDArray[Any]
-MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
-"""The number that scales the tolerances of solvers, and the number that scales forces in viewers."""
+MEAN_INERTIA = "stat.meaninertia"
+"""The number that scales the tolerances of solvers."""
+MEAN_MASS = "stat.meanmass"
+"""The number that scales forces in viewers."""
+MEANS = (MEAN_INERTIA, MEAN_MASS)
 _LARGE = 1 << 16
 _FIRST = 4
 """Larger arrays are assets, such as the vertices of meshes. For draws they are only compared in these first worlds."""

@@ -213,7 +213,8 @@ class AppendElement(Step):
     def of(cls, given: StepInput) -> Iterator[Step]:
         for section in cls.sections:
             written = getattr(given.recipe, section)
-            for element in written.elements if isinstance(written, Contact) else written:
+            elements = written.elements if isinstance(written, Contact) else written
+            for element in elements:
                 yield cls(section, element, given.span(element.at, key=True))
 
     @property

@@ -56,8 +56,9 @@ def check(files: int, size: int, packed: int | None = None) -> None:
 _CHUNK = 1024 * 1024
 _HEADER = 16 * _CHUNK
 _NAME_MAX = 255
+"""The most bytes of a file name."""
 _PATH_MAX = 2048
-"""Maximum bytes of a file name, and of a path below the store."""
+"""The most bytes of a path below the store."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 _OPENERS: tuple[tuple[bytes, Any], ...] = (
     (b"\x1f\x8b", gzip.open),

@@ -54,9 +54,9 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
     return found
 
 
+# Of a link that moves and weighs nothing, in kg and kg·m²: MuJoCo needs more than 1e-14.
 _MASS = "1e-9"
 _MOMENT = "1e-12"
-"""The mass (kg) and the moments (kg·m²) of a link that moves and weighs nothing: MuJoCo needs more than 1e-14."""
 
 
 def massless(name: str, *, moves: bool = False) -> Node:
@@ -118,8 +118,9 @@ def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[t
         yield here, etree.Element("sphere", radius=text(size[0]))
     elif kind in ("cylinder", "capsule"):
         yield here, etree.Element("cylinder", radius=text(size[0]), length=text(2 * size[1]))
-        for end in (size[1], -size[1]) if kind == "capsule" else ():  # URDF has no capsules
-            yield shifted((0, 0, end)), etree.Element("sphere", radius=text(size[0]))
+        if kind == "capsule":  # URDF has no capsules
+            for end in (size[1], -size[1]):
+                yield shifted((0, 0, end)), etree.Element("sphere", radius=text(size[0]))
     elif kind == "mesh":
         meshes = draft.root.iterfind("asset/mesh")
         file = next(each.get("file") for each in meshes if each.get("name") == geom.get("mesh"))

@@ -91,7 +91,8 @@ def names(tree: Expression) -> Iterator[Variable]:
 def _children(tree: Expression) -> Iterator[Expression]:
     for name in _FIELDS[type(tree)]:
         value = getattr(tree, name)
-        for child in value if isinstance(value, tuple) else (value,):
+        children = value if isinstance(value, tuple) else (value,)
+        for child in children:
             if isinstance(child, Expression):
                 yield child
 

@@ -88,7 +88,8 @@ def leaves(value: Value) -> Iterator[Value]:
     [1, 2, 3, 'x']
     """
     if isinstance(value, tuple | DataTable):
-        for each in value.values() if isinstance(value, DataTable) else value:
+        items = value.values() if isinstance(value, DataTable) else value
+        for each in items:
             yield from leaves(each)
     else:
         yield value

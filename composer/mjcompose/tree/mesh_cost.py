@@ -21,8 +21,9 @@ from mjcompose.tree.files import join, stem, written_path
 from mjcompose.tree.unit import Unit
 
 _FACE = 50
+"""The bytes of a face in a binary STL file."""
 _HEAD = 84
-"""Bytes of a face and of the head of a binary STL file."""
+"""The bytes of the head of a binary STL file."""
 _PIECE = 1 << 24
 _INDENTED = re.compile(rb"\n +")
 _LONG = 1000

@@ -19,12 +19,15 @@ from typing import Any
 from mjcompose.base.dataclass import Struct
 
 LONGEST = 10_000
+"""The most characters of an expression."""
 DEEPEST = 100
-"""The most characters of an expression, and its deepest nesting."""
+"""The deepest nesting of an expression."""
 STEPS = 500_000
+"""The most steps of all expressions of a template."""
 LARGEST = 200_000
+"""The greatest length of one value."""
 BITS = 4096
-"""Limits: steps of all expressions of a template, length of one value, bits of an integer."""
+"""The most bits of an integer."""
 Names = Callable[[str], Any]
 """Return the meaning of a name. Raises KeyError."""
 

@@ -20,11 +20,13 @@ from mjcompose.urdf.robot import Robot, by_name, end_of
 CODE = "urdf-inertia"
 _NAMES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _SMALLEST = 1e-9
+"""The moment (kg m²) for a body without any: above MuJoCo's bound, and negligible."""
 _LIGHTEST = 1e-6
-"""The moment (kg m²) and mass (kg) for a body without any: above MuJoCo's bounds, and negligible."""
+"""The mass (kg) for a body without any: above MuJoCo's bound, and negligible."""
 _LEAST_MOMENT = 1e-14
+"""MuJoCo refuses smaller moments of any body."""
 _LEAST_MASS = 1e-15
-"""MuJoCo refuses smaller moments of any body, and smaller masses of moving bodies."""
+"""MuJoCo refuses smaller masses of moving bodies."""
 _NAMED = 8
 Matrix = list[list[float]]
 _TURNED = """<robot name="turned">

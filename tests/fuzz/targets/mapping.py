@@ -56,7 +56,8 @@ def check(path: Path, tools: Tools) -> str | None:
     file = path.with_name("model.yaml")  # the name of a model from a mapping
     file.write_text(text, encoding="utf-8")
     try:
-        ours, theirs = _outcome(data, base_dir=path.parent), _outcome(file)
+        ours = _outcome(data, base_dir=path.parent)
+        theirs = _outcome(file)
     finally:
         file.unlink()
     if "unnamed" in ours[1]:

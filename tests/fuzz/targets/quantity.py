@@ -78,7 +78,8 @@ def _read(data: bytes) -> dict[str, Any] | None:
 
 def _numbers(tree: Any) -> Iterator[tuple[Any, Any]]:
     """Yield the places of numbers: each the mapping or list, and the key in it."""
-    for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    for key, value in items:
         if isinstance(value, dict | list):
             yield from _numbers(value)
         elif isinstance(value, int | float) and not isinstance(value, bool):

@@ -395,7 +395,8 @@ class Selects(ByGrammar):
 
 def _is_computed(value: Any, faults: list[Fault]) -> bool:
     found = False
-    for index, each in enumerate(value) if isinstance(value, list) else ((None, value),):
+    items = enumerate(value) if isinstance(value, list) else ((None, value),)
+    for index, each in items:
         if isinstance(each, str) and is_template(each):
             check_template(each, () if index is None else (index,), faults)
             found = True

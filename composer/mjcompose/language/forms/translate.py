@@ -256,7 +256,8 @@ def misspelt(errors: Sequence[Any], root: Any, data: Any) -> dict[int, Any]:
             around = spot(root, each["loc"], data).model
             right = around.instead.get(key) if is_model(around) else None  # type: ignore[union-attr]
             only = list(beside) if right is not None and len(beside) == 1 else None
-            for near in [right] if right in beside else only or closest(key, list(beside)):
+            likely = [right] if right in beside else only or closest(key, list(beside))
+            for near in likely:
                 found[id(each)] = beside[near]
     return found
 
@@ -316,7 +317,8 @@ def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault
         return text
 
     related = tuple((fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related)
-    at, help = spot(root, loc, data, start=start).at, fault.help and fill(fault.help)
+    at = spot(root, loc, data, start=start).at
+    help = fault.help and fill(fault.help)
     return replace(fault, message=fill(fault.message), at=at, help=help, related=related)
 
 

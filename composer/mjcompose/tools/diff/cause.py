@@ -328,7 +328,8 @@ def _latest_first(mine: list[Span], theirs: list[Span]) -> Iterator[_Spans]:
 def _said(mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None) -> Iterator[CauseLines]:
     """Yield the lines about a part that differ between two recipes; `keys` limits the comparison."""
     ours, others = ({} if each is None else each.entries for each in (mine, theirs))
-    for key in keys if keys is not None else {**ours, **others}:
+    compared = keys if keys is not None else {**ours, **others}
+    for key in compared:
         first, second = (each[key][1] if key in each else None for each in (ours, others))
         yield from (CauseLines(f"`{key}`", before, after) for before, after in _unlike(first, second))
 

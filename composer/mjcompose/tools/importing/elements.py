@@ -77,7 +77,8 @@ def items(unit: Unit) -> Iterator[ModelElement]:
     """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
     for section in unit.root.iterchildren(*SECTIONS):
         kinds = GRAMMAR.within(str(section.tag))
-        for node in section.iter("*") if section.tag == "worldbody" else section.iterchildren("*"):
+        nodes = section.iter("*") if section.tag == "worldbody" else section.iterchildren("*")
+        for node in nodes:
             kind = kinds.get(str(node.tag))
             name = None if kind is None else kind.attributes.get("name")
             if node is not section and kind is not None and name is not None and name.declares is not None:
@@ -237,7 +238,8 @@ Placed = tuple[Pose, list[float]]
 def placed(values: Mapping[str, str], settings: SourceSettings) -> Placed | None:
     """Return the pose and size that the values describe, or None if they are not numbers."""
     try:
-        pose, size = pose_in(values, settings), read(values.get("size", ""))
+        pose = pose_in(values, settings)
+        size = read(values.get("size", ""))
         if not values.get("fromto"):
             return pose, size
         ends = read(values["fromto"])

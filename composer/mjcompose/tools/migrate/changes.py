@@ -86,13 +86,18 @@ def _report(
 
 
 advise = partial(_report, Migration.warn)
+"""Report each matching element, which no rule can migrate, as a warning."""
 refuse = partial(_report, Migration.refuse)
-"""Report each matching element, which no rule can migrate: as a warning, or as an error."""
+"""Report each matching element, which no rule can migrate, as an error."""
 
 
 def _plugin(name: str, version: str, plugins: tuple[str, ...], places: str, help: str) -> Change:
-    message, matches = "MuJoCo no longer has the plugin of {called}", lambda _, node: node.get("plugin") in plugins
-    return Change(name, version, (refuse("extension/plugin " + places, message, help, matches=matches)[0], None))
+    def uses_plugin(_: object, node: Node) -> bool:
+        return node.get("plugin") in plugins
+
+    message = "MuJoCo no longer has the plugin of {called}"
+    act = refuse("extension/plugin " + places, message, help, matches=uses_plugin)[0]
+    return Change(name, version, (act, None))
 
 
 def _keep_colors(editing: Migration, value: str) -> None:
@@ -286,6 +291,7 @@ def between(before: str, after: str) -> Iterator[tuple[Change, Act | None]]:
     """Yield the changes between two versions with their edits, in the order in which they are made."""
     is_back = later(before, after)
     low, high = sorted(map(version_key, (before, after)))
-    for change in reversed(ORDERED) if is_back else ORDERED:
+    in_order = reversed(ORDERED) if is_back else ORDERED
+    for change in in_order:
         if low < version_key(change.version) <= high and version_key(change.since) <= low:
             yield change, change.acts[is_back]

@@ -106,7 +106,8 @@ def _changes(
     tag = str(node.tag)
     now = {str(name): str(value) for name, value in node.items()}
     if tag != head.tag:
-        for at in (head.start + 1, close + 2) if close else (head.start + 1,):
+        starts = (head.start + 1, close + 2) if close else (head.start + 1,)
+        for at in starts:
             yield at, at + len(head.tag), tag
     known = {attribute.name: attribute for attribute in head.attributes}
     kept = _kept(now, known, renamed)

@@ -38,9 +38,9 @@ def _shift(editing: Migration, sign: float) -> None:
             editing.set(node, "margin", number_text(round(new, 15)))
 
 
+# Since 3.9 the force begins at the margin; before, at the margin less the gap.
 gap_inside = partial(_shift, sign=-1.0)
 gap_outside = partial(_shift, sign=1.0)
-"""Since 3.9 the force begins at the margin; before, at the margin less the gap."""
 
 
 def _combine(editing: Migration, factor: float, was: str, now: str) -> None:
@@ -65,9 +65,9 @@ def _combine(editing: Migration, factor: float, was: str, now: str) -> None:
         first.warn(node, f"{several} have a `{name}`: {has}", help)
 
 
+# Since 3.5 a contact has the sum of the margins of its two geoms; before, the larger margin.
 larger_of_two = partial(_combine, factor=0.5, was="the larger", now="the sum")
 sum_of_two = partial(_combine, factor=2.0, was="the sum", now="the larger")
-"""Since 3.5 a contact has the sum of the margins of its two geoms; before, the larger margin."""
 
 
 def _collides(editing: Migration, node: Node) -> bool:

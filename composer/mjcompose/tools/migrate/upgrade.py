@@ -74,7 +74,8 @@ def upgrade(request: UpgradeRequest, context: Context, progress: Callable[[str],
         migrate.gather((before, after), others, context)
         with scratch("upgrade") as folder:
             trials = _Trials(request, model, folder, context=context, others=others, progress=progress)
-            one, other = trials.motion(model, before), trials.motion(model, after)
+            one = trials.motion(model, before)
+            other = trials.motion(model, after)
             moved = differences(one, other, signal="qpos", tolerance=request.tolerance)
             causes = tuple(trials.causes(one, moved, before, after=after)) if moved else ()
             inertias = tuple(other_inertias(one, other))

@@ -146,7 +146,8 @@ class _Keys:
         scalars: list[tuple[int, int, Scalar, DataPath]] = []
         if tree is not None:
             for path, key, node in walk(tree):
-                for span in (node.span,) if key is None else (key.span, node.span):
+                spans = (node.span,) if key is None else (key.span, node.span)
+                for span in spans:
                     self._paths[span.line, span.column, span.end_column] = path
                 if isinstance(node, Scalar):
                     scalars.append((node.span.line, node.span.column, node, path))

@@ -186,11 +186,11 @@ def _is_same(before: Any, after: Any) -> bool:
 
 
 Floats: TypeAlias = "list[float] | tuple[float, ...]"
+# The digits of written numbers: 0.01 mm and 0.001 degrees.
 _POS = 5
 _AXIS = 6
 _DEGREES = 3
 _RADIANS = 6
-"""The digits of numbers: 0.01 mm and 0.001 degrees."""
 _TURN = 2e-4
 """Rotations that differ by fewer radians count as equal."""
 

@@ -122,7 +122,8 @@ def common(trees: Sequence[Tree]) -> set[str]:
     first, *others = trees
     for each in others:
         if each.own["world"] != first.own["world"]:
-            ours, theirs = set(first.own["world"]), set(each.own["world"])  # type: ignore[call-overload]
+            ours = set(first.own["world"])  # type: ignore[call-overload]
+            theirs = set(each.own["world"])  # type: ignore[call-overload]
             kind, name, *_ = min(ours ^ theirs, key=str)
             message = f"only one of `{each.name}` and `{first.name}` has the {kind} `{name}` on the world"
             raise failure(CODE, message, "put it into a body of its own: a union consists of whole bodies")

@@ -78,7 +78,8 @@ class _Named:
         if not isinstance(names, Iterable):
             raise TypeError(f"give one or several names, not {names!r}")
         found: list[int] = []
-        for name in [names] if isinstance(names, str) else names:
+        several = [names] if isinstance(names, str) else names
+        for name in several:
             if (row := self._row(name)) is not None:
                 found.append(row)
                 continue

@@ -60,7 +60,9 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
 _INSTEAD = "remove its changes from the recipe, or use `worlds.mujoco`"
 _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
+"""The options of a fluid."""
 _IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
+"""Arrays of Warp's model that its steps read only in a fluid."""
 _FACTORS = ("efm0_", "dof_M0", _OF_SLEEP)
 """Arrays of Warp's model that its steps do not read, except with sleep or the discrete integrator."""
 
