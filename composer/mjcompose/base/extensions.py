@@ -89,10 +89,10 @@ class ExtensionTable(dict[str, Row]):
     be `modules`, in which the row has the same name; `[]` imports the module. If the row is the form of something, the
     module of an extension has its effect, too: a function with one of the names in `effects`.
 
-    >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
+    >>> table = ExtensionTable("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
     (1, False)
-    >>> Table("checks", {}, "__name__", modules={"mass": "decimal"})["mass"]
+    >>> ExtensionTable("checks", {}, "__name__", modules={"mass": "decimal"})["mass"]
     'decimal'
     """
 

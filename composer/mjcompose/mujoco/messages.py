@@ -162,7 +162,7 @@ def parse(text: str) -> EngineMessage:
     r"""Split one message of MuJoCo into its parts.
 
     >>> parse("Error: size 0 must be positive in geom\nElement name 'left/pad', id 3, line 38")
-    Fault(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
+    EngineMessage(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
     """
     text = _NO_OBJECT.sub("", text.strip())
     broken = _XML.match(text)

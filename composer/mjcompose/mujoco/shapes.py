@@ -282,9 +282,9 @@ def doubts(mesh: MeshMeasurements, reach: float, *, touches: bool = True, inside
     A mesh that nothing touches (`touches` is false) may be flat. `inside` is a clause about a use that needs a volume;
     without it, a mesh may be open, because MuJoCo lets its convex hull collide.
 
-    >>> [each.what for each in doubts(Measured(300.0), 0.4)]
+    >>> [each.what for each in doubts(MeshMeasurements(300.0), 0.4)]
     ['is 300 m from corner to corner, and neighboring bodies are at most 0.4 m apart']
-    >>> [each.code for each in doubts(Measured(0.2, is_closed=False), 0.4, inside="its mass is computed from it")]
+    >>> [each.code for each in doubts(MeshMeasurements(0.2, is_closed=False), 0.4, inside="it has a mass")]
     ['mesh-shape']
     """
     reach = max(reach, _LEAST_REACH)

@@ -122,7 +122,7 @@ class Step(ABC):
 def words_of_element(element: RecipeElement) -> str:
     """Return the name of an element in the words of a step.
 
-    >>> words_of_element(Element("geom")), words_of_element(Element("site", {"name": "tip"}))
+    >>> words_of_element(RecipeElement("geom")), words_of_element(RecipeElement("site", {"name": "tip"}))
     ('a geom', 'site tip')
     """
     name = element.attributes.get("name")

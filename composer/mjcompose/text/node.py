@@ -347,7 +347,7 @@ def _insert(file: str, line: int, column: int, text: str) -> TextChange:
 def changed(text: str, changes: Iterable[TextChange]) -> str:
     r"""Return the text with changes that do not overlap.
 
-    >>> changed("a: 1\nb: 2\n", [Change(Span("", 2, 4, 2, 5), "3"), Change(Span("", 1, 5, 1, 5), "\nc: 4")])
+    >>> changed("a: 1\nb: 2\n", [TextChange(Span("", 2, 4, 2, 5), "3"), TextChange(Span("", 1, 5, 1, 5), "\nc: 4")])
     'a: 1\nc: 4\nb: 3\n'
     """
     starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]

@@ -76,7 +76,7 @@ def edit_of(diagnostic: Diagnostic, source: str) -> TextEdit | None:
 
     >>> span = Span("a.yaml", 1, 7, 1, 13)
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("arm/tip", "tipp")), 'site: "tipp"')
-    Edit(start=6, end=12, text='"arm/tip"')
+    TextEdit(start=6, end=12, text='"arm/tip"')
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("tip", "tipp")), 'site: "other"')
     """
     fix = diagnostic.fix
@@ -176,7 +176,7 @@ def place_of(diagnostic: Diagnostic) -> Span | None:
 def applied(source: str, edits: Iterable[TextEdit]) -> str:
     """Return the text with all changes; if two changes overlap, only the first one is made.
 
-    >>> applied("a b c", [Edit(0, 1, "x"), Edit(4, 5, "z"), Edit(0, 3, "y")])
+    >>> applied("a b c", [TextEdit(0, 1, "x"), TextEdit(4, 5, "z"), TextEdit(0, 3, "y")])
     'x b z'
     """
     result = ""

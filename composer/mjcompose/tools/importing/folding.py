@@ -41,7 +41,7 @@ class _Written(NamedTuple):
 def folded(entries: Sequence[SectionEntry]) -> list[SectionEntry]:
     """Return the entries with each run of at least `FEWEST` that differ in a pattern as one.
 
-    >>> entries = [Entry("sensor", f"s{i}: {{type: force, site: arm{i + 1}/tip}}") for i in range(5)]
+    >>> entries = [SectionEntry("sensor", f"s{i}: {{type: force, site: arm{i + 1}/tip}}") for i in range(5)]
     >>> print(folded(entries)[0].text)
     "s${i}": {for: {i: 5}, type: force, site: "arm${i + 1}/tip"}
     """
