@@ -75,7 +75,7 @@ def test_rows_for_a_new_version(before: str, after: str, rows: list[str]) -> Non
 
 
 def test_a_row_says_where_a_class_differs() -> None:
-    in_class, in_body, after = TEXT.partition(f" {GEOM} ")[0], *TEXT.partition(f" {GEOM} ")[2].split(f" {GEOM} ")
+    in_class, in_body, after = TEXT.split(f" {GEOM} ")
     new = f"{in_class} {GEOM} {in_body} {GEOM} glow {after}"
     assert needed(new) == ['`geom`: add "glow": {"type": "…", "since": "99.0.0", "in_default": false}']
     gone = f"{in_class} {in_body} {GEOM} {after}"

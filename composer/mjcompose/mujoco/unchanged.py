@@ -83,7 +83,8 @@ class Placing:
             for kind, roots in self.roots.items():
                 for index in roots:
                     name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
-                    for field, expected, actual in self._light(index) if kind == "light" else self._posed(kind, index):
+                    poses = self._light(index) if kind == "light" else self._posed(kind, index)
+                    for field, expected, actual in poses:
                         turned = tuple(-x for x in actual) if field == "quat" else actual
                         if _near(expected, actual, bound) or _near(expected, turned, bound):
                             continue
@@ -328,7 +329,8 @@ def number_differences(matching: Correspondence, rules: Rules) -> list[Differenc
             found.append(Difference(each.kind, name, f"{field}, rows", expected=rows[0], actual=rows[1]))
             continue
         several = field.startswith("dof_")  # a row for each degree of freedom
-        for row in differing_rows(each.different) if several else [...]:
+        rows_apart = differing_rows(each.different) if several else [...]
+        for row in rows_apart:
             expected = each.expected[row]
             actual = each.actual[row]
             different = each.different[row]

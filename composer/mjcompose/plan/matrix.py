@@ -45,7 +45,8 @@ def draw_parameters(
         source = _Source(field, concrete, document, sink=sink)
         if not source.can_be_drawn():
             continue
-        for number in (sample,) if sample else range(1, randomize.samples + 1):
+        numbers = (sample,) if sample else range(1, randomize.samples + 1)
+        for number in numbers:
             value = source.value(randomize.seed, number)
             if value is None:
                 break

@@ -242,7 +242,9 @@ def check_characters(node: Node, sink: Sink) -> None:
     """Report every key and value with a character that cannot occur in a name, a path or a value of a model."""
     for _, key, value in walk(node):
         texts = [(key.name, key.span)] if key is not None else []
-        for text, span in [*texts, (value.text, value.span)] if isinstance(value, Scalar) else texts:
+        if isinstance(value, Scalar):
+            texts.append((value.text, value.span))
+        for text, span in texts:
             odd = NOT_XML.search(text)
             if odd:
                 message = f"this escape is the character {code_point(odd.group())}, which XML cannot contain"

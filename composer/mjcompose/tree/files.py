@@ -92,8 +92,10 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
     """Yield element, attribute and value of every mesh, texture, height field, skin or flex file that a model names."""
     for section in root.iterchildren("asset", "worldbody", "deformable"):
         tags = NAMED_AFTER_FILE if section.tag == "asset" else ("skin",)
-        for element in section.iter("flexcomp") if section.tag == "worldbody" else section.iterchildren(*tags):
-            for attribute in ("file", *CUBE) if element.tag == "texture" else ("file",):
+        elements = section.iter("flexcomp") if section.tag == "worldbody" else section.iterchildren(*tags)
+        for element in elements:
+            attributes = ("file", *CUBE) if element.tag == "texture" else ("file",)
+            for attribute in attributes:
                 name = element.get(attribute)
                 if name:
                     yield element, attribute, name

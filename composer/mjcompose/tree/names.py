@@ -198,7 +198,8 @@ class NameIndex(Names, frozen=False):
                     self.declared.setdefault(namespace, {}).setdefault(own, node)
             elif value:
                 target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
-                for name in value.split() if kind == LISTS else (value,):
+                names = value.split() if kind == LISTS else (value,)
+                for name in names:
                     if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
                         self.uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
 

@@ -341,7 +341,8 @@ def _condition(tag: str, key: str, value: Any) -> ExpectedValue | Fault:
     if isinstance(attr, Fault):
         return attr
     numbers: list[Number] = []
-    for each in value if isinstance(value, list) else [value]:
+    items = value if isinstance(value, list) else [value]
+    for each in items:
         try:
             numbers.append(with_unit(Figure().read(each)))
         except PydanticKnownError:

@@ -14,11 +14,11 @@ def numbers(tensor):
 
 
 def read(file):
-    robot = Robot(file)
+    robot = GenesisRobot(file)
     return robot.facts(), robot.placed, robot.moved
 
 
-class Robot:
+class GenesisRobot:
     """A model of Genesis; `links` and the `joints` with one degree of freedom are by name."""
 
     def __init__(self, file):

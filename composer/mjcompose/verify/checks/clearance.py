@@ -29,7 +29,8 @@ def check(scope: Scope, clearance: Clearance) -> list[Fault]:
     near: dict[tuple[str, Pair], float] = {}
     nearest: float | None = None
     for where, data in _places(scope, clearance.key):
-        for pair, distance in _apart(scope, data, sides, least) if sides else _touching(scope, data, least):
+        distances = _apart(scope, data, sides, least) if sides else _touching(scope, data, least)
+        for pair, distance in distances:
             if distance >= least and nearest is not None and distance >= nearest:
                 continue
             if _is_ignored(scope, pair, ignored):
