@@ -83,7 +83,8 @@ def places_of(mujoco: Any, model: MjModel, kind: str, name: str, attribute: str)
         yield "body_ipos", 3 * identity + int(index[:-1])
         return
     start = int(index[:-1]) if index else 0
-    for tag in (kind, *_TAGS) if kind == "actuator" else (kind,):
+    tags = (kind, *_TAGS) if kind == "actuator" else (kind,)
+    for tag in tags:
         question = {"tag": tag, "family": kind, "name": name, "place": None, "attribute": base}
         (answer,) = resolve_addresses(mujoco, model, [{**question, "start": start, "count": 1}])
         if "error" not in answer:
