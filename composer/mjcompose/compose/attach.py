@@ -22,17 +22,27 @@ from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.language.value import RecipeElement
 from mjcompose.link import numbers
-from mjcompose.link.bodies import bodies, effective_pose
+from mjcompose.link.additions import declare, hang, holder_of
+from mjcompose.link.bodies import effective_pose
 from mjcompose.link.inertia import has_mass
-from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, SensorBody
+from mjcompose.link.linking import (
+    AddedElement,
+    AttachmentPlace,
+    Joint,
+    LaterPlace,
+    Linking,
+    Part,
+    PlaceName,
+    SensorBody,
+)
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import copy_poses
 from mjcompose.link.world import floats_by_itself
 from mjcompose.mujoco.attributes import arrays_of
 from mjcompose.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw
-from mjcompose.plan.steps import AddedPlace, AddElement, DrawValues, SetDefault, SetSingleton, Step, steps_adding
+from mjcompose.plan.steps import AddElement, DrawValues, SetDefault, SetSingleton, steps_adding
 from mjcompose.text.node import locate
-from mjcompose.tree.classes import MAIN, NESTED, own
+from mjcompose.tree.classes import MAIN, own
 from mjcompose.tree.cost import all_scaled_above, scaled_above
 from mjcompose.tree.edit import unresolved
 from mjcompose.tree.files import read_settings
@@ -435,27 +445,33 @@ def _report_no_mate(step: AttachPart, known: Mapping[str, Collection[str]], maki
 
 def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
-    holder = linking.base.section("worldbody") if step.to_kind == "world" else linking.names.find(step.to_kind, step.to)
-    if holder is None:
-        _report_no_target(step, linking, making)
+    hang_up(step, _added(step, making), linking, making)
+
+
+def _added(step: AddElement, making: ElementBuilder, places: Iterable[PlaceName] = ()) -> AddedElement:
+    """Make the element of a step, which is not in the model yet."""
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
     node = make_node(step.element, kind.children.get(step.element.tag, kind), making)
     making.register(node, "worldbody")
-    for place in node.iter("body", "frame", "site"):  # later entries may add to it, and parts may be attached to it
-        if name := place.get("name"):
-            linking.names.declared.setdefault(str(place.tag), {}).setdefault(str(name), place)
+    return AddedElement(node, (step.to_kind, step.to), tuple(places), step)
+
+
+def hang_up(step: AddElement, addition: AddedElement, linking: Linking, making: ElementBuilder) -> None:
+    """Append the element of a step, and report a target that does not exist."""
+    holder = holder_of(linking, addition)
     if holder is None:
-        return  # its names count as declared, so references to them are not a second fault
-    if step.to_kind == "world" and linking.base_class is not None:
-        # Each child has its own class: for `<worldbody childclass="c">` MuJoCo 4.0 says "World body cannot have
-        # attributes".
-        if node.tag in NESTED:
-            if node.get("childclass") is None:
-                node.set("childclass", linking.base_class)
-        elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
-            node.set("class", linking.base_class)
+        _report_no_target(step, linking, making)
+        declare(linking, addition.node)  # so that references to its names are not a second fault
+        return
+    hang(linking, addition, holder)
+    check_hung(step, addition.node, linking, making)
+
+
+def check_hung(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:
+    """Report an element that is scaled or adds no mass where it is now."""
+    holder = node.getparent()
+    assert holder is not None
     _check_scale(step, holder, linking, making=making)
-    holder.append(node)
     _check_mass(step, node, linking, making=making)
     body = next((each for each in (holder, *holder.iterancestors()) if each.tag == "body"), None)
     if body not in linking.notes.inertia_written:  # that is reported already
@@ -493,10 +509,10 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
 def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
     help: str | None = None
-    later = linking.later_places.target_of(step.to_kind, step.to) if linking.later_places else None
+    later = linking.later_places.get((step.to_kind, step.to))
     if later is not None:
         message = f"the {step.to_kind} `{step.to}` to add to does not exist yet: a later entry adds it"
-        notes = (Note("it is added here", later[1]),)
+        notes = (Note("it is added here", later.span),)
         help = "put that entry above this one"
         making.sink.error("unknown-name", message, step.to_span, notes=notes, help=help, subjects=(step.to,))
         return
@@ -514,51 +530,25 @@ def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder
     )
 
 
-Place = tuple[str, str]
+def later_places(plan: Plan) -> dict[PlaceName, LaterPlace]:
+    """Return the places that a plan adds, each with the element that it is added to."""
+    return {
+        name: LaterPlace((place.step.to_kind, place.step.to), place.span) for name, place in plan.added_places.items()
+    }
 
 
-class EarlyAdditions(Struct, frozen=False):
-    plan: Plan
-    linking: Linking
-    making: ElementBuilder
-    places: Mapping[Place, AddedPlace] = field(init=False)
-    done: dict[int, AddElement] = field(default_factory=dict)
-    """By identity, because comparing two entries compares everything in them."""
-    names_of: dict[int, list[Place]] = field(default_factory=dict)
+def early_additions(plan: Plan, parts: Iterable[Part], making: ElementBuilder) -> dict[int, AddedElement]:
+    """Make the elements with the places that parts may wait for, by the identities of their steps.
 
-    def __post_init__(self) -> None:
-        self.places = self.plan.added_places
-        for name, place in self.places.items():
-            self.names_of.setdefault(id(place.step), []).append(name)
-
-    def make(self, kind: str, name: str) -> list[Place]:
-        """Add a place and the elements above it. Return all new places, none if it cannot be added yet."""
-        steps = steps_adding(self.places, kind, name, done=self.done)
-        holder = self.linking.names.find(steps[0].to_kind, steps[0].to) if steps else None
-        is_there = holder is not None and holder.getroottree().getroot() is self.linking.base.root
-        if not steps or not (is_there or steps[0].to_kind == "world"):
-            return []
-        for step in steps:
-            # Changes so far belong to the pass.
-            self.linking.watch(self.linking.units, bodies)
-            add_element(step, self.linking, self.making)
-            self.linking.watch(self.linking.units, step)
-            self.done[id(step)] = step
-        return [name for step in steps for name in self.names_of[id(step)]]
-
-    def has_done(self, step: Step) -> bool:
-        """Return whether the step was carried out because a part waited for it."""
-        return id(step) in self.done
-
-    def names(self) -> list[Place]:
-        return [key for key, place in self.places.items() if not self.has_done(place.step)]
-
-    def waits_for(self, kind: str, name: str) -> Place | None:
-        """Return the place that must exist before this place can be added, or None if it exists."""
-        steps = steps_adding(self.places, kind, name, done=self.done)
-        return (steps[0].to_kind, steps[0].to) if steps else None
-
-    def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """Return the target of an added place and the span of the place's name, or None if no entry adds it."""
-        steps = steps_adding(self.places, kind, name)
-        return (steps[0].to, self.places[kind, name].span) if steps else None
+    Each comes after the ones that it is added to. Comparing two steps compares everything in them, so they are told
+    apart by identity.
+    """
+    places = plan.added_places
+    steps: dict[int, AddElement] = {}
+    for part in parts:
+        chain = steps_adding(places, part.place.kind, str(part.place.name))
+        steps.update((id(step), step) for step in chain if id(step) not in steps)
+    names: dict[int, list[PlaceName]] = {}
+    for name_of_place, place in places.items():
+        names.setdefault(id(place.step), []).append(name_of_place)
+    return {key: _added(step, making, names[key]) for key, step in steps.items()}

@@ -18,11 +18,14 @@ from mjcompose.base.extensions import check_rows
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.attach import (
-    EarlyAdditions,
     UnplacedRecord,
     add_element,
     add_joints,
+    check_hung,
     check_joints,
+    early_additions,
+    hang_up,
+    later_places,
     part_of,
     placed_records,
     unplaced_records,
@@ -52,7 +55,7 @@ from mjcompose.link.excerpt import Excerpt
 from mjcompose.link.files import SHARED, Merged, add_file, dedup, share_in_copies
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import FileUse, Linking, LinkRequest, ModelMeasure, Part, common_angle
+from mjcompose.link.linking import AddedElement, FileUse, Linking, LinkRequest, ModelMeasure, Part, common_angle
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
@@ -342,9 +345,14 @@ class Composer:
         self.watch([base, *units], plan)
         making = ElementBuilder.of(plan, base, self.context, model_angle=common_angle([base, *units]))
         linking = self._linking(plan, base, units, making=making)
-        early = EarlyAdditions(plan, linking, making)
-        linking.later_places = early
-        if not link(linking):
+        early = early_additions(plan, linking.parts, making)
+        linking.additions = tuple(early.values())
+        linking.later_places = later_places(plan)
+        is_linked = link(linking)
+        for addition in linking.additions:
+            if addition.is_hung and isinstance(addition.step, AddElement):
+                check_hung(addition.step, addition.node, linking, making)
+        if not is_linked:
             return None
         self.keys.note_joined(linking)
         _carry_out(plan, linking, making, early=early)
@@ -507,11 +515,17 @@ def _adds_mass(plan: Plan) -> bool:
     return assets or any(isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS for step in plan.steps)
 
 
-def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: EarlyAdditions) -> None:
+def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Mapping[int, AddedElement]) -> None:
     for step in plan.steps:
-        if not early.has_done(step) and (write := _WRITE.get(type(step))) is not None:
+        addition = early.get(id(step))
+        write = _WRITE.get(type(step))
+        if write is None or (addition is not None and addition.is_hung):
+            continue
+        if addition is not None and isinstance(step, AddElement):
+            hang_up(step, addition, linking, making)
+        else:
             write(step, linking, making)
-            linking.watch(linking.units, step)
+        linking.watch(linking.units, step)
     if making.pending:
         settle_joints(making, lambda joint: joint_type(joint, linking.base.classes))
         check_class_angles(linking, making)

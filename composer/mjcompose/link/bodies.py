@@ -11,6 +11,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.link import numbers
+from mjcompose.link.additions import hang, holder_of, later_names, outermost_target, waiting
 from mjcompose.link.angles import undo_settings
 from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.inertia import has_mass
@@ -107,17 +108,23 @@ class _AttachmentOrder:
             heappush(self.nowhere, self.numbers[part])
 
     def _make(self, part: Part) -> None:
-        """Let the recipe add the place of a part, or wait for the element that it is added to."""
-        later = self.linking.later_places
-        place = part.place
-        if later is None or part.mount is not None:
+        """Hang up the element with the place of a part, or wait for the element that it is added to."""
+        linking = self.linking
+        chain = [] if part.mount is not None else waiting(linking, (part.place.kind, str(part.place.name)))
+        if not chain:
             return
-        made = list(later.make(place.kind, str(place.name)))
-        self._exists(*made)
-        if made or (holder := later.waits_for(place.kind, str(place.name))) is None:
+        holder = holder_of(linking, chain[0])
+        root = None if holder is None else holder.getroottree().getroot()
+        if root is not linking.base.root:
+            self.until.setdefault(chain[0].to if root is None else root, []).append(part)
             return
-        node = self.linking.names.find(*holder)
-        self.until.setdefault(holder if node is None else node.getroottree().getroot(), []).append(part)
+        for addition in chain:
+            inner = holder_of(linking, addition)
+            assert inner is not None  # the addition before has it
+            linking.watch(linking.units, bodies)  # changes so far belong to the pass
+            hang(linking, addition, inner)
+            linking.watch(linking.units, addition.step)
+        self._exists(*(place for addition in chain for place in addition.places))
 
 
 def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
@@ -148,19 +155,19 @@ def _report_ring(linking: Linking, waiting: list[Part]) -> None:
 
 def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
     """Report places that do not exist, and the first part that waits for an element that would be added to itself."""
-    later = linking.later_places
     waits = False
     for part in lost:
         place = part.place
-        added = None if later is None else later.target_of(place.kind, str(place.name))
-        if added is None:
+        name = (place.kind, str(place.name))
+        target = outermost_target(linking, name)
+        if target is None:
             _report_missing_place(linking, part)
         # An entry that adds to nothing is reported when it is carried out.
-        elif not waits and any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
+        elif not waits and any(linking.names.find(kind, target[1]) is not None for kind in ("body", "frame")):
             waits = True
-            which = f"which is added to `{added[0]}`, and that is attached to `{part.called}`"
+            which = f"which is added to `{target[1]}`, and that is attached to `{part.called}`"
             message = f"`{part.called}` is attached to the {place.kind} `{place.name}`, {which}"
-            notes = (Note(f"the {place.kind} is added here", added[1]),)
+            notes = (Note(f"the {place.kind} is added here", linking.later_places[name].span),)
             subjects = (part.called, place.name)
             span = place.span or part.span
             help = "add or attach one of them to the base or to the world"
@@ -170,7 +177,7 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
 def _report_missing_place(linking: Linking, part: Part) -> None:
     kind = part.place.kind
     name = part.place.name or ""
-    added = [] if linking.later_places is None else linking.later_places.names()
+    added = later_names(linking)
 
     def known(kind: str) -> list[str]:
         return [each for each in linking.names.known(kind) if not each.startswith(part.prefix or "\0")]

@@ -241,24 +241,31 @@ class ModelMeasure(Protocol):
     def __call__(self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]: ...
 
 
-class LaterPlaces(Protocol):
-    """Places that the recipe adds and that parts may be attached to."""
+PlaceName = tuple[str, str]
+"""The kind and the final name of a body, a frame or a site, or the world."""
 
-    def make(self, kind: str, name: str) -> Iterable[tuple[str, str]]:
-        """Add a place now. Return the new elements: none if the recipe does not add it, or not yet."""
-        ...
 
-    def waits_for(self, kind: str, name: str) -> tuple[str, str] | None:
-        """Return the element that a place needs before it can be added, or None if the recipe does not add it."""
-        ...
+class LaterPlace(Struct):
+    """A place that the recipe adds: the element that it is added to, and where the place's own name is written."""
 
-    def names(self) -> list[tuple[str, str]]:
-        """Return the kind and the name of each place that does not exist yet."""
-        ...
+    to: PlaceName
+    span: Span
 
-    def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """Return the owner of a place and where the owner's name is written, or None if the recipe does not add it."""
-        ...
+
+class AddedElement(Struct, eq=False):
+    """An element that the recipe adds, made but not in the model yet, with the places in it.
+
+    It goes to the end of the element `to`. `step` is the step of the plan that adds it, for whoever watches.
+    """
+
+    node: Node
+    to: PlaceName
+    places: tuple[PlaceName, ...]
+    step: object
+
+    @property
+    def is_hung(self) -> bool:
+        return self.node.getparent() is not None
 
 
 class FileUse(NamedTuple):
@@ -305,7 +312,10 @@ class Linking:
     submodels: int = 0
     notes: Notes = field(default_factory=Notes)
     keys: KeyTable = field(default_factory=KeyTable)
-    later_places: LaterPlaces | None = None
+    additions: tuple[AddedElement, ...] = ()
+    """The elements with places that parts may wait for, each after the ones that it is added to."""
+    later_places: Mapping[PlaceName, LaterPlace] = field(default_factory=dict)
+    """All places that the recipe adds, for messages."""
 
     @property
     def composed(self) -> bool:
