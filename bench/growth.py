@@ -38,7 +38,7 @@ _WORLD = 20.0
 _ALL_WORLDS = 60.0
 _ARMS = 10
 _TO_MJSPEC = 1.3
-_TO_LXML = 3.0
+_TO_LXML = 7.0
 _LINKS = '"{upper_arm,elbow,forearm,wrist,flange}"'
 _RECIPE = f"""recipe: 1
 name: worlds

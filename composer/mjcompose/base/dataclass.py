@@ -1,9 +1,14 @@
 """`dataclass` of the standard library, made cheap to define: a class gets its `__init__` when it is first called.
 
-The standard library compiles six functions for each frozen dataclass, and a command that plans or builds imports about
-300 of them: 0.15 of the 1.0 s of processor time of `mjcompose plan` (Python 3.11, two cores). This one compiles one
-function, and only for a class that is called; the other methods are shared. `dataclasses.fields`, `replace` and
-`asdict` work on these classes. `Struct` is the base of most of them, without a decorator.
+The standard library compiles six functions for each frozen dataclass. This one compiles one, and only for a class that
+is called; the other methods are shared. `fields`, `replace` and `asdict` of `dataclasses` work on these classes.
+`Struct` is the base of most of them, without a decorator.
+
+Defining 300 frozen classes takes 10 ms, 190 ms with the standard library and 4 ms with `msgspec.Struct` 0.22, whose
+import takes 12 ms more (Python 3.11, processor time). It makes an object in 0.09 us instead of 0.63. It lacks `init`,
+`repr` and `compare` of a field (35 uses), those functions of `dataclasses` (about 320 calls), a required field behind
+the optional ones of a base, `cached_property` without a `__dict__` in each object (14 classes), and a `__post_init__`
+that sets a field of a frozen object.
 
     >>> @dataclass(frozen=True, slots=True)
     ... class Pair:

@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from types import TracebackType
+from typing import Any, Self, TypeAlias
 
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Died, Undone
@@ -346,7 +347,7 @@ _MOST_LOST = 10  # how many times a connection is re-established
 _LOOK_AGAIN = 5.0
 
 
-class Crew(ExitStack):
+class Crew:
     """The workers of the cluster at `address` (`--cluster`); `local` starts this many.
 
     They are connected when the first cell is made. `out` is the folder or address for all models, None for a run that
@@ -357,7 +358,7 @@ class Crew(ExitStack):
     def __init__(
         self, address: str, workers: int, out: Location | None, tell: Tell, away: Finish | None = None
     ) -> None:
-        super().__init__()
+        self._held = ExitStack()
         self._address = address
         self._count = workers
         self._out = out
@@ -375,6 +376,14 @@ class Crew(ExitStack):
         self._pace = _SECONDS
         self._cells: Sequence[Cell] = ()
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._held.__exit__(kind, error, trace)
+
     @property
     def stations(self) -> Stations:
         assert self._stations is not None
@@ -382,9 +391,9 @@ class Crew(ExitStack):
 
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[CellResult | Died]:
         """Yield the result of each cell. If no worker can make a cell, this process makes it and raises errors."""
-        self._client = self.enter_context(client_of(self._address, self._count))
-        self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self)
-        self.callback(self._end_run)
+        self._client = self._held.enter_context(client_of(self._address, self._count))
+        self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self._held)
+        self._held.callback(self._end_run)
         self._cells = cells
         self._count_threads()
         stations.begin(self._client, list(self._client.nthreads()))
@@ -517,8 +526,8 @@ class Crew(ExitStack):
             self._client.close(timeout=2)
         self._tell(f"connecting to `{self._address}` again")
         try:
-            self._client = self.enter_context(contextlib.closing(connected(self._address)))
-            self.callback(self._end_run)
+            self._client = self._held.enter_context(contextlib.closing(connected(self._address)))
+            self._held.callback(self._end_run)
         except ClusterError:
             raise lost from error
         self._threads = 0
