@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, real_path
 from mjcompose.bundle import manifest as entries
@@ -194,22 +193,19 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
 
 
-class ManifestInput(Struct):
-    """The origin of a model. `compiled` is None without MuJoCo, and `pictured` says whether it has a picture."""
-
-    plan: Plan
-    composed: Composed
-    compiled: Compiled | None
-    checks: tuple[CheckOutcome, ...]
-    cell: str | None
-    pictured: bool
-    deduplicated: bool
-
-
-def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
-    plan = making.plan
-    compiled = making.compiled
-    composed = making.composed
+def add_manifest(
+    bundle: Bundle,
+    plan: Plan,
+    composed: Composed,
+    compiled: Compiled | None,
+    context: Context,
+    *,
+    checks: Iterable[CheckOutcome],
+    cell: str | None,
+    has_picture: bool,
+    deduplicated: bool,
+) -> Bundle:
+    """Return the bundle with its manifest. Without MuJoCo, `compiled` is None, and the manifest has no index."""
     model = composed.model
     named = list(sources(plan))
     names = portable(plan, model, context)
@@ -234,7 +230,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
         extensions=packages_of(plan),
         recipe=entries.RecipeFile(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
         separator=plan.separator,
-        cell=making.cell,
+        cell=cell,
         variants=dict(plan.variants),
         params={name: number_of(value) for name, value in plan.scope.items() if name not in plan.variants},
         seed=plan.randomize.seed if plan.randomize else None,
@@ -247,17 +243,17 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
             for each in model.adopted
             if each.is_written
         ),
-        read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
+        read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, plan, composed, names)),
         licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
         files=entries.files_of(bundle),
         merged=composed.merged,
-        deduplicated=making.deduplicated,
-        picture=picture_of(plan.name) if making.pictured else None,
+        deduplicated=deduplicated,
+        picture=picture_of(plan.name) if has_picture else None,
         made=tuple(
             _as(entries.GeneratedShape, each, geom=each.of, origin=names.place(each.span), **each.error)
             for each in composed.shapes
         ),
-        checks=tuple(_as(entries.PassedCheck, each, origin=names.place(each.span)) for each in making.checks),
+        checks=tuple(_as(entries.PassedCheck, each, origin=names.place(each.span)) for each in checks),
         index=index,
         warnings=tuple(
             f"{each.code}: {names.text(each.message)}"
@@ -275,22 +271,22 @@ def portable(plan: Plan, model: Unit, context: Context) -> Portable:
     return Portable(plan.path, plan.sources(), origins, model=model, context=context)
 
 
-def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tuple[str, str]]:
+def _read(bundle: Bundle, plan: Plan, composed: Composed, portable: Portable) -> list[tuple[str, str]]:
     """Return every file that was read, with its hash; each is hashed once."""
     known = {
         real_path(where): bundle.digest(path)
-        for path, where in making.composed.model.contents.items()
+        for path, where in composed.model.contents.items()
         if isinstance(where, Path) and path in bundle.files
     }
     recipes: set[str] = set()  # and the recipes that they extend, as messages name them
-    for plan in making.plan.plans():
-        recipes.update(os.fspath(source.path) for source, _ in plan.extended)
-        recipes.update(span.file for span in spans(plan.document))
+    for recipe in plan.plans():
+        recipes.update(os.fspath(source.path) for source, _ in recipe.extended)
+        recipes.update(span.file for span in spans(recipe.document))
     files = {
         *(path for shown in portable.texts if os.path.isfile(path := portable.context.folder / shown)),
         *(portable.context.folder / file for file in recipes),
-        *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
-        *(Path(use.source) for use in making.composed.files if use.content is None),
+        *(path for _, source in sources(plan) for path in (source.path, *source.licenses)),
+        *(Path(use.source) for use in composed.files if use.content is None),
     }
     found: dict[str, str] = {}
     for path in files:

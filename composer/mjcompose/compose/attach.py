@@ -16,7 +16,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note, renaming
 from mjcompose.compose.checks import check_class
 from mjcompose.compose.effects import note_added
 from mjcompose.compose.elements import ElementBuilder, joint_attributes, make_node, pose_number, turned
-from mjcompose.compose.load import PartRequest
+from mjcompose.compose.load import PartSource
 from mjcompose.language.checks.unchanged import Unchanged
 from mjcompose.language.edit import Edit
 from mjcompose.language.placing import ORIENTATIONS
@@ -138,19 +138,19 @@ _OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
 
 
 def unplaced_records(
-    plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
+    plan: Plan, sources: Iterable[PartSource], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
 ) -> list[UnplacedRecord]:
     """Return the records of the sources of a plan and of nested recipes, `inner`, in the manifest's order."""
     records: list[UnplacedRecord] = []
-    for request, part, below in zip(wanted, parts, inner, strict=True):
+    for source, part, below in zip(sources, parts, inner, strict=True):
         name = part.path(plan.separator)
-        model = request.model
-        cut = None if request.body is None else f"only its body `{request.body}` was taken"
+        model = source.model
+        cut = None if source.body is None else f"only its body `{source.body}` was taken"
         own: list[UnplacedRecord] = []
         if isinstance(model, Plan):
             own = [_in_outer_recipe(record, name, part, separator=plan.separator, cut=cut) for record in below]
         elif model is not None:
-            mirrored = request.mirror is not None and request.mirror.keys
+            mirrored = source.mirror is not None and source.mirror.keys
             keys = None if mirrored else {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
                 name,
@@ -158,14 +158,14 @@ def unplaced_records(
                 model,
                 keys=keys,
                 welded=part.weld,
-                is_fixed_in_world=request.is_fixed_in_world,
-                obscure=cut if model.format == "urdf" else _OF_RECIPES if request.attaches_recipes else None,
-                subtree=request.body,
+                is_fixed_in_world=source.is_fixed_in_world,
+                obscure=cut if model.format == "urdf" else _OF_RECIPES if source.attaches_recipes else None,
+                subtree=source.body,
             )
             own = [UnplacedRecord(member, part.content)]
-        dropped = {entry.section for entry in request.drop if not entry.leaves_keys}
+        dropped = {entry.section for entry in source.drop if not entry.leaves_keys}
         for record in own:
-            for edit in request.edit:
+            for edit in source.edit:
                 record.add(Changes.by(edit))
             if not dropped <= _WITHOUT_ELEMENTS:
                 record.update(reduced="the recipe leaves out elements")

@@ -45,7 +45,7 @@ from mjcompose.compose.effects import report_without_effect
 from mjcompose.compose.elements import ElementBuilder, append_element, set_default, set_singleton, settle_joints
 from mjcompose.compose.interface import order_elements
 from mjcompose.compose.keyframe import hold_poses, write_keyframes
-from mjcompose.compose.load import InnerModels, Key, Library, Loader, PartRequest, part_requests, source_key
+from mjcompose.compose.load import InnerModels, Key, Library, Loader, PartSource, part_sources, source_key
 from mjcompose.compose.placing import mirror_keys, mirror_places, scattered
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
@@ -214,13 +214,13 @@ class Composer:
         self.watch([model], share_in_copies)
         return merged, files
 
-    def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
+    def unit_of(self, plan: Plan, source: PartSource) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
-        return self.guarded(plan, wanted.is_fixed_in_world, lambda again: again._unit(plan, wanted))
+        return self.guarded(plan, source.is_fixed_in_world, lambda again: again._unit(plan, source))
 
     def read_subtrees(self, plan: Plan, is_fixed: bool = True) -> None:
         """Take the subtrees of a plan, whose sources are expected, and compose only these."""
-        for each in part_requests(plan, is_fixed):
+        for each in part_sources(plan, is_fixed):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
@@ -316,7 +316,7 @@ class Composer:
         elements = 0
         text = 0
         limits = in_force()
-        for each in part_requests(plan, is_fixed):
+        for each in part_sources(plan, is_fixed):
             if (unit := self._unit(plan, each)) is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
                 elements += written(unit.root)
@@ -382,7 +382,7 @@ class Composer:
         roots = [base.root, *(unit.root for unit in units)]
         parts = [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts]
         inner = [self.unplaced.get(root, []) for root in roots]
-        self.unplaced[base.root] = unplaced_records(plan, part_requests(plan, is_fixed), parts, inner=inner)
+        self.unplaced[base.root] = unplaced_records(plan, part_sources(plan, is_fixed), parts, inner=inner)
         if self.context.sink.error_count > before:
             return None
         drawn, tabled = (changes.drawn, changes.tabled) if changes else ([], [])
@@ -458,44 +458,44 @@ class Composer:
                 if unit is not None and (self.loader.embed is None or self.loader.embed(unit)):
                     yield source_key(place.model, place.is_fixed_in_world), unit
 
-    def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
+    def _unit(self, plan: Plan, source: PartSource) -> Unit | None:
         """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
-        if wanted.model is None:
+        if source.model is None:
             return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
         unit: Unit | None
         excerpt: Excerpt | None = None
-        if isinstance(wanted.model, Plan):
+        if isinstance(source.model, Plan):
             self.nested += 1
             try:
-                composed = self._compose(wanted.model, wanted.is_fixed_in_world)
+                composed = self._compose(source.model, source.is_fixed_in_world)
             finally:
                 self.nested -= 1
             unit = composed.model if composed else None
         else:
-            span = locate(plan.document, (*wanted.at, "model"))
-            if wanted.body is not None:
-                excerpt = self.loader.excerpt(wanted.model, wanted.body, span, wanted.is_fixed_in_world)
-            unit = self.loader.unit(wanted.model, span, wanted.is_fixed_in_world) if excerpt is None else excerpt.unit
+            span = locate(plan.document, (*source.at, "model"))
+            if source.body is not None:
+                excerpt = self.loader.excerpt(source.model, source.body, span, source.is_fixed_in_world)
+            unit = self.loader.unit(source.model, span, source.is_fixed_in_world) if excerpt is None else excerpt.unit
         if unit is None:
             return None
-        if isinstance(wanted.model, Source):
-            check_assumed(wanted.model.compiler, unit, plan, wanted.at, sink=self.context.sink)
+        if isinstance(source.model, Source):
+            check_assumed(source.model.compiler, unit, plan, source.at, sink=self.context.sink)
             self.keys.note_source(unit)
-        if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
+        if not source.check_dropped_keys(unit, plan.document, self.context.sink):
             return None
-        if wanted.body is not None:
-            if (subtree := wanted.take(unit, excerpt, self.context.sink, self.measure)) is None:
+        if source.body is not None:
+            if (subtree := source.take(unit, excerpt, self.context.sink, self.measure)) is None:
                 return None
             self.watch([unit], subtree)
-            self.subtrees[plan.place_of(wanted.at)] = subtree
-        if wanted.drops_elements or wanted.edit:
+            self.subtrees[plan.place_of(source.at)] = subtree
+        if source.drops_elements or source.edit:
             from mjcompose.compose.edits import PartEdits  # few recipes need it
 
-            if (dropped := PartEdits(plan, wanted, unit, composer=self).carry_out()) is None:
+            if (dropped := PartEdits(plan, source, unit, composer=self).carry_out()) is None:
                 return None
-            if wanted.drops_elements:
-                known = self.subtrees.get(plan.place_of(wanted.at), Subtree.of(None, ()))
-                self.subtrees[plan.place_of(wanted.at)] = known.with_dropped(dropped)
+            if source.drops_elements:
+                known = self.subtrees.get(plan.place_of(source.at), Subtree.of(None, ()))
+                self.subtrees[plan.place_of(source.at)] = known.with_dropped(dropped)
         return unit
 
 
@@ -554,11 +554,11 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
 
 def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
     units: list[Unit] = []
-    for request in part_requests(plan, is_fixed):
-        if isinstance(request.model, Plan):
-            units.append(_settings(request.model, composer, request.is_fixed_in_world))
+    for source in part_sources(plan, is_fixed):
+        if isinstance(source.model, Plan):
+            units.append(_settings(source.model, composer, source.is_fixed_in_world))
         else:
-            read = None if request.model is None else composer.unit_of(plan, request)
+            read = None if source.model is None else composer.unit_of(plan, source)
             units.append(read or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem))
     base, *parts = units
     of_parts = zip(plan.parts, parts, strict=True)

@@ -18,7 +18,7 @@ from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.checks import check_intervals
 from mjcompose.compose.editing import Editing, ExpectedCount, count_values, select_counted
 from mjcompose.compose.elements import ElementBuilder
-from mjcompose.compose.load import PartRequest
+from mjcompose.compose.load import PartSource
 from mjcompose.compose.randomize import draw_values
 from mjcompose.compose.values import Masses, UnusableValue
 from mjcompose.compose.verbs.remove import listed_kind, remove
@@ -117,31 +117,31 @@ class PartEdits(Struct, frozen=False):
     """Edits a unit. Its keys are laid out again, and edits of keys are carried out after that."""
 
     plan: Plan
-    wanted: PartRequest
+    source: PartSource
     unit: Unit
     composer: Composer
 
     def carry_out(self) -> tuple[DroppedElement, ...] | None:
         """Carry out the drops and edits. Return the dropped elements, or None after a reported error."""
         plan = self.plan
-        wanted = self.wanted
+        source = self.source
         unit = self.unit
         composer = self.composer
         sink = composer.context.sink
         before = composer.context.sink.error_count
-        if wanted.keyframes == "none":
+        if source.keyframes == "none":
             remove_keys(unit.root)
         linking = Linking(unit, [], sink, request=LinkRequest(plan.separator), measure=composer.measure)
         # This comes first: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
         gone: list[DroppedElement] = []
-        if wanted.drops_elements:
-            at = (*wanted.at, "drop")
-            entries = tuple(each for each in wanted.drop if not each.leaves_keys)
+        if source.drops_elements:
+            at = (*source.at, "drop")
+            entries = tuple(each for each in source.drop if not each.leaves_keys)
             gone = drop_elements(entries, editing, at)
             composer.watch([unit], DropElements(entries, locate(plan.document, at)))
-        steps = [EditElements(each, locate(plan.document, each.at)) for each in wanted.edit]
+        steps = [EditElements(each, locate(plan.document, each.at)) for each in source.edit]
         self._edit([step for step in steps if not is_of_keys(step)], editing)
         if sink.error_count == before:
             inner = _without_void_numbers(unit.part_keys, linking.keys.void_keys)

@@ -203,8 +203,8 @@ def source_key(model: Source, is_fixed: bool) -> Key:
     return *model.read_as, is_fixed or model.format != "urdf"
 
 
-class PartRequest(Struct):
-    """A request for the base or a part of a plan at `at`, or for one `body` of it, which the recipe names at `span`."""
+class PartSource(Struct):
+    """The source of the base or a part of a plan at `at`, or one `body` of it, which the recipe names at `span`."""
 
     model: Source | Plan | None
     body: str | None
@@ -253,15 +253,15 @@ class PartRequest(Struct):
         return subtree
 
 
-def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
-    """Yield the requests for the base of a plan, which is fixed in the world if it `is_fixed`, and for its parts."""
+def part_sources(plan: Plan, is_fixed: bool) -> Iterator[PartSource]:
+    """Yield the sources of the base of a plan, which is fixed in the world if it `is_fixed`, and of its parts."""
     document = plan.document
     if plan.base is None:
-        yield PartRequest(None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed)
+        yield PartSource(None, None, (BASE,), keyframes="merge", span=locate(document, ()), is_fixed_in_world=is_fixed)
     for step in plan.members:
         part = step.attachment
         is_read = part_name(step, plan.separator) in plan.key_sources
-        yield PartRequest(
+        yield PartSource(
             step.model,
             part.subtree,
             step.at,

@@ -25,7 +25,7 @@ from pathlib import Path
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import log
-from mjcompose.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
+from mjcompose.bundle.assemble import add_manifest, assemble, renamed_in
 from mjcompose.bundle.bundle import Bundle, CheckOutcome
 from mjcompose.compose.compose import Composed, ComposeOptions, Composer
 from mjcompose.compose.interface import check_index, check_locked_interface
@@ -149,16 +149,18 @@ class Build(Struct, frozen=False):
             bundle = self._with_worlds(draft, compiled)
         if context.sink.has_errors:
             return None
-        facts = ManifestInput(
+        bundle = add_manifest(
+            bundle,
             self.plan,
             composed,
             compiled,
-            checks=tuple(self.outcomes),
+            context,
+            checks=self.outcomes,
             cell=request.name,
-            pictured=request.pictured,
+            has_picture=request.pictured,
             deduplicated=request.deduplicated,
         )
-        final = self._exported(add_manifest(bundle, facts, context), composed)
+        final = self._exported(bundle, composed)
         return None if final is None else Built(self.plan, composed, final, compiled=compiled)
 
     def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:

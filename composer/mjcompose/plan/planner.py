@@ -38,8 +38,8 @@ from mjcompose.plan.steps import (
     SetDefault,
     SetSingleton,
     Step,
-    StepInput,
     WriteKeyframe,
+    WrittenRecipe,
     angle_context_of,
     check_bare_angles,
 )
@@ -240,8 +240,8 @@ class _Planner:
         if base is not None and base.attachment.is_placed:
             members = (base, *members)
             base = None
-        given = StepInput(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)
-        steps = tuple(step for each in STEPS for step in each.of(given))
+        written = WrittenRecipe(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)
+        steps = tuple(step for kind in STEPS for step in kind.of(written))
         plan = Plan(
             loaded.name,
             recipe.description,

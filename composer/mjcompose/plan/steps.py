@@ -77,8 +77,8 @@ def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
             sink.error(fault.code, message, locate(document, fault.at), help=fault.help)
 
 
-class StepInput(Struct):
-    """The input of steps: a recipe, its document, its draws and the sample."""
+class WrittenRecipe(Struct):
+    """A recipe with its draws, and the place of each value in its document."""
 
     recipe: Recipe
     document: Mapping
@@ -105,7 +105,7 @@ class Step(ABC):
 
     @classmethod
     @abstractmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
         """Yield the steps of this type in a recipe, in the order in which they are carried out."""
 
     @property
@@ -142,11 +142,11 @@ class AddElement(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        for item in given.recipe.add:
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        for item in source.recipe.add:
             path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
             for element in item.elements:
-                yield cls(item.to_kind, item.to_name, element, given.span(path), given.span(element.at))
+                yield cls(item.to_kind, item.to_name, element, source.span(path), source.span(element.at))
 
     @property
     def words(self) -> str:
@@ -210,12 +210,12 @@ class AppendElement(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
         for section in cls.sections:
-            written = getattr(given.recipe, section)
+            written = getattr(source.recipe, section)
             elements = written.elements if isinstance(written, Contact) else written
             for element in elements:
-                yield cls(section, element, given.span(element.at, key=True))
+                yield cls(section, element, source.span(element.at, key=True))
 
     @property
     def words(self) -> str:
@@ -236,14 +236,14 @@ class DrawValues(Step):
     tabled: bool = False
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        randomize = given.randomize
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        randomize = source.randomize
         if randomize is not None:
             for field in randomize.fields:
                 if randomize is not None and field.select is not None:
-                    span = given.span(field.drawn_at)
+                    span = source.span(field.drawn_at)
                     yield cls(
-                        field, randomize.seed, given.sample, samples=randomize.samples, span=span, tabled=given.worlds
+                        field, randomize.seed, source.sample, samples=randomize.samples, span=span, tabled=source.worlds
                     )
 
     @property
@@ -265,8 +265,8 @@ class EditElements(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        yield from (cls(edit, given.span(edit.at)) for edit in given.recipe.edit)
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        yield from (cls(edit, source.span(edit.at)) for edit in source.recipe.edit)
 
     @property
     def words(self) -> str:
@@ -283,8 +283,8 @@ class SetCollisions(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        yield from (cls(each, given.span(each.at)) for each in given.recipe.contact.collisions)
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        yield from (cls(each, source.span(each.at)) for each in source.recipe.contact.collisions)
 
     @property
     def words(self) -> str:
@@ -311,9 +311,9 @@ class SetDefault(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        for each in given.recipe.default:
-            yield cls(each.name, each.parent, each.element, span=given.span(each.element.at, key=True))
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        for each in source.recipe.default:
+            yield cls(each.name, each.parent, each.element, span=source.span(each.element.at, key=True))
 
     @property
     def words(self) -> str:
@@ -331,11 +331,11 @@ class SetSingleton(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
         for section in cls.sections:
-            element: RecipeElement | None = getattr(given.recipe, section)
+            element: RecipeElement | None = getattr(source.recipe, section)
             if element is not None:
-                yield cls(section, element, given.span(element.at, key=True))
+                yield cls(section, element, source.span(element.at, key=True))
 
     @property
     def words(self) -> str:
@@ -369,8 +369,8 @@ class WriteKeyframe(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        yield from (cls(key, given.span(key.at, key=True)) for key in given.recipe.keyframe.values())
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        yield from (cls(key, source.span(key.at, key=True)) for key in source.recipe.keyframe.values())
 
     @property
     def words(self) -> str:
@@ -387,10 +387,10 @@ class OrderElements(Step):
     span: Span
 
     @classmethod
-    def of(cls, given: StepInput) -> Iterator[Step]:
-        if given.recipe.interface is not None:
-            for order in given.recipe.interface.orders:
-                yield cls(order, given.span(order.at, key=True))
+    def of(cls, source: WrittenRecipe) -> Iterator[Step]:
+        if source.recipe.interface is not None:
+            for order in source.recipe.interface.orders:
+                yield cls(order, source.span(order.at, key=True))
 
     @property
     def words(self) -> str:
