@@ -129,9 +129,7 @@ class ExtensionTable(dict[str, Row]):
         if loaded is None:
             raise KeyError(word)
         row: Any = getattr(loaded, self._attribute, None) if self._attribute else loaded
-        fits = callable(row) if self._kind is None else isinstance(row, self._kind)
-        fits = fits or (self._kind is not None and isinstance(row, type) and issubclass(row, self._kind))
-        if not fits:
+        if not self._fits(row):
             what = f"`{self._attribute}` in its module" if self._attribute else "its object"
             expected = "a function" if self._kind is None else f"of the class `{self._kind.__name__}`"
             raise _broken(self._group, word, f"{what} is not {expected}")
@@ -144,6 +142,12 @@ class ExtensionTable(dict[str, Row]):
         fitting: Row = row
         self[word] = fitting
         return fitting
+
+    def _fits(self, row: Any) -> bool:
+        """Return whether an object is a row: a function, or an object or a subclass of the kind of the table."""
+        if self._kind is None:
+            return callable(row)
+        return isinstance(row, self._kind) or (isinstance(row, type) and issubclass(row, self._kind))
 
     def load_all(self) -> Iterator[DiagnosticError]:
         """Add the rows of all installed packages, and yield the errors of those that cannot be loaded."""

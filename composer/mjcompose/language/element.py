@@ -331,7 +331,7 @@ class Reader(Struct, frozen=False):
 
 
 def _advice_for_unknown(
-    kind: ElementType, name: str, value: Any, near: Sequence[str], fix: Fix | None
+    kind: ElementType, name: str, value: Any, near: list[str], fix: Fix | None
 ) -> tuple[str, Fix | None]:
     """Return the help for an unknown key and its fix: another place if there is one, else a similar name."""
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):

@@ -329,7 +329,7 @@ def _moved(mujoco: Any, model: MjModel) -> set[int]:
     return moved
 
 
-def _coupled(mujoco: Any, model: MjModel, data: MjData) -> Iterator[set[int]]:
+def _coupled(mujoco: Any, model: MjModel, data: Any) -> Iterator[set[int]]:
     """Yield the joints that each equality couples."""
     kinds = mujoco.mjtEq
     for equality in range(model.neq):

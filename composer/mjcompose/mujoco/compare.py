@@ -142,7 +142,7 @@ def _starts(pairs: Pairs) -> list[int]:
 
 
 def _as_compared(treatment: Treatment, expected: Array, actual: Array) -> tuple[Array, Array]:
-    """Return what is compared: of some arrays, only whether there is something; of user data, the same width."""
+    """Return the values to compare: of some arrays, only whether there is something; of user data, the same width."""
     if treatment is Treatment.PRESENT:
         return np.not_equal(expected, -1), np.not_equal(actual, -1)
     if treatment is Treatment.USER:

@@ -346,7 +346,7 @@ def _in_world(root: Node) -> Iterator[tuple[str, Node | None]]:
             yield from ((kind, None) for kind in _made(body)[1])
             continue
         yield "body", body
-        # MuJoCo 4.0 numbers the joints of a body before those of its children, even if they are written after them.
+        # MuJoCo 4.0 numbers the joints of a body before the joints of its children, even if they are written later.
         inner: list[Node] = []
         for child in through_frames(body):
             if child.tag == "body":

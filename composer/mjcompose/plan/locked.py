@@ -211,7 +211,7 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
 
 
 def _damaged(plan: Plan | None, context: Context, fetching: Fetching) -> dict[str, Origin]:
-    """Return the fetched sources, by their id, of which a file differs from what was fetched, or is gone."""
+    """Return the fetched sources, by their id, that lack a file, or have a file other than the fetched one."""
     used = [*context.recipes, *(source.path for source in fetching.first.values())]
     if plan is not None:
         folder = (fetching.lock_file or lock_path(plan.path)).parent

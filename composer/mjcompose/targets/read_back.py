@@ -191,7 +191,7 @@ def _about(work: Work, name: str, folder: Path, check: Targets, questions: dict[
 
 
 def _facts(
-    reader: ReaderProgram, python: Path, model: Path, lacked: Sequence[Loss], questions: dict[str, Any]
+    reader: ReaderProgram, python: str, model: Path, lacked: Sequence[Loss], questions: dict[str, Any]
 ) -> dict[str, Any] | str:
     """Return the facts of the model in the program, or why it does not read the model."""
     refused = next((loss for loss in lacked if loss.refused), None)

@@ -379,7 +379,7 @@ def _flexes_warp(mujoco: Any, model: MjModel) -> Iterator[tuple[int, str]]:
 
 
 def _lacking_for_flex(model: MjModel, flex: int) -> str | None:
-    """Return what MuJoCo Warp lacks for a flex with any solver, or None."""
+    """Return the feature of a flex that MuJoCo Warp lacks with every solver, or None."""
     interpolated = _of_flex(model, "interp", flex)
     if abs(interpolated) == 2:
         return "flexes of quadratic elements"

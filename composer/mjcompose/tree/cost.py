@@ -6,7 +6,7 @@ import math
 import operator
 import re
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, cast
 
 from lxml.etree import XPath, _Element as Node
@@ -242,7 +242,7 @@ def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) 
 
 
 def _report_largest(
-    unit: Unit, needed: int, most: int, sizes: Mapping[Node, int], limit: str, words: str, sink: Sink
+    unit: Unit, needed: int, most: int, sizes: dict[Node, int], limit: str, words: str, sink: Sink
 ) -> None:
     """Report the element that is too large by itself, or else the whole model, with its largest element in a note."""
     # An inner one is reported before the one around it, which it may make too large.

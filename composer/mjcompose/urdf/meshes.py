@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import os
 import re
+from collections.abc import Mapping
 from dataclasses import field
 from itertools import count
 from math import dist
@@ -181,7 +182,7 @@ class Meshes(Struct, frozen=False):
                 self._split(mesh, parts)
 
     def _is_converted(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> bool:
-        """Return whether a file was converted; report the reason if not, and what its parts lack otherwise."""
+        """Return whether a file was converted. Report the reason if not, and otherwise the files that it lacks."""
         span = self._span(meshes[0])
         called = f"`{self.shown(path)}`"
         if result.get("missing"):
@@ -324,9 +325,7 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
         if element.tag != "geom" or source.tag != "visual":
             continue
         material = source.find("material")
-        texture = None if material is None else material.find("texture")
-        if material is not None and texture is None and material.find("color") is None:
-            texture = named.get(str(material.get("name")))
+        texture = None if material is None else _texture_of(material, named)
         path = None if texture is None else _picture(robot, texture, sink)
         if texture is not None and path is not None:
             read[texture] = "material and texture"
@@ -337,6 +336,14 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
                 name = str(element.get("mesh"))
                 _give(unit, element, source, robot=robot, name=name, picture=look.texture, kept=kept)
     return read
+
+
+def _texture_of(material: Node, named: Mapping[str, Node | None]) -> Node | None:
+    """Return the texture of a material, which may only name one of the robot."""
+    texture = material.find("texture")
+    if texture is None and material.find("color") is None:
+        return named.get(str(material.get("name")))
+    return texture
 
 
 def _picture(robot: Robot, texture: Node, sink: Sink) -> Path | None:
