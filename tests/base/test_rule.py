@@ -80,7 +80,7 @@ READS_ITSELF = {
         language/reference_page.py:examples tools/new.py:_read tools/new.py:examples
         tools/new.py:_template tools/new.py:project targets/table.py:<module> targets/table.py:read_back
         tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
-        tools/view/server.py:Server.__init__""",
+        tools/view/server.py:PageServer.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         bundle/staging.py:write_mjb bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/environments.py:differences
@@ -104,7 +104,7 @@ WRITES_ITSELF = {
     "the writer": "bundle/staging.py",
     "its argument is a stage of the writer": """
         cli/build_cells.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
-        mujoco/pictures.py:draw mujoco/pictures.py:sheet mujoco/film.py:write_mp4
+        mujoco/pictures.py:_write mujoco/pictures.py:sheet mujoco/film.py:write_mp4
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
