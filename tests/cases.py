@@ -24,6 +24,16 @@ from pathlib import Path
 
 _SECTION = re.compile(r"^-- (\S.*) --\n", re.MULTILINE)
 _EXPECTED = "expected"
+_COUNT = re.compile(r"\(\d+ in all\)")
+
+
+def uncounted(text: str) -> str:
+    """The text without the lengths of lists that it cuts off, which each new key or attribute changes.
+
+    >>> uncounted("keys that exist: model, site, … (27 in all)")
+    'keys that exist: model, site, … (… in all)'
+    """
+    return _COUNT.sub("(… in all)", text)
 
 
 @dataclass(frozen=True)
