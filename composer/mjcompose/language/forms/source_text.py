@@ -24,7 +24,7 @@ def texts_below(model: type) -> dict[str, str]:
 
 
 def text_of(model: type) -> str:
-    """Return the docstring of a class, also under `python -OO`; for a class that a function made, that of its base."""
+    """Return the docstring of a class, also under `python -OO`. A made class has the text of its base."""
     declared = _declaration(model)
     if declared is not None:
         return ast.get_docstring(declared) or ""
