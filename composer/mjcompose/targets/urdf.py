@@ -54,7 +54,7 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
     return found
 
 
-# Of a link that moves and weighs nothing, in kg and kg·m²: MuJoCo needs more than 1e-14.
+# The mass (kg) and moment (kg·m²) of a link that moves and weighs nothing: MuJoCo needs more than 1e-14.
 _MASS = "1e-9"
 _MOMENT = "1e-12"
 
