@@ -266,6 +266,18 @@ def test_symbols_and_folding(own: Editor) -> None:
     assert {"startLine": 14, "endLine": 17} in [{key: each[key] for key in ("startLine", "endLine")} for each in folds]
 
 
+def test_symbols_of_a_model_that_is_not_finished(own: Editor) -> None:
+    whole = '<mujoco><worldbody><body name="a"><geom name="g"/></body></worldbody></mujoco>'
+    kinds = []
+    for at, text in enumerate((whole, whole.removesuffix("</body></worldbody></mujoco>"))):
+        uri = own.at(MARK + text, f"model{at}.xml")[0]["textDocument"]
+        (root,) = own.ask("textDocument/documentSymbol", {"textDocument": uri})
+        (section,) = root["children"]
+        (body,) = section["children"]
+        kinds.append([each["kind"] for each in (root, section, body, *body["children"])])
+    assert kinds[0] == kinds[1]
+
+
 def test_colors(own: Editor) -> None:
     params, text = own.at(MARK + ARM, "arm.xml")
     found = own.ask("textDocument/documentColor", {"textDocument": params["textDocument"]})

@@ -114,7 +114,8 @@ def offer_settle(offered: Offer) -> Iterator[Action]:
         for part, path, value in dict.fromkeys(settings):
             words = value.split()
             text = word(value) if len(words) == 1 else f"[{', '.join(words)}]"
-            if (change := offered.with_key(path, text)) is not None:
+            change = offered.with_key(path, text)
+            if change is not None:
                 yield Action(f"settle `{'.'.join(path)}: {text}` as in `{part}`", (change,), diagnostic)
 
 

@@ -234,7 +234,8 @@ class ModelNames(Struct, slots=False):
     def own(self, part: str) -> ModelNames:
         """Return the names of a part without its prefix, from its source or from the model."""
         own: dict[str, dict[str, Known]] = {}
-        if (unit := self.sources.get(part)) is not None:
+        unit = self.sources.get(part)
+        if unit is not None:
             for each in _of_root(unit.root, "", []):
                 own.setdefault(each.namespace, {})[each.name] = each
         elif prefix := self.prefixes.get(part):

@@ -162,7 +162,8 @@ def offer_names(question: Question) -> Iterator[Item]:
     wanted_names: list[tuple[Wanted, bool]] = []
     if cursor.role in ("key", "either") and (key := wanted_key(cursor.path)) is not None:
         wanted_names.append((key, True))
-    if (value := wanted_as_value(question)) is not None and not value.pattern:
+    value = wanted_as_value(question)
+    if value is not None and not value.pattern:
         wanted_names.append((value, False))
     for wanted, is_key in wanted_names:
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
@@ -175,20 +176,29 @@ def offer_names(question: Question) -> Iterator[Item]:
 def offer_parameters(question: Question) -> Iterator[Item]:
     """Yield the names that can get a value at the cursor, or the possible values of the name there."""
     cursor = question.cursor
-    if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
-        for each in found.values():
-            insert = each.name + ("" if cursor.has_colon else ": ")
-            again = bool(each.values)
-            yield Item(each.name, each.kind, each.detail, doc=each.doc, rank=15, insert=insert, again=again)
+    if cursor.role in ("key", "either"):
+        for settable in (_at(cursor.path, question) or {}).values():
+            insert = settable.name + ("" if cursor.has_colon else ": ")
+            again = bool(settable.values)
+            yield Item(
+                settable.name, settable.kind, settable.detail, doc=settable.doc, rank=15, insert=insert, again=again
+            )
     if cursor.role in ("value", "either") and cursor.path:
-        path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
-        found = _at(path[:-1], question) or {}
-        settable = found.get(str(path[-1])) if path else None
-        for at, value in enumerate(settable.values if settable is not None else ()):
-            yield Item(value, "word", settable.detail if settable else "", rank=10 + at)
+        yield from _values_of_parameter(cursor.path, question)
         if cursor.path[0] == "randomize" and cursor.path[-1] == "param":
-            own = settables(question.data).values()
-            yield from (Item(each.name, each.kind, each.detail, each.doc) for each in own if each.kind == "parameter")
+            for settable in settables(question.data).values():
+                if settable.kind == "parameter":
+                    yield Item(settable.name, settable.kind, settable.detail, settable.doc)
+
+
+def _values_of_parameter(path: Path, question: Question) -> Iterator[Item]:
+    """Yield the possible values of the parameter at a path, or of the list of values at it."""
+    if isinstance(path[-1], int):
+        path = path[:-1]
+    settable = (_at(path[:-1], question) or {}).get(str(path[-1])) if path else None
+    if settable is not None:
+        for at, value in enumerate(settable.values):
+            yield Item(value, "word", settable.detail, rank=10 + at)
 
 
 def _at(path: Path, question: Question) -> dict[str, Settable] | None:
@@ -211,16 +221,25 @@ def offer_references(question: Question) -> Iterator[Item]:
     if cursor.word.startswith(_MENAGERIE) and not only_recipes:
         yield from _robots(cursor.word)
         return
-    above = cursor.word.rpartition("/")[0] if cursor.word.startswith("../") else "."
-    folder = PathlibPath(os.path.normpath(question.analysis.path.parent / above))
-    for at, reference in enumerate(f"{above}/{each}" for each in model_files(folder)):
-        kind = FORMATS[PathlibPath(reference).suffix.lower()]
-        if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
-            yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
+    yield from _files(question, only_recipes)
     if not only_recipes:
         for form in _SCHEMES:
-            if scheme := form.scheme:
+            scheme = form.scheme
+            if scheme:
                 yield Item(f"{scheme}:", "scheme", form.example, doc=form.meaning, rank=30, again=scheme == "menagerie")
+
+
+def _files(question: Question, only_recipes: bool) -> Iterator[Item]:
+    """Yield the recipes and models in the folder of the recipe, or in the one above it that you are writing."""
+    path = question.analysis.path
+    word = question.cursor.word
+    above = word.rpartition("/")[0] if word.startswith("../") else "."
+    for at, file in enumerate(model_files(PathlibPath(os.path.normpath(path.parent / above)))):
+        reference = f"{above}/{file}"
+        kind = FORMATS[PathlibPath(reference).suffix.lower()]
+        if (only_recipes and kind != "recipe") or reference == f"./{path.name}":
+            continue
+        yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
 
 
 def _robots(word: str) -> Iterator[Item]:

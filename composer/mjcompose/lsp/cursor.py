@@ -16,6 +16,7 @@ from mjcompose.base.dataclass import Struct
 Path = tuple[str | int, ...]
 Role = Literal["key", "value", "either", "text", "tag", "content", "end"]
 
+# YAML 1.2 lets a plain word begin with `-`, `?` or `:` if no space follows; here only with `-`, as in `-1`.
 _PLAIN = r"""[^\s\-?#&*!|>%@`"'\[\]{},:][^#\[\]{}:]*?|-[^\s:]+"""
 _KEY = re.compile(rf"""(?:"((?:[^"\\]|\\.)*)"|'((?:[^']|'')*)'|({_PLAIN}))\s*:(?=\s|$)""")
 _PROPERTIES = re.compile(r"(?:[&!]\S*\s+)+")
@@ -151,23 +152,18 @@ class _Scan:
         Return the column at which its last word begins, without the quote, and the quote if it is still open.
         """
         begin = at
-        quote = ""
-        indent = self.stack[-1].indent if self.stack else 0
         while at < len(text):
             character = text[at]
-            if quote:
-                if character == "\\" and quote == '"':
-                    at += 1
-                elif character == quote:
-                    quote = ""
-            elif character in "\"'" and not text[begin:at].strip():
-                quote = character
+            if character in "\"'" and not text[begin:at].strip():
                 begin = at
-            elif character == "#" and (at == 0 or text[at - 1].isspace()):
+                closing = _closing_quote(text, at)
+                if closing is None:
+                    return begin, character
+                at = closing
+            elif _begins_comment(text, at):
                 return len(text), ""
             elif character in _CLOSING:
-                bracket = _CLOSING[character]
-                self.stack.append(_Frame(indent, bracket == "]", 0 if bracket == "]" else None, bracket))
+                self.open_bracket(_CLOSING[character])
                 begin = at + 1
             elif character in "]}":
                 if self.in_flow:
@@ -179,24 +175,36 @@ class _Scan:
                 top = self.stack[-1]
                 top.step = top.step + 1 if isinstance(top.step, int) else None
                 begin = at + 1
-            elif character == ":" and not self.stack[-1].is_list and self.stack[-1].step is None:
-                word = text[begin:at].strip()
-                if text[at + 1 : at + 2] in ("", " ", "\t", ",", "]", "}") or word[:1] in ('"', "'"):
-                    self.stack[-1].step = _unquoted(word)
-                    self.stack[-1].keys.append(_unquoted(word))
-                    begin = at + 1
+            elif character == ":" and self.ends_key(text, begin, at):
+                key = _unquoted(text[begin:at].strip())
+                self.stack[-1].step = key
+                self.stack[-1].keys.append(key)
+                begin = at + 1
             at += 1
-        return begin, quote
+        return begin, ""
+
+    def open_bracket(self, closing: str) -> None:
+        indent = self.stack[-1].indent if self.stack else 0
+        is_list = closing == "]"
+        self.stack.append(_Frame(indent, is_list, 0 if is_list else None, closing))
+
+    def ends_key(self, text: str, begin: int, at: int) -> bool:
+        """Return whether the colon at a column ends a key in brackets, as in `{a: 1}`, `{a:}` and `{"a":1}`."""
+        top = self.stack[-1]
+        if top.is_list or top.step is not None:
+            return False
+        # YAML 1.2: only a quoted key may have a value directly after its colon (`{"a":1}`); `{a:1}` is one word.
+        is_quoted = text[begin:at].lstrip()[:1] in ('"', "'")
+        return is_quoted or text[at + 1 : at + 2] in ("", " ", "\t", ",", "]", "}")
 
     def cursor(self, text: str, line: int, column: int) -> Cursor:
         before = text[:column]
         indent = len(before) - len(before.lstrip(" "))
         blank = not before.strip()
-        if self.block is not None and (indent > self.block or (blank and column > self.block)):
+        is_in_block = self.block is not None and (column if blank else indent) > self.block
+        if is_in_block or _ends_in_comment(before):
             return Cursor(self.path(), "text", "", line=line, start=column, end=column)
         self.block = None
-        if _ends_in_comment(before):
-            return Cursor(self.path(), "text", "", line=line, start=column, end=column)
         if self.in_flow:
             return self.in_brackets(text, 0, line, column)
         if blank:
@@ -210,9 +218,8 @@ class _Scan:
         if before[at : at + 1] in _CLOSING and at < column:
             return self.in_brackets(text, at, line, column)
         role: Role = "either" if self.stack and self.stack[-1].is_list else "value"
-        comment = re.search(r"\s+#", text[column:])
-        end = column + len((text[column:][: comment.start()] if comment else text[column:]).rstrip())
-        cursor = self.word(text, line, column, at, end, role)
+        rest = re.split(r"\s+#", text[column:], maxsplit=1)[0]
+        cursor = self.word(text, line, column, at, column + len(rest.rstrip()), role)
         return self.as_key(cursor, text) if role == "either" else cursor
 
     def of_key(self, text: str, line: int, column: int, at: int) -> Cursor:
@@ -289,6 +296,22 @@ def _name(found: re.Match[str]) -> str:
 
 def _unquoted(word: str) -> str:
     return word[1:-1] if len(word) > 1 and word[0] in "\"'" and word[-1] == word[0] else word
+
+
+def _closing_quote(text: str, at: int) -> int | None:
+    """Return the column of the quote that closes the one at a column, or None if that is still open."""
+    quote = text[at]
+    at += 1
+    while at < len(text):
+        if text[at] == quote:
+            return at
+        is_escape = text[at] == "\\" and quote == '"'
+        at += 2 if is_escape else 1
+    return None
+
+
+def _begins_comment(text: str, at: int) -> bool:
+    return text[at] == "#" and (at == 0 or text[at - 1].isspace())
 
 
 def _ends_in_comment(before: str) -> bool:

@@ -75,7 +75,8 @@ def uses_of(analysis: Analysis) -> dict[str, Span]:
             path = getattr(place.model, "path", None)
             if path is None or path in first or place.span is None or place.span.file != analysis.file:
                 continue
-            if (now := analysis.now(place.span, analysis.plan_of)) is not None:
+            now = analysis.now(place.span, analysis.plan_of)
+            if now is not None:
                 first[path] = now
     found: dict[str, Span] = {}
     for path, span in first.items():

@@ -218,20 +218,27 @@ def _lines(placed: PlacedModel, question: Question) -> Iterator[str]:
     model = placed.model
     source = model.source if isinstance(model, Plan) else model
     if source is not None:
-        yield from (f"**`{source.reference}`**", "")
-        version = f", version {source.version}" if source.version else ""
-        yield f"- {source.kind.name}, {'recipe' if isinstance(model, Plan) else source.format.upper()}{version}"
-        yield f"- file: `{question.analysis.path.parent.joinpath(source.path)}`"
-        texts = ", ".join(f"`{each.name}`" for each in source.licenses)
-        yield f"- license: {source.license or ''}{' ' if source.license else ''}{texts or 'no text was found'}"
+        form = "recipe" if isinstance(model, Plan) else source.format.upper()
+        yield from _of_source(source, form, question)
     if isinstance(model, Plan):
         if model.description:
             yield f"- {model.description}"
         yield f"- parts: {', '.join(f'`{part}`' for part in model.part_names) or 'none'}"
         at = question.path[:-1] if question.path != ("base",) else question.path
         yield from _settable_lines(of_nested(at, question).values())
-    elif model is not None and (unit := question.analysis.names.sources.get(placed.part)) is not None:
-        yield from _of_model(model, unit)
+    elif model is not None:
+        unit = question.analysis.names.sources.get(placed.part)
+        if unit is not None:
+            yield from _of_model(model, unit)
+
+
+def _of_source(source: Source, form: str, question: Question) -> Iterator[str]:
+    yield from (f"**`{source.reference}`**", "")
+    version = f", version {source.version}" if source.version else ""
+    yield f"- {source.kind.name}, {form}{version}"
+    yield f"- file: `{question.analysis.path.parent.joinpath(source.path)}`"
+    texts = ", ".join(f"`{text.name}`" for text in source.licenses) or "no text was found"
+    yield f"- license: {source.license} {texts}" if source.license else f"- license: {texts}"
 
 
 def _settable_lines(settables: Iterable[Settable]) -> Iterator[str]:
@@ -298,7 +305,8 @@ def _values(path: tuple[str, ...], question: Question) -> Iterator[str]:
     units += [("**the model**", analysis.model.unit)] if analysis.model is not None else []
     for name, unit in units:
         for element in unit.root.iterfind("/".join(path[:-1])):
-            if (value := element.get(path[-1])) is not None:
+            value = element.get(path[-1])
+            if value is not None:
                 span = unit.origins.span(element, unit.file, path[-1])
                 is_part = name.startswith("`")
                 yield f"| {name} | `{value}` ({span.file}:{span.line}) |" if is_part else f"| {name} | **`{value}`** |"

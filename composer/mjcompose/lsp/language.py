@@ -120,16 +120,19 @@ def _inside(data: Any, step: str | int) -> Any:
 def _step(form: ValueForm, step: str | int) -> Iterator[ValueForm]:
     schema = form.schema
     if isinstance(step, int):
-        if isinstance(items := schema.get("items"), dict):
+        items = schema.get("items")
+        if isinstance(items, dict):
             yield ValueForm(items)
         return
-    if isinstance(found := schema.get("properties", {}).get(step), dict):
+    found = schema.get("properties", {}).get(step)
+    if isinstance(found, dict):
         yield ValueForm(found, f"{form.role}@{step}" if form.role else "")  # an attribute has no name of its own
         return
     for pattern, found in schema.get("patternProperties", {}).items():
         if re.search(pattern, step):
             yield ValueForm(found)
-    if isinstance(found := schema.get("additionalProperties"), dict):
+    found = schema.get("additionalProperties")
+    if isinstance(found, dict):
         yield ValueForm(found)
 
 
@@ -138,22 +141,30 @@ def _spread(form: ValueForm, data: Any) -> Iterator[ValueForm]:
     waiting = [form]
     count = 0
     while waiting and count < _MOST:
-        each = waiting.pop(0)
+        current = waiting.pop(0)
         count = count + 1
-        yield each
-        schema = each.schema
-        if (target := schema.get("$ref")) is not None:
+        yield current
+        target = current.schema.get("$ref")
+        if target is not None:
             name = target.removeprefix("#/$defs/")
             plain = name.removeprefix("piece.")
-            kept = each.role if "@" in each.role and not _ELEMENT.fullmatch(plain) else plain
+            kept = current.role if "@" in current.role and not _ELEMENT.fullmatch(plain) else plain
             waiting.append(ValueForm(whole()["$defs"][name], kept or plain))
-        possible = [b for b in schema.get("anyOf", ()) if data is None or "type" not in b or _is_type(b["type"], data)]
-        waiting += [ValueForm(branch, each.role) for branch in (*schema.get("allOf", ()), *possible)]
-        if (condition := schema.get("if")) is not None:
-            holds = None if data is None else _holds(condition, data)
-            for word, wanted in (("then", True), ("else", False)):
-                if word in schema and (holds is None or holds is wanted):
-                    waiting.append(ValueForm(schema[word], each.role))
+        waiting += [ValueForm(schema, current.role) for schema in _parts_of(current.schema, data)]
+
+
+def _parts_of(schema: Schema, data: Any) -> Iterator[Schema]:
+    """Yield the schemas of the same place that a schema is made of, without those that the data excludes."""
+    yield from schema.get("allOf", ())
+    for branch in schema.get("anyOf", ()):
+        if data is None or "type" not in branch or _is_type(branch["type"], data):
+            yield branch
+    condition = schema.get("if")
+    if condition is not None:
+        holds = None if data is None else _holds(condition, data)
+        for word, outcome in (("then", True), ("else", False)):
+            if word in schema and (holds is None or holds is outcome):
+                yield schema[word]
 
 
 def _is_type(types: str | list[str], data: Any) -> bool:

@@ -192,19 +192,8 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
     tags: list[str] = []
     count = 0
     for piece in pieces(question.text):
-        is_inside = piece.start < offset < piece.end or (offset == piece.end and piece.end == len(question.text))
-        is_open = piece.kind == "start" and not piece.complete and piece.start < offset <= piece.end
-        if piece.kind == "text" and piece.start <= offset <= piece.end:
-            before = question.text[piece.start : offset]
-            start = offset - (len(before) - len(before.rstrip("abcdefghijklmnopqrstuvwxyz")))
-            return _cursor(question, tags, "content", start=start, end=offset), None, count
-        if is_inside or is_open:
-            if piece.kind == "start":
-                return (*_in_tag(question, piece, tags), count)
-            if piece.kind == "end":
-                start = piece.start + 2
-                return _cursor(question, tags, "end", start=start, end=start + len(piece.tag)), None, count
-            return _cursor(question, tags, "text", start=offset, end=offset), None, count
+        if _is_in(piece, offset, len(question.text)):
+            return (*_in_piece(question, piece, tags), count)
         if piece.start >= offset:
             break
         if piece.kind == "start" and piece.tag:
@@ -214,6 +203,29 @@ def place(question: ModelQuestion) -> tuple[Cursor, Piece | None, int]:
             while tags.pop() != piece.tag:
                 pass
     return _cursor(question, tags, "content", start=offset, end=offset), None, count
+
+
+def _is_in(piece: Piece, offset: int, length: int) -> bool:
+    """Return whether an offset of a text with a length is in a piece: at its end only if the piece can go on there."""
+    if piece.kind == "text":
+        return piece.start <= offset <= piece.end
+    is_unfinished = piece.kind == "start" and not piece.complete
+    return piece.start < offset < piece.end or (offset == piece.end and (is_unfinished or offset == length))
+
+
+def _in_piece(question: ModelQuestion, piece: Piece, tags: list[str]) -> tuple[Cursor, Piece | None]:
+    """Return the cursor in a piece below the elements `tags`, and the piece if it is a start tag."""
+    offset = question.offset
+    if piece.kind == "start":
+        return _in_tag(question, piece, tags)
+    if piece.kind == "text":
+        before = question.text[piece.start : offset]
+        start = piece.start + len(before.rstrip("abcdefghijklmnopqrstuvwxyz"))
+        return _cursor(question, tags, "content", start=start, end=offset), None
+    if piece.kind == "end":
+        start = piece.start + len("</")
+        return _cursor(question, tags, "end", start=start, end=start + len(piece.tag)), None
+    return _cursor(question, tags, "text", start=offset, end=offset), None
 
 
 def _in_tag(question: ModelQuestion, piece: Piece, tags: list[str]) -> tuple[Cursor, Piece]:
@@ -231,7 +243,8 @@ def _in_tag(question: ModelQuestion, piece: Piece, tags: list[str]) -> tuple[Cur
             cursor = _cursor(question, inner, "key", start=each.at, end=name_end)
             return replace(cursor, written=written, has_colon=text[name_end:].lstrip().startswith("=")), piece
         if each.value is not None and each.start <= offset <= each.end:
-            attribute = kind.attributes.get(each.name) if (kind := question.kind(tuple(inner))) is not None else None
+            kind = question.kind(tuple(inner))
+            attribute = kind.attributes.get(each.name) if kind is not None else None
             item = r"\S*" if attribute is not None and attribute.separated else r"[^\n]*"
             before = re.search(f"{item}$", text[each.start : offset]), re.match(item, text[offset : each.end])
             start, end = (0 if found is None else len(found.group()) for found in before)
@@ -301,8 +314,9 @@ def including(path: Path, folder: Path) -> Iterator[tuple[Unit, str]]:
 
     They are in its folder, in the folder above, or in the workspace.
     """
-    near = (each for place in (path.parent, path.parent.parent) for each in sorted(place.glob("*.xml")))
-    for other in dict.fromkeys((*near, *(folder / each for each in model_files(folder) if each.endswith(MJCF_FILES)))):
+    files = [*sorted(path.parent.glob("*.xml")), *sorted(path.parent.parent.glob("*.xml"))]
+    files += [folder / name for name in model_files(folder) if name.endswith(MJCF_FILES)]
+    for other in dict.fromkeys(files):
         try:
             data = b"" if other == path else read_regular(other)
         except OSError:
@@ -310,11 +324,19 @@ def including(path: Path, folder: Path) -> Iterator[tuple[Unit, str]]:
         if path.name.encode() not in data or root_of(data.decode("utf-8", "replace")) != "mujoco":
             continue
         unit = read_unit(data, shown(other, folder), other.parent)
-        if unit is not None and any(each.path == path for each in unit.origins.texts.values()):
+        if unit is None:
+            continue
+        if any(text.path == path for text in unit.origins.texts.values()):
             yield unit, ""
-        elif unit is not None:
-            files = {each.get("name"): str(each.get("file") or "") for each in unit.root.iterfind("asset/model")}
-            for attach in unit.root.iter("attach"):
-                file = files.get(attach.get("model"))
-                if file and os.path.normpath(unit.directory / file) == str(path):
-                    yield unit, str(attach.get("prefix") or "")
+        else:
+            for prefix in _prefixes(unit, path):
+                yield unit, prefix
+
+
+def _prefixes(unit: Unit, path: Path) -> Iterator[str]:
+    """Yield the prefix of each `<attach>` of a model that attaches a file."""
+    files = {model.get("name"): str(model.get("file") or "") for model in unit.root.iterfind("asset/model")}
+    for attach in unit.root.iter("attach"):
+        file = files.get(attach.get("model"))
+        if file and os.path.normpath(unit.directory / file) == str(path):
+            yield str(attach.get("prefix") or "")

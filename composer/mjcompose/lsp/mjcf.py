@@ -137,7 +137,8 @@ def _form(attribute: Attribute) -> str:
     high = attribute.max_length
     between = f"{low}" if low == high else f"{low}…{'' if high is None else high}"
     count = f"({between})" if attribute.is_number and between != "1" else ""
-    default = f", default {text}" if (text := default_text(attribute)) is not None else ""
+    text = default_text(attribute)
+    default = f", default {text}" if text is not None else ""
     required = ", required" if attribute.required else ""
     refers = f" to {attribute.refers}" if attribute.refers else ""
     return f"{attribute.type}{count}{refers}{required}{default}"
@@ -283,7 +284,8 @@ def _changes(known: Known, new: str, unit: Unit) -> list[TextChange]:
     if node is not None and declared_by(node) == "file":
         raise RenameRefused(f"`{old}` has its name from its file: give it a `name` first")
     others = (each for names in index.uses.values() for each in names if node is not None and multiplies(node))
-    if (copy := next((each for each in others if is_copy(each, old)), None)) is not None:
+    copy = next((each for each in others if is_copy(each, old)), None)
+    if copy is not None:
         raise RenameRefused(f"`{copy}` refers to a copy that MuJoCo makes of `{old}`: rename it by hand")
     spans = [] if node is None else [unit.origins.span(node, unit.file, declared_by(node))]
     return [TextChange(span, new) for span in (*spans, *uses(known, unit))]
@@ -300,7 +302,8 @@ def _means_the_same(known: Known, new: str, unit: Unit, changes: list[TextChange
         again = read_unit(main, unit.file, unit.directory)
     expected = unit.copied().root
     index = NameIndex.of(expected)
-    if (node := index.find(known.namespace, known.name)) is not None:
+    node = index.find(known.namespace, known.name)
+    if node is not None:
         node.set(declared_by(node), new)
     index.follow(known.namespace, {known.name: new})
     return again is not None and as_it_is(expected) == as_it_is(again.root)
@@ -318,39 +321,47 @@ def _spans(text: str, file: str) -> Callable[[int, int], Span]:
     return span
 
 
+def _symbol(
+    piece: Piece, end: int, span: Callable[[int, int], Span], is_section: bool, children: tuple[Symbol, ...]
+) -> Symbol:
+    values = {attribute.name: attribute.value for attribute in piece.attributes if attribute.value}
+    keys = ("class",) if piece.tag == "default" else _NAMING
+    name = next((values[key] for key in keys if key in values), "")
+    return Symbol(
+        name or piece.tag,
+        "section" if is_section else "element",
+        span(piece.start + 1, piece.start + 1 + len(piece.tag)),
+        whole=span(piece.start, end),
+        detail=piece.tag if name else "",
+        children=children,
+    )
+
+
 def symbols(text: str, analysis: ModelAnalysis) -> list[Symbol]:
     """Return the outline: the elements, by name if they have one."""
     span = _spans(text, analysis.file)
+    inside: list[list[Symbol]] = [[]]  # of the file, and of each open element
+    opened: list[Piece] = []
 
-    def symbol(piece: Piece, end: int, below: tuple[Symbol, ...] = ()) -> Symbol:
-        named = {each.name: each.value for each in piece.attributes if each.value}
-        keys = ("class",) if piece.tag == "default" else _NAMING
-        name = next((each for key in keys if (each := named.get(key))), "")
-        kind = "element" if waiting[1:] else "section"
-        tag = span(piece.start + 1, piece.start + 1 + len(piece.tag))
-        return Symbol(
-            name or piece.tag, kind, tag, whole=span(piece.start, end), detail=piece.tag if name else "", children=below
-        )
+    def close(end: int) -> None:
+        """End the innermost open element at an offset."""
+        children = tuple(inside.pop())
+        piece = opened.pop()
+        inside[-1].append(_symbol(piece, end, span, is_section=len(opened) < 2, children=children))
 
-    found: list[list[Symbol]] = [[]]
-    waiting: list[Piece] = []
     for piece in pieces(text):
-        if piece.kind == "start" and piece.tag and (piece.closed or not piece.complete):
-            found[-1].append(symbol(piece, piece.end))
-        elif piece.kind == "start" and piece.tag:
-            waiting.append(piece)
-            found.append([])
-        elif piece.kind == "end" and any(each.tag == piece.tag for each in waiting):
-            tag = ""
-            while tag != piece.tag:
-                opened = waiting.pop()
-                below = tuple(found.pop())
-                tag = opened.tag
-                found[-1].append(symbol(opened, piece.end, below))
-    for opened in reversed(waiting):
-        below = tuple(found.pop())
-        found[-1].append(symbol(opened, opened.end, below))
-    return found[0]
+        if piece.kind == "start" and piece.tag:
+            opened.append(piece)
+            inside.append([])
+            if piece.closed or not piece.complete:
+                close(piece.end)
+        elif piece.kind == "end" and any(start.tag == piece.tag for start in opened):
+            while opened[-1].tag != piece.tag:
+                close(piece.end)
+            close(piece.end)
+    while opened:
+        close(opened[-1].end)
+    return inside[0]
 
 
 _COLOR = re.compile(r".*rgba|rgb\d|markrgb|ambient|diffuse|specular")

@@ -42,7 +42,8 @@ def _named(question: Question) -> Iterator[Span]:
 
 def _declared(question: Question) -> Iterator[Span]:
     analysis = question.analysis
-    if (turn := subject.turn_name_at(question, analysis.tree)) is not None:
+    turn = subject.turn_name_at(question, analysis.tree)
+    if turn is not None:
         yield from analysis.all_now([turn.key.span], analysis.tree_of)
         return
     at = subject.part_named_at(question)
@@ -52,7 +53,8 @@ def _declared(question: Question) -> Iterator[Span]:
         return
     tree = analysis.mapping
     paths = [] if at is None else [at]
-    if (parameter := subject.parameter_at(question)) is not None:
+    parameter = subject.parameter_at(question)
+    if parameter is not None:
         name, nested = parameter
         tree = tree if nested is None else subject.nested_document(nested, question)
         paths += [("params", name), ("variants", name)]
@@ -250,10 +252,12 @@ def references(question: Question, declaration: bool = True, others: Iterable[tu
             found += mjcf.uses(replace(known, name=prefix + known.name), unit)
     if isinstance(question, ModelQuestion):
         return list(dict.fromkeys(found))
-    if (at := subject.part_named_at(question)) is not None:
+    at = subject.part_named_at(question)
+    if at is not None:
         uses = [use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)]
         found += analysis.all_now(uses, analysis.tree_of)
-    if (turn := subject.turn_name_at(question, analysis.tree)) is not None:
+    turn = subject.turn_name_at(question, analysis.tree)
+    if turn is not None:
         found += analysis.all_now(turn.uses, analysis.tree_of)
     elif (parameter := subject.parameter_at(question)) is not None and parameter[1] is None:
         found += analysis.all_now(subject.parameter_uses(parameter[0], analysis.tree), analysis.tree_of)
@@ -266,7 +270,8 @@ def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
     for use in subject.uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
             yield from analysis.all_now([use.span], analysis.tree_of)
-    if (traced := analysis.traced) is not None:
+    traced = analysis.traced
+    if traced is not None:
         users = NameIndex.of(traced.model.root).users(known.namespace, known.name)
         spans = (traced.written_at(node, attribute) for node, attribute in users if node in traced.watch.lives)
         yield from analysis.all_now(spans, analysis.model_of)

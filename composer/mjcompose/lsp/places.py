@@ -18,7 +18,7 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.language import ValueForm, kinds_of
 from mjcompose.plan.plan import BASE, AttachPart, Plan, part_name
 from mjcompose.text.node import is_template
-from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.names import WORLD
 from mjcompose.tree.pattern import BadPattern, paths_of
 from mjcompose.tree.select import Selection, name_of
@@ -121,7 +121,8 @@ def wanted_value(path: Path, forms: list[ValueForm], around: Any) -> Wanted | No
     path = without_variant(path)
     if not path:
         return None
-    if (inner := _in_place(path)) is not None:
+    inner = _in_place(path)
+    if inner is not None:
         found = wanted_value(inner[1], forms, around)
         return None if found is None or found.of else replace(found, of=inner[0], not_of=())
     found = next((wanted for row, wanted in _rows() if _fits(row, path)), None)
@@ -137,7 +138,8 @@ def wanted_value(path: Path, forms: list[ValueForm], around: Any) -> Wanted | No
 
 def wanted_key(path: Path) -> Wanted | None:
     path = without_variant(path)
-    if (inner := _in_place(path)) is not None:
+    inner = _in_place(path)
+    if inner is not None:
         found = wanted_key(inner[1])
         return None if found is None else replace(found, of=inner[0])
     if len(path) == 3 and path[0] == "keyframe":
@@ -153,7 +155,8 @@ def fitting(wanted: Wanted, names: ModelNames, plan: Plan | None) -> Iterator[tu
     """Yield the names that are allowed, each with a rank. The most likely come first."""
     if wanted.of or wanted.part is not None:
         names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
-    itself = step.prefix if (step := part_at(wanted.not_of, plan)) is not None else None
+    step = part_at(wanted.not_of, plan)
+    itself = step.prefix if step is not None else None
     for rank, namespace in enumerate(wanted.namespaces):
         if namespace == PART:
             yield from ((rank, Known(part, PART, PART)) for part in names.parts)
@@ -163,8 +166,9 @@ def fitting(wanted: Wanted, names: ModelNames, plan: Plan | None) -> Iterator[tu
             yield from ((rank, Known(sheet, DATASHEET, DATASHEET)) for sheet in sheets)
             continue
         for name, known in names.known.get(namespace, {}).items():
-            fits = not wanted.tags or known.tag in wanted.tags or known.name == WORLD
-            if fits and not (itself and name.startswith(itself)):
+            if itself and name.startswith(itself):
+                continue
+            if not wanted.tags or known.tag in wanted.tags or known.name == WORLD:
                 yield rank, replace(known, name=name)
 
 
@@ -229,18 +233,33 @@ def _of_mjcf(path: Path, forms: list[ValueForm], around: Any) -> Wanted | None:
     name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)
-        if attribute is None:
-            continue
-        if attribute.refers_by:
-            # A sibling such as `objtype` names the namespace.
-            family = GRAMMAR.objtypes.get(str(around.get(attribute.refers_by) if isinstance(around, dict) else ""))
-            return Wanted((family,) if family else tuple(dict.fromkeys(GRAMMAR.objtypes.values())))
-        if attribute.refers and not attribute.refers.startswith("attached:"):
-            return Wanted((attribute.refers,))
-    if name in ("site", "geom", "sidesite") and any(form.role.startswith("step.tendon.spatial") for form in forms):
-        return Wanted(("geom",) if name == "geom" else ("site",))
-    if name == "joint" and any(form.role.startswith("step.tendon.fixed") for form in forms):
-        return Wanted(("joint",))
+        wanted = None if attribute is None else _referred(attribute, around)
+        if wanted is not None:
+            return wanted
     if name == "parent" and len(path) == 3 and path[0] == "default":
         return Wanted(("default",))
+    for (tendon, key), namespace in _PATHS_OF_TENDONS.items():
+        if key == name and any(form.role.startswith(f"step.tendon.{tendon}") for form in forms):
+            return Wanted((namespace,))
+    return None
+
+
+# What a key of a tendon's path names. The path of a spatial tendon is a list of elements, which a recipe writes short.
+_PATHS_OF_TENDONS = {
+    ("spatial", "site"): "site",
+    ("spatial", "geom"): "geom",
+    ("spatial", "sidesite"): "site",
+    ("fixed", "joint"): "joint",
+}
+
+
+def _referred(attribute: Attribute, around: Any) -> Wanted | None:
+    """Return the names that fit as the value of an attribute, given the keys beside it."""
+    if attribute.refers_by:
+        # A sibling such as `objtype` names the namespace.
+        sibling = around.get(attribute.refers_by) if isinstance(around, dict) else ""
+        family = GRAMMAR.objtypes.get(str(sibling))
+        return Wanted((family,) if family else tuple(dict.fromkeys(GRAMMAR.objtypes.values())))
+    if attribute.refers and not attribute.refers.startswith("attached:"):
+        return Wanted((attribute.refers,))
     return None

@@ -64,7 +64,7 @@ class Frames:
         return self._head.pop(0)
 
     def read(self, size: int) -> bytes:
-        return self._body
+        return self._body  # pygls reads as many bytes as the last head says, which is the whole body
 
     def _next(self) -> bytes | None:
         while (length := self._length()) is not None:
@@ -109,20 +109,23 @@ class Frames:
             self._answer(None, PARSE_ERROR, f"a message is not JSON: {str(error) or type(error).__name__}")
             return False
         number = message.get("id") if isinstance(message, dict) else None
+        # JSON-RPC 2.0 also allows fractions and null, LSP does not; `true` is an int only in Python.
         if isinstance(number, bool) or not isinstance(number, int | str):
             number = None
-        if (fault := self._fault(message, number, body)) is not None:
+        fault = self._fault(message, number, body)
+        if fault is not None:
             self._answer(number, *fault)
         return fault is None
 
     def _fault(self, message: Any, number: int | str | None, body: bytes) -> tuple[int, str] | None:
         if not isinstance(message, dict) or message.get("jsonrpc") != "2.0":
             return INVALID_REQUEST, "a message is an object with `jsonrpc` 2.0"
-        if "method" not in message:
+        if "method" not in message:  # the editor's answer to a request of the server
             return None if "id" in message else (INVALID_REQUEST, "a message has neither a `method` nor an `id`")
         method = message["method"]
         if not isinstance(method, str) or ("id" in message and number is None):
             return INVALID_REQUEST, "a method must be a string, and the `id` of a request a string or an integer"
+        # LSP 3.17: after `shutdown`, requests get this error, and notifications (`exit`) are still heard.
         if self._is_shut and number is not None:
             return INVALID_REQUEST, "the server is shutting down"
         self._is_shut = self._is_shut or method == "shutdown"
@@ -229,6 +232,7 @@ class Converter:
     def diagnostic(self, found: Diagnostic, path: Path) -> lsp.Diagnostic:
         """Return a diagnostic in a file. A diagnostic without a place in this file is shown on the first line."""
         span = found.span if found.span is not None and self.path(found.span) == path else None
+        # LSP 3.17 has no diagnostics without a range.
         place = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)) if span is None else self.range(span)
         notes = [(note.span, note.message) for note in (*found.notes, *found.others) if note.span is not None]
         related = [lsp.DiagnosticRelatedInformation(self.location(at), message) for at, message in notes]
@@ -252,16 +256,17 @@ class Converter:
         form = lsp.InsertTextFormat.Snippet if has_caret and self.takes_snippets else None
         text = text if not has_caret or self.takes_snippets else text.replace("$0", "")
         edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
+        # A command of VS Code; LSP itself cannot ask for the next completion.
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
         return lsp.CompletionItem(
             item.label,
             kind=_KINDS.get(item.kind, _K.Text),
             detail=item.detail or None,
             documentation=_markup(item.doc) if item.doc else None,
-            sort_text=f"{at:05}",
+            sort_text=f"{at:05}",  # without it, editors sort by label
             text_edit=edit,
             filter_text=item.label,
-            insert_text_mode=lsp.InsertTextMode.AsIs,
+            insert_text_mode=lsp.InsertTextMode.AsIs,  # the lines of the text have their indent
             command=again,
             insert_text_format=form,
         )
@@ -363,7 +368,8 @@ class Errands:
                 except Overrun as overrun:
                     return f"`mjcompose {words[0]}` was ended: {overrun}", False
             return _text(out) or f"{words[0]}: done", process.returncode == 0
-        if (known := self._views.pop(tuple(words), None)) is not None:
+        known = self._views.pop(tuple(words), None)
+        if known is not None:
             known.end()
         process = self._views[tuple(words)] = self._start(words)
         assert process.stdout is not None

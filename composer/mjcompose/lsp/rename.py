@@ -55,21 +55,34 @@ def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str
     for at, (was, now) in enumerate(zip(before, after, strict=True)):
         if at >= len(steps) or steps[at] == "**":
             break
-        step = steps[at]
-        if step == was:
-            steps[at] = now
-        elif "{" in step and not _fits(step, was):
+        try:
+            step = _renamed_step(steps[at], was, now)
+        except NotSure:
+            raise NotSure(text) from None
+        if step is None:
             return None
-        elif "{" in step:
-            steps[at] = _CHOICE.sub(lambda found, was=was, now=now: _choice(found[1], was, now), step)  # type: ignore[misc]
-            if not _fits(steps[at], now):
-                raise NotSure(text)
-        elif _fits(step, was) != _fits(step, now):
-            raise NotSure(text)
-        elif not _fits(step, was):
-            return None
+        steps[at] = step
     result = separator.join(steps)
     return None if result == text else result
+
+
+def _renamed_step(step: str, was: str, now: str) -> str | None:
+    """Return a step of a pattern for the name `now`, or None if it does not match the name `was`.
+
+    Raises NotSure for a step that matches only one of them and cannot be rewritten.
+    """
+    if step == was:
+        return now
+    if "{" not in step:
+        if _fits(step, was) != _fits(step, now):
+            raise NotSure(step)
+        return step if _fits(step, was) else None
+    if not _fits(step, was):
+        return None
+    changed = _CHOICE.sub(lambda choice: _choice(choice[1], was, now), step)
+    if not _fits(changed, now):
+        raise NotSure(step)
+    return changed
 
 
 def _choice(options: str, was: str, now: str) -> str:
@@ -98,7 +111,8 @@ def renameable(question: Question) -> Span | None:
         return None
     if at is not None:
         return question.word
-    if (turn := subject.turn_name_at(question, question.analysis.tree)) is not None:
+    turn = subject.turn_name_at(question, question.analysis.tree)
+    if turn is not None:
         return _at_cursor(turn.uses, question)
     if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
@@ -176,7 +190,8 @@ def _rename_in_model(
 
 
 def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> list[TextChange]:
-    if (lower := _extended_with(("attach", old), analysis)) is not None:
+    lower = _extended_with(("attach", old), analysis)
+    if lower is not None:
         raise RenameRefused(f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
     step = part_at(("attach", old), analysis.plan)
     if is_template(old) or (step is not None and step.span.turn is not None):
@@ -220,16 +235,17 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
         if part is not None:
             yield _written(locate(tree, ("attach", old), key=True), new, analysis)
         has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
+    above = f"{outer}/" if outer else ""
     for use in subject.uses_in(tree):
         pattern = use.wanted.pattern
         changed = None
-        own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
         if PART in use.wanted.namespaces:
-            above = f"{outer}/" if outer else ""
             changed = renamed(use.text, above + old, above + new, separator="/", pattern=pattern)
-        elif has_names and own is not None and prefix.startswith(own):
-            inner = prefix[len(own) :]
-            changed = renamed(use.text, inner + old, inner + new, separator=separator, pattern=pattern)
+        elif has_names:
+            own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
+            if own is not None and prefix.startswith(own):
+                inner = prefix[len(own) :]
+                changed = renamed(use.text, inner + old, inner + new, separator=separator, pattern=pattern)
         if changed is not None:
             yield _written(use.span, changed, analysis)
     if has_names:
@@ -276,7 +292,8 @@ def _rename_turn_name(turn: subject.TurnName, new: str, question: Question) -> l
 def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> list[TextChange]:
     analysis = question.analysis
     for section in ("params", "variants"):
-        if (lower := _extended_with((section, old), analysis)) is not None:
+        lower = _extended_with((section, old), analysis)
+        if lower is not None:
             raise RenameRefused(f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
     if not _USABLE.fullmatch(new):
         raise RenameRefused(f"`{new}` cannot be the name of a parameter")
@@ -288,14 +305,24 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
             if not part:
                 changes += [TextChange(span, new) for span in subject.parameter_uses(old, other.tree)]
                 continue
-            own = other.plan.parts if other.plan is not None else ()  # without the parts of parts
-            paths = [step.at for step in own if part_called(step.at, other.plan) == part]
-            holders = [(RESERVED,)] if part == RESERVED else paths[:1]
-            for at in holders:
-                path = (*at, "with", old)
-                if other.mapping is not None and find(other.mapping, path) is not None:
-                    changes.append(TextChange(locate(other.mapping, path, key=True), new))
+            key = _value_for(part, old, other)
+            if key is not None:
+                changes.append(TextChange(key, new))
     return changes
+
+
+def _value_for(part: str, parameter: str, analysis: Analysis) -> Span | None:
+    """Return the key with which a recipe sets a parameter of one of its parts."""
+    tree = analysis.mapping
+    if tree is None:
+        return None
+    at: Path | None = (RESERVED,)
+    if part != RESERVED:
+        own = analysis.plan.parts if analysis.plan is not None else ()  # without the parts of parts
+        at = next((step.at for step in own if part_called(step.at, analysis.plan) == part), None)
+    if at is None or find(tree, (*at, "with", parameter)) is None:
+        return None
+    return locate(tree, (*at, "with", parameter), key=True)
 
 
 def _extended_with(path: Path, analysis: Analysis) -> str | None:

@@ -51,8 +51,7 @@ def reread(tree: Node, old: Items[str], new: Items[str], file: str) -> Node | No
     stretch = _stretch(value, head, last, _end(tree, name, len(old)))
     if stretch is None or _indent(old[stretch.start]) != _indent(new[stretch.start]):
         return None
-    ends = (stretch.start, stretch.end) if stretch.last < len(_spans(value)) else (stretch.start,)
-    if isinstance(value, Sequence) and not all(_is_item(old[line]) for line in ends):
+    if isinstance(value, Sequence) and not _begins_at_items(value, stretch, old):
         return None
     read = _entries(new, stretch, key, file)
     changed = None if read is None else _with_entries(value, read, stretch)
@@ -87,6 +86,12 @@ def _spans(value: Mapping | Sequence) -> list[Span]:
     if isinstance(value, Mapping):
         return [key.span for key, _ in value.entries.values()]
     return [item.span for item in value.items]
+
+
+def _begins_at_items(value: Sequence, stretch: _Stretch, lines: Items[str]) -> bool:
+    """Return whether the stretch, and what follows it in its list, begin at a dash: two items may share a line."""
+    starts = (stretch.start, stretch.end) if stretch.last < len(_spans(value)) else (stretch.start,)
+    return all(_is_item(lines[line]) for line in starts)
 
 
 def _is_item(line: str) -> bool:

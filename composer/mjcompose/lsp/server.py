@@ -52,6 +52,7 @@ class EditorServer(LanguageServer):
         self.uris: dict[Path, str] = {}
 
     def begin(self, folder: Path) -> None:
+        # LSP 3.17 counts columns in UTF-16 code units unless the editor offers another unit; Python counts code points.
         encoding = str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding) or "utf-16")
         self.converter = Converter(encoding, folder, self.lines, self.uri)
         support = get_capability(self.client_capabilities, "text_document.completion.completion_item.snippet_support")
@@ -85,7 +86,8 @@ class EditorServer(LanguageServer):
 
     def publish(self, path: Path, found: list[Diagnostic]) -> None:
         shown = [self.converter.diagnostic(each, path) for each in found]
-        version = document.seen if (document := self.desk.documents.get(path)) is not None else None
+        document = self.desk.documents.get(path)
+        version = document.seen if document is not None else None
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(self.uri(path), shown, version))
 
     def say(self, text: str) -> None:
@@ -157,6 +159,7 @@ async def initialized(own: EditorServer, params: lsp.InitializedParams) -> None:
     root = own.workspace.root_path
     own.begin(Path(root) if root else Path.cwd())
     asyncio.get_running_loop().run_in_executor(None, language.whole)
+    # LSP 3.17 has no static capability for changes of files on disk: the server has to register for them.
     if get_capability(own.client_capabilities, "workspace.did_change_watched_files.dynamic_registration"):
         watchers = [lsp.FileSystemWatcher(_WATCHED)]
         options = lsp.DidChangeWatchedFilesRegistrationOptions(watchers)
@@ -173,6 +176,7 @@ async def opened(own: EditorServer, params: lsp.DidOpenTextDocumentParams) -> No
 @server.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
 async def changed(own: EditorServer, params: lsp.DidChangeTextDocumentParams) -> None:
     document = params.text_document
+    # With `TextDocumentSyncKind.Full` each change is the whole text, so the last one is the current text.
     own.desk.change(own.path(document.uri), params.content_changes[-1].text, document.version)
 
 
