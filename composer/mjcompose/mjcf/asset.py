@@ -110,7 +110,8 @@ def skins_after_renaming(model: ModelState, old: str, new: str, *, is_prefix: bo
                 return way + new + name[len(way + old) :]
             return None
 
-        if skins := renamed_skins(here, rename):
+        skins = renamed_skins(here, rename)
+        if skins:
             changed.append((here, skins))
     return changed
 
@@ -267,7 +268,8 @@ class Asset:
             return read_regular(source)
         except OSError as error:
             message = f"the file `{source}` cannot be read: {error.strerror or str(error)}"
-            if (archive := in_archive(source)) is not None:
+            archive = in_archive(source)
+            if archive is not None:
                 message = "`{}` has no file `{}`".format(*archive)
             raise failure("asset-missing", message) from None
 

@@ -236,7 +236,8 @@ class Attributed:
         >>> ball.origin_of('size').column
         32
         """
-        if (known := attribute_of(self._kind, as_name("attribute", attribute))) is None:
+        known = attribute_of(self._kind, as_name("attribute", attribute))
+        if known is None:
             raise no_attribute(self._kind, attribute)
         if self._alive()._node.get(known.name) is None:
             raise failure("unknown-attribute", f"`{attribute}` of {self._described()} is not set")
@@ -269,7 +270,8 @@ class Attributed:
     def _member(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        if (attribute := attribute_of(self._kind, name)) is not None:
+        attribute = attribute_of(self._kind, name)
+        if attribute is not None:
             return self._read(attribute)
         tag = name.rstrip("_")
         if tag not in self._kind.children:

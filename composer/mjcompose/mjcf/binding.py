@@ -240,7 +240,8 @@ class Binding:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        if (field := fields(self._kind).get(name)) is None:
+        field = fields(self._kind).get(name)
+        if field is None:
             raise self._unknown(name)
         return self._read(name, field)  # Python asks here for fields that raised; they do so again
 

@@ -63,7 +63,8 @@ def commit(
     spelled.attrib.pop("class", "")
     if found.name != MAIN:
         spelled.set("class", found.name)
-    if (wanted := settings(sections, spelled)) is None:  # MuJoCo says why when the model is compiled
+    wanted = settings(sections, spelled)
+    if wanted is None:  # MuJoCo says why when the model is compiled
         return
     as_good: Node | None = None
     name = str(spelled.get("class") or "")  # a `general` of the same class without any other attribute
@@ -120,7 +121,8 @@ def _replace_by(model: ModelState, node: Node, other: Node) -> None:
         why = f"its default class sets values that a `{node.tag}` cannot have"
         warn(f"{describe(model, node)} is written as a `{other.tag}`: {why}", MjcfWarning)
         node.tag = other.tag
-        if (view := model.views.get(node)) is not None:
+        view = model.views.get(node)
+        if view is not None:
             object.__setattr__(view, "__class__", class_of(kind_of(node)))
     for name in set(node.keys()) - set(other.keys()) - {"class"}:
         del node.attrib[name]
@@ -208,7 +210,8 @@ def _known(attributes: Collection[str]) -> frozenset[str]:
 
 
 def _commit_all(model: ModelState, node: Node, only: frozenset[str] | None) -> None:
-    if (above := model.frame_above(node)) is None:
+    above = model.frame_above(node)
+    if above is None:
         classes = Classes(model.unit.root)
         for each in _elements_below(node):
             name = str(each.get("class") or "") or (childclass_of(each) if _is_in(each, "worldbody") else None)
@@ -309,18 +312,29 @@ def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, 
     """Return the attributes that a class and the classes above it set for an element; the nearest class wins."""
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
-    elements = [each for name in (ACTUATORS if tag in ACTUATORS else (tag,)) for each in found.elements.get(name, ())]
+    # MuJoCo (3.12 to 4.0) keeps one default for all actuators of a class: `<position>` also sets what `<motor>` gets.
+    tags = ACTUATORS if tag in ACTUATORS else (tag,)
+    elements = [element for name in tags for element in found.elements.get(name, ())]
     in_order = sorted(elements, key=position) if len(elements) > 1 else elements
     for element in in_order:
-        for name, value in [(str(key), str(value)) for key, value in element.items()]:
-            if name not in attributes or name in _NEVER_GIVEN or (element.tag != tag and name not in OF_ALL):
-                continue
-            if not value.strip() and not _counts_empty(attributes[name]):
-                continue
-            others = {each for group in _ONE_OF if name in group for each in group - {name}}
-            inherited = {each: text for each, text in inherited.items() if each not in others}
+        for name, value in _given_by(element, tag, attributes):
+            for group in _ONE_OF:
+                if name in group:
+                    for other in group - {name}:
+                        inherited.pop(other, None)
             inherited[name] = _completed(attributes[name], value, inherited.get(name, ""))
     return inherited
+
+
+def _given_by(element: Node, tag: str, attributes: Mapping[str, Attribute]) -> Iterator[tuple[str, str]]:
+    """Yield the attributes that an element of a class gives to the elements with a tag."""
+    for key, text in element.items():
+        name = str(key)
+        value = str(text)
+        if name not in attributes or name in _NEVER_GIVEN or (element.tag != tag and name not in OF_ALL):
+            continue
+        if value.strip() or _counts_empty(attributes[name]):
+            yield name, value
 
 
 def _counts_empty(attribute: Attribute) -> bool:

@@ -44,7 +44,8 @@ def discard(model: ModelState, node: Node) -> None:
     """Remove a node and everything below it from the model's indexes, before it is removed from the tree."""
     for each in node.iter("*"):
         model.forget(each)
-        if (view := model.views.pop(each, None)) is not None:
+        view = model.views.pop(each, None)
+        if view is not None:
             view._take_out()
         model.unit.origins.owners.pop(each, None)
         model.unit.origins.settings.pop(each, None)
@@ -188,20 +189,22 @@ def _text(
         if attribute.type != "file":
             raise BadValue("expects no file, got an `Asset`")
         return place_asset(model, kind.tag, value, contents=edit.contents)
-    several = isinstance(value, list | tuple) and any(isinstance(each, ReferencedNode) for each in value)
-    if isinstance(value, ReferencedNode) or several:
-        if not is_reference(attribute):
-            raise BadValue("expects no element, got one")
-        if several and attribute.type != "references":
-            raise BadValue("expects one element, got a list")
-        namespace = namespace_of(attribute, written)
-        names = [value] if isinstance(value, ReferencedNode) else list(value)  # type: ignore[call-overload]
-        name_of = partial(name_for, model, attribute, namespace=namespace, given=edit.given)
-        texts = [name_of(each) if isinstance(each, ReferencedNode) else encode(attribute, each) for each in names]
-        if isinstance(value, ReferencedNode) and model.prefix_of(value.model) is None:
-            edit.awaited[attribute.name] = value, texts[0]
-        return " ".join(texts)
-    return encode(attribute, value)
+    is_list = isinstance(value, list | tuple) and any(isinstance(item, ReferencedNode) for item in value)
+    if not isinstance(value, ReferencedNode) and not is_list:
+        return encode(attribute, value)
+    if not is_reference(attribute):
+        raise BadValue("expects no element, got one")
+    if is_list and attribute.type != "references":
+        raise BadValue("expects one element, got a list")
+    namespace = namespace_of(attribute, written)
+    name_of = partial(name_for, model, attribute, namespace=namespace, given=edit.given)
+    if isinstance(value, ReferencedNode):
+        name = name_of(value)
+        if model.prefix_of(value.model) is None:
+            edit.awaited[attribute.name] = value, name
+        return name
+    items: list[object] = list(value)  # type: ignore[call-overload]
+    return " ".join(name_of(item) if isinstance(item, ReferencedNode) else encode(attribute, item) for item in items)
 
 
 def write(model: ModelState, node: Node, edit: AttributeEdit) -> None:
@@ -235,7 +238,8 @@ def create(model: ModelState, parent: Node, tag: str, edit: AttributeEdit, posit
     """Create an element below `parent`, at the end or before the child at `position`, and return it."""
     _prepare(model, edit)
     node = parent.makeelement(tag, {name: text for name, text in edit.texts.items() if text is not None})
-    if (later := None if position is None else _child_at(parent, position)) is None:
+    later = None if position is None else _child_at(parent, position)
+    if later is None:
         parent.append(node)
     else:
         later.addprevious(node)

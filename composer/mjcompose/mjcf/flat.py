@@ -114,7 +114,8 @@ def _with_file_names(model: FileUse, names: Mapping[str, str]) -> FileUse:
     root = etree.fromstring(model.content)
     for element in root.iter("*"):
         for attribute in ("file", *CUBE):
-            if (new := changed.get(str(element.get(attribute)))) is not None:
+            new = changed.get(str(element.get(attribute)))
+            if new is not None:
                 rename_file(element, attribute, new)
     return model._replace(content=write(root))
 
@@ -197,7 +198,8 @@ def check_references(model: ModelState, sink: Sink) -> None:
                 # A model that is written without the models above it has none of their elements.
                 if not name.startswith(UP * (depth + 1)) and resolves(each, namespace, name):
                     continue
-                if heeded := [use for use in users if section_of(use[0]) != "default"]:
+                heeded = [use for use in users if section_of(use[0]) != "default"]
+                if heeded:
                     _report(each, namespace, name, users=heeded, sink=sink)
 
 
@@ -268,8 +270,11 @@ def flatten(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Un
     return link_checked(model, conflict, copy, check_keys=True)
 
 
-def link_checked(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Unit], *, check_keys: bool) -> Flat:
-    """Link a model whose references have been checked; with `check_keys`, report keyframes that do not fit."""
+def link_checked(model: ModelState, conflict: ModelMeasure, copy: Callable[[ModelState], Unit], *, check_keys: bool) -> Flat:
+    """Link a model whose references have been checked. Raises MjcfError.
+
+    With `check_keys`, it is also raised for keyframes that do not fit.
+    """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
     outward = (name for part in mounting.parts for name in part.outward.values())
@@ -331,7 +336,8 @@ def text(model: ModelState, conflict: Policy) -> str:
         issue_warnings(warnings)
         return found
     _check(model, conflict)
-    if (known := relocated_text(model, label(model))) is not None:
+    known = relocated_text(model, label(model))
+    if known is not None:
         return known
     flat = link_checked(model, conflict, copy_unit, check_keys=False)
     name_files(flat)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import os
 import posixpath
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -50,7 +50,8 @@ def copied(element: Attributed, memo: dict[int, Any]) -> Any:
     """Return the element's counterpart in the copy of its model. The model is copied unless `memo` has the copy."""
     model = element._alive()._model
     twin = copy.deepcopy(view(model, model.unit.root), memo)._model
-    if (frame := model.frame_above(element._node)) is None:
+    frame = model.frame_above(element._node)
+    if frame is None:
         return view(twin, counterpart(element._node, model.unit.root, twin.unit.root))
     there = twin.attachments[model.attachment_of(frame).child.prefix].frame
     return view(twin, counterpart(element._node, frame, there))
@@ -71,7 +72,8 @@ class _Tree(Struct):
         nodes = list(node.iter())
         owners: dict[int, str | Span] = {}
         for at, each in enumerate(nodes):
-            if (owner := origins.owners.get(each)) is not None:
+            owner = origins.owners.get(each)
+            if owner is not None:
                 owners[at] = owner if isinstance(owner, str | Span) else owner(None)
         lines: list[Any] = [each.sourceline for each in nodes]
         return cls(etree.tostring(node, with_tail=False), [line or 0 for line in lines], owners)
@@ -204,6 +206,9 @@ _OVERRIDE = (
 _FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
 
 
+_Place = tuple[tuple[str, ...], str]  # the path of an element, and an attribute of it
+
+
 class _Setting(NamedTuple):
     """A setting that a model has only once: its place and its value."""
 
@@ -308,16 +313,20 @@ def _conflicts(model: ModelState, source: ModelState) -> Iterator[_Conflict]:
         path, attribute = key
         if path == ("compiler",) and attribute in _FOLDERS:
             continue
-        one, other = (None if each is None else each.value for each in (mine.get(key), theirs.get(key)))
-        if path[0] in _READ_BY and both_have_elements:
-            if path == ("compiler",):
-                default = getattr(SourceSettings(), attribute, None)
-                one = default if one is None else one
-                other = default if other is None else other
-        elif one is None or other is None:
+        # What only one model sets changes the other if that has elements which read it.
+        is_read = both_have_elements and path[0] in _READ_BY
+        if not is_read and (key not in mine or key not in theirs):
             continue
-        if (one is not other) if one is None or other is None else not _equal(one, other):
+        if not _are_same(_meant(mine, key), _meant(theirs, key)):
             yield _Conflict(path, attribute, mine.get(key), theirs=theirs.get(key))
+
+
+def _meant(written: Mapping[_Place, _Setting], key: _Place) -> str | None:
+    """Return the value of a setting, which has a default if it is one of `<compiler>`."""
+    if key in written:
+        return written[key].value
+    path, attribute = key
+    return getattr(SourceSettings(), attribute, None) if path == ("compiler",) else None
 
 
 def _check_names(model: ModelState, source: ModelState, other: ModelState, sink: Sink) -> None:
@@ -325,7 +334,8 @@ def _check_names(model: ModelState, source: ModelState, other: ModelState, sink:
     prefix = model.full_prefix
     for namespace, names in source.names.declared.items():
         for name, node in names.items():
-            if (taken := top.lookup(namespace, prefix + name)) is not None:
+            taken = top.lookup(namespace, prefix + name)
+            if taken is not None:
                 code = "class-clash" if namespace == "default" else "name-clash"
                 message = f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`"
                 note = Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node))
@@ -380,6 +390,8 @@ def _has_elements(root: Node) -> bool:
     return any(len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default"))
 
 
-def _equal(a: str, b: str) -> bool:
+def _are_same(a: str | None, b: str | None) -> bool:
+    if a is None or b is None:
+        return a is b
     numbers = [[parse_real(item) for item in items(text)] for text in (a, b)]
     return numbers[0] == numbers[1] if None not in (*numbers[0], *numbers[1]) else a.split() == b.split()

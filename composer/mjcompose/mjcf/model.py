@@ -165,9 +165,11 @@ class ModelState:
     def section(self, tag: str) -> Node:
         """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
         root = self.unit.root
-        if (found := next(root.iterchildren(tag), None)) is None:
+        found = next(root.iterchildren(tag), None)
+        if found is None:
             with self.lock:
-                if (found := next(root.iterchildren(tag), None)) is None:
+                found = next(root.iterchildren(tag), None)
+                if found is None:
                     order = list(GRAMMAR.root.children)
                     later = order[order.index(tag) + 1 :]
                     before = next(root.iterchildren(*later), None) if later else None
@@ -203,13 +205,15 @@ class ModelState:
         """Yield each attachment whose prefix the name begins with, and the rest of the name."""
         at = name.find(SEPARATOR) if self.attachments else -1
         while at >= 0:
-            if (attachment := self.attachments.get(name[: at + 1])) is not None:
+            attachment = self.attachments.get(name[: at + 1])
+            if attachment is not None:
                 yield attachment, name[at + 1 :]
             at = name.find(SEPARATOR, at + 1)
 
     def lookup(self, namespace: str, name: str) -> ReferencedNode | None:
         """Return the element with this name in this model or, by its prefix, in an attached model, or None."""
-        if (node := self.names.find(namespace, name)) is not None:
+        node = self.names.find(namespace, name)
+        if node is not None:
             return ReferencedNode(self, node)
         if namespace == "body" and name == WORLD:
             return ReferencedNode(self, self.section(WORLD_SECTION))
@@ -218,9 +222,11 @@ class ModelState:
         if self.hung is not None and name.startswith(UP):
             return self.hung.parent.lookup(namespace, name[len(UP) :])
         for attachment, rest in self.split(name):
-            if (found := attachment.child.lookup_attached(namespace, rest)) is not None:
+            found = attachment.child.lookup_attached(namespace, rest)
+            if found is not None:
                 return found
-            if (frame := attachment.find(namespace, rest)) is not None:
+            frame = attachment.find(namespace, rest)
+            if frame is not None:
                 return ReferencedNode(self, frame)
         return None
 
@@ -285,7 +291,8 @@ class ModelState:
         if node.getparent() is self.unit.root and node.tag == "default":
             return "default", MAIN
         attribute = naming_attribute(kind_of(node))
-        if (frame := self.frame_above(node)) is not None:
+        frame = self.frame_above(node)
+        if frame is not None:
             prefix = self.attachment_of(frame).child.prefix
             if node is frame:
                 return "body", prefix
@@ -335,6 +342,14 @@ def page(model: ModelState, node: Node) -> str:
     return f'<div style="{_STYLE}">{"".join(lines)}{more}</div>'
 
 
+def _start_tag(node: Node, is_empty: bool) -> str:
+    written = ((escape(str(name)), escape(str(value))) for name, value in node.items())
+    attributes = "".join(f' {name}=<span style="color: #067d17">"{value}"</span>' for name, value in written)
+    weight = "font-weight: bold; " if node.tag in (ROOT, "body") else ""
+    name = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
+    return f"&lt;{name}{attributes}{'/' if is_empty else ''}&gt;"
+
+
 def _tree(model: ModelState, node: Node, lines: list[str], left: int, depth: int) -> int:
     """Append a node and everything below it to `lines`, up to `left` elements. Return the rest, negative if cut."""
     if left <= 0:
@@ -344,13 +359,8 @@ def _tree(model: ModelState, node: Node, lines: list[str], left: int, depth: int
         return left - 1
     left -= 1
     children = list(node.iterchildren("*"))
-    attached = [each for each in model.attachments.values() if each.host is node]
-    written = ((escape(str(name)), escape(str(value))) for name, value in node.items())
-    attributes = "".join(f' {name}=<span style="color: #067d17">"{value}"</span>' for name, value in written)
-    weight = "font-weight: bold; " * (node.tag in (ROOT, "body"))
-    end = "" if children or attached else "/"
-    name = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
-    tag = f"&lt;{name}{attributes}{end}&gt;"
+    attached = [attachment for attachment in model.attachments.values() if attachment.host is node]
+    tag = _start_tag(node, is_empty=not children and not attached)
     if not children and not attached:
         lines.append(f"<div>{tag}</div>")
         return left

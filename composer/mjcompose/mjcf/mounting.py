@@ -61,7 +61,8 @@ def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
             elif section not in _OF_BODIES:
                 top = whole(node)
                 declared = declaration(top, section)
-                if (parent := top.getparent()) is not None:
+                parent = top.getparent()
+                if parent is not None:
                     parent.remove(top)
                     waiting += [declared] if declared else []
             elif namespace == "material":
@@ -101,7 +102,8 @@ def check_tree(unit: Unit, sink: Sink) -> None:
                 continue
             for child in parent:
                 kind = child.tag
-                if (attributes := allowed.get(kind)) is None:
+                attributes = allowed.get(kind)
+                if attributes is None:
                     if isinstance(kind, str):
                         _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink=sink)
                     continue
@@ -202,7 +204,8 @@ def _kind(section: str, tag: str) -> ElementType:
 def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
     tag = str(node.tag)
     span = unit.origins.span(node, unit.file)
-    if (other := of_other_version(node, None, unit.file)) is not None:
+    other = of_other_version(node, None, unit.file)
+    if other is not None:
         sink.add(replace(other, span=span))
         return
     notes = (exists_note("element", sorted(parent.children), tag),)
@@ -319,7 +322,8 @@ class Mounting(Struct, frozen=False):
         for node in self.named:
             del node.attrib["name"]
         for frame in self.added:
-            if (parent := frame.getparent()) is not None:
+            parent = frame.getparent()
+            if parent is not None:
                 at = parent.index(frame)
                 parent[at : at + 1] = list(frame)
 

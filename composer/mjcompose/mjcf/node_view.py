@@ -35,7 +35,8 @@ def escape_separators(model: ModelState) -> None:
     every = ((space, name, node) for space, names in model.names.declared.items() for name, node in names.items())
     declared = [each for each in every if SEPARATOR in each[1]]
     for namespace, name, node in declared:
-        if (taken := model.names.find(namespace, _escaped(name))) is not None:
+        taken = model.names.find(namespace, _escaped(name))
+        if taken is not None:
             message = f"{describe(model, node)} would be called `{_escaped(name)}`, as another {namespace} is"
             help = "rename one of the two, or read the model without `escape_separators`"
             notes = (Note("the other is here", model.span(taken)),)

@@ -314,7 +314,8 @@ def from_spec(spec: Any) -> RootElement:
         assets.setdefault(posixpath.basename(name), data)
     # To MuJoCo 4.0, NaN means not set, so it does not write it.
     floats = (each for kind in KINDS for each in arrays(compiled, kind) if each[1].dtype.kind == "f")
-    if lost := sorted(name for name, array, _ in floats if bool((array != array).any())):
+    lost = sorted(name for name, array, _ in floats if bool((array != array).any()))
+    if lost:
         message = "MuJoCo does not write NaN, so these attributes of the spec have their defaults: "
         warn(message + ", ".join(lost), MjcfWarning)
     return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)

@@ -171,7 +171,8 @@ class Physics:
             # Refuse files that the model may not read. MuJoCo reports all other faults.
             found = Sink()
             aside = Sink()
-            if (unit := parse_file(file, aside, door=door_of(confine_to))) is not None:
+            unit = parse_file(file, aside, door=door_of(confine_to))
+            if unit is not None:
                 all_admitted(unit, found)
             for each in aside.errors:
                 if each.code in (CODE, "xml-syntax"):  # the files that such a text names are unknown
@@ -326,7 +327,8 @@ class Physics:
         return binding
 
     def _kind(self, element: NodeView) -> str:
-        if (kind := compiled_kind(element._node)) is None:
+        kind = compiled_kind(element._node)
+        if kind is None:
             message = f"{element._described()} is not an object of a compiled model"
             raise failure("not-supported", message, notes=(exists_note("kind", sorted(KINDS), element.tag),))
         return kind

@@ -24,7 +24,8 @@ def from_root(model: ModelState, query: Query) -> Iterator[ReferencedNode]:
 
 def matches_below(model: ModelState, node: Node, query: Query) -> Iterator[ReferencedNode]:
     """Yield all matches below a node, without the node itself."""
-    if (frame := model.frame_above(node)) is not None:
+    frame = model.frame_above(node)
+    if frame is not None:
         yield from _frame_content(model.attachment_of(frame), query) if node is frame else ()
         return
     section = section_of(node)
@@ -39,7 +40,8 @@ def matches_below(model: ModelState, node: Node, query: Query) -> Iterator[Refer
 
 def children(model: ModelState, node: Node, query: Query) -> Iterator[ReferencedNode]:
     """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
-    if (frame := model.frame_above(node)) is not None:
+    frame = model.frame_above(node)
+    if frame is not None:
         yield from _frame_content(model.attachment_of(frame), query, immediate=True)
         return
     section = section_of(node)
@@ -164,7 +166,8 @@ def find_first(here: ReferencedNode, tag: str, name: str | None) -> ReferencedNo
         return next(_matches(here, wanted), None)
     name = as_name("name", name)
     for namespace in wanted.namespaces:
-        if (found := here.model.lookup(namespace, name)) is not None:
+        found = here.model.lookup(namespace, name)
+        if found is not None:
             fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
             if fits and (from_root or is_below(here, found)):
                 return found

@@ -50,7 +50,8 @@ def encode(attribute: Attribute, value: object) -> str:
     Numbers are written so that they read back to the same bits. If the attribute has no fixed length, an array of
     more than one dimension is written row by row.
     """
-    if (quick := plain_text(attribute, value)) is not None:
+    quick = plain_text(attribute, value)
+    if quick is not None:
         return quick
     if isinstance(value, os.PathLike) and attribute.type == "file":
         value = os.fspath(value)
@@ -65,13 +66,9 @@ def encode(attribute: Attribute, value: object) -> str:
     if fault is not None:
         raise BadValue(fault)
     if attribute.is_number:
-        for item in items(text):
-            number = parse_real(item) or 0.0
-            if math.isnan(number):
-                raise BadValue("expects numbers, got `nan`")
-            if math.isinf(number) and attribute.name in _FINITE:
-                raise BadValue(f"expects finite numbers, got `{item}`")
-    if unwritable := NOT_XML.search(text):
+        _check_numbers(attribute, text)
+    unwritable = NOT_XML.search(text)
+    if unwritable:
         raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
     return text
 
@@ -86,7 +83,8 @@ def decode(attribute: Attribute, text: str) -> object:
         decimals = list(map(float, text.split()))
         if values.check_length(attribute, len(decimals)) is None and not any(map(math.isinf, decimals)):
             return np.float64(decimals[0]) if attribute.max_length == 1 else np.array(decimals)
-    if (fault := values.check_value(attribute, text)) is not None:
+    fault = values.check_value(attribute, text)
+    if fault is not None:
         raise BadValue(fault)
     if attribute.type == "bool":
         return text == "true"
@@ -99,14 +97,26 @@ def decode(attribute: Attribute, text: str) -> object:
     return array[0] if attribute.max_length == 1 else array
 
 
+def _check_numbers(attribute: Attribute, text: str) -> None:
+    for item in items(text):
+        number = parse_real(item) or 0.0
+        if math.isnan(number):
+            raise BadValue("expects numbers, got `nan`")
+        if math.isinf(number) and attribute.name in _FINITE:
+            raise BadValue(f"expects finite numbers, got `{item}`")
+
+
 def plain_text(attribute: Attribute, value: object) -> str | None:
     """Return the text of a value that is clearly valid, such as finite numbers, or None if it needs a full check."""
     if attribute.type == "keyword":
         return value if type(value) is str and value in attribute.keywords else None
     if attribute.type == "bool":
         return str(value).lower() if type(value) is bool else None
-    if not attribute.is_number:
-        return None
+    return _plain_numbers(attribute, value) if attribute.is_number else None
+
+
+def _plain_numbers(attribute: Attribute, value: object) -> str | None:
+    # A type is compared and not tested with `isinstance`: a `bool` is no number, and a subclass has a text of its own.
     numbers: Any = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     if type(numbers) is float or type(numbers) is int:
         numbers = (numbers,)
@@ -127,10 +137,10 @@ def plain_text(attribute: Attribute, value: object) -> str | None:
 
 def _flat(attribute: Attribute, value: object) -> object:
     """Return arrays and tuples as lists. If the attribute takes any number of items, join the rows."""
-    open_ended = attribute.is_number and attribute.max_length is None
+    is_open_ended = attribute.is_number and attribute.max_length is None
     shape = getattr(value, "shape", None)
     if shape is not None and len(shape) > 1 and attribute.is_number:
-        if not open_ended:
+        if not is_open_ended:
             raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
         value = np.asarray(value).reshape(-1)
     if isinstance(value, bytes | bytearray):
@@ -141,11 +151,14 @@ def _flat(attribute: Attribute, value: object) -> object:
     if not isinstance(value, list | tuple):
         return value
     flat = [plain(item) for item in value]
-    if open_ended and flat and all(isinstance(item, list | tuple) for item in flat):
-        if len({len(row) for row in flat if isinstance(row, list | tuple)}) > 1:
-            raise BadValue("expects rows of one length, got several")
-        return [plain(number) for row in flat if isinstance(row, list | tuple) for number in row]
-    return flat
+    rows = [item for item in flat if isinstance(item, list | tuple)]
+    return _joined(rows) if is_open_ended and rows and len(rows) == len(flat) else flat
+
+
+def _joined(rows: list[list[Any] | tuple[Any, ...]]) -> list[object]:
+    if len({len(row) for row in rows}) > 1:
+        raise BadValue("expects rows of one length, got several")
+    return [plain(number) for row in rows for number in row]
 
 
 def is_reference(attribute: Attribute) -> bool:
@@ -162,6 +175,19 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
     return attribute.refers
 
 
+def _declared_name(target: Target, namespace: str | None) -> str | None:
+    """Return the name that a target has. Raises `BadValue` if a reference to the namespace cannot mean the target."""
+    if not target.model.has(target.node):
+        raise BadValue(f"got {describe_target(target)}, which was removed")
+    declared = target.model.declared(target.node)
+    family = declared[0] if declared else kind_of(target.node).family
+    if namespace is not None and family != namespace:
+        raise BadValue(f"expects {word(namespace, article=True)}, got {describe_target(target)}")
+    if declared is None and family is None:
+        raise BadValue(f"got {describe_target(target)}, which nothing can refer to")
+    return declared[1] if declared else None
+
+
 def name_for(
     model: ModelState,
     attribute: Attribute,
@@ -174,25 +200,17 @@ def name_for(
     A target without a name gets one in `given`, which the caller must write. The name in a model that is not in the
     same composition yet is provisional, and the caller must note it in `awaited` of the model.
     """
-    node = target.node
-    if not target.model.has(node):
-        raise BadValue(f"got {describe_target(target)}, which was removed")
-    declared = target.model.declared(node)
-    kind = kind_of(node)
-    if namespace is not None and (declared[0] if declared else kind.family) != namespace:
-        raise BadValue(f"expects {word(namespace, article=True)}, got {describe_target(target)}")
-    if declared is None and kind.family is None:
-        raise BadValue(f"got {describe_target(target)}, which nothing can refer to")
+    declared = _declared_name(target, namespace)
     if declared is None and target not in given:
-        given[target] = _free_name(target, str(kind.family), given)
-    own = given[target] if declared is None else declared[1]
+        given[target] = _free_name(target, str(kind_of(target.node).family), given)
+    own = given[target] if declared is None else declared
     way = model.prefix_of(target.model)
     got = f"got {describe_target(target)}"
     if way is None and attribute.type != "references" and namespace != "default" and own != WORLD:
         return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
     if way is None:
         raise BadValue(f"{got} of the model `{target.model.name}`, which is not attached to `{model.name}`")
-    name = way + own if declared is None else target.model.seen_from(model, node)
+    name = way + own if declared is None else target.model.seen_from(model, target.node)
     if name is None:
         raise BadValue(f"{got} of the model `{target.model.name}`, which `{model.name}` cannot refer to")
     if attribute.type == "references" and len(name.split()) != 1:
