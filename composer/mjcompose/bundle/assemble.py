@@ -193,6 +193,20 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         return None
 
 
+def _parts_by_license(plan: Plan, inputs: Sequence[entries.Input]) -> dict[str, tuple[str, ...]]:
+    by_license: dict[str, list[str]] = {}
+    parts = [place.part for place in plan.places() if isinstance(place.model, Source)]
+    for source, part in zip(inputs, parts, strict=True):
+        by_license.setdefault(source.license or UNKNOWN, []).append(part)
+    return {license: tuple(parts) for license, parts in sorted(by_license.items())}
+
+
+def _index(compiled: Compiled | None, model: Unit, names: Portable) -> entries.ManifestIndex | None:
+    if compiled is None or compiled.index is None:
+        return None
+    return entries.index_of(compiled.index, written_in(model, compiled.index, names.place))
+
+
 def add_manifest(
     bundle: Bundle,
     plan: Plan,
@@ -214,14 +228,7 @@ def add_manifest(
         _input(source, licenses.of[label], names, table=composed.tables.get(source.read_as, ()))
         for label, source in named
     )
-    by_license: dict[str, list[str]] = {}
-    parts = [place.part for place in plan.places() if isinstance(place.model, Source)]
-    for each, part in zip(inputs, parts, strict=True):
-        by_license.setdefault(each.license or UNKNOWN, []).append(part)
     renamed = renamed_in(model, composed.members)
-    index = None
-    if compiled is not None and compiled.index is not None:
-        index = entries.index_of(compiled.index, written_in(model, compiled.index, names.place))
     manifest = entries.Manifest(
         name=plan.name,
         description=plan.description,
@@ -244,7 +251,7 @@ def add_manifest(
             if each.is_written
         ),
         read=tuple(entries.Read(path=path, sha256=digest) for path, digest in _read(bundle, plan, composed, names)),
-        licenses={license: tuple(parts) for license, parts in sorted(by_license.items())},
+        licenses=_parts_by_license(plan, inputs),
         files=entries.files_of(bundle),
         merged=composed.merged,
         deduplicated=deduplicated,
@@ -254,7 +261,7 @@ def add_manifest(
             for each in composed.shapes
         ),
         checks=tuple(_as(entries.PassedCheck, each, origin=names.place(each.span)) for each in checks),
-        index=index,
+        index=_index(compiled, model, names),
         warnings=tuple(
             f"{each.code}: {names.text(each.message)}"
             for each in context.sink.diagnostics

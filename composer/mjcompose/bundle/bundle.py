@@ -128,7 +128,8 @@ def form_of(out: str | PathLike[str]) -> OutputForm:
         raise OutputError("output-kind", "the output has no name", "write where the model should go: `-o out/`")
     if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
         return OutputForm.FOLDER
-    if (form := _SUFFIXES.get(path.suffix.lower())) is None:
+    form = _SUFFIXES.get(path.suffix.lower())
+    if form is None:
         help = f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder"
         raise OutputError("output-kind", f"no output is called `*{path.suffix}`: `{name}`", help)
     return form
@@ -269,7 +270,8 @@ def check_paths(paths: Iterable[str]) -> None:
     files: dict[str, str] = {}
     folders: dict[str, str] = {}
     for path in paths:
-        if fault := path_fault(path):
+        fault = path_fault(path)
+        if fault:
             raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
         key = unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
         if key in files:
@@ -279,7 +281,8 @@ def check_paths(paths: Iterable[str]) -> None:
         files[key] = path
         parts = key.split("/")
         for depth in range(1, len(parts)):
-            if (folder := "/".join(parts[:depth])) in files:
+            folder = "/".join(parts[:depth])
+            if folder in files:
                 raise BundleError(f"`{files[folder]}` is a file, but `{path}` needs a folder of this name")
             folders.setdefault(folder, path)
 
@@ -411,7 +414,8 @@ def license_table(rows: Iterable[LicenseRow]) -> list[str]:
 
 
 def report_unlicensed(rows: Iterable[LicenseRow], context: Context) -> None:
-    if not (bare := [row for row in rows if row.has_none]):
+    bare = [row for row in rows if row.has_none]
+    if not bare:
         return
     names = ", ".join(f"`{row.part}`" for row in bare[:20])
     names += f" and {len(bare) - 20} other parts" if len(bare) > 20 else ""

@@ -190,7 +190,8 @@ def _indexes(names: Mapping[str, Item], shown: str) -> list[Item]:
     for form in (".csv", ".parquet"):
         parts = (name for name in names if _PART.fullmatch(name) and name.endswith(form))
         in_order = sorted(parts, key=lambda name: (len(name), name))
-        if found := [names[name] for name in (f"models{form}", *in_order) if name in names]:
+        found = [names[name] for name in (f"models{form}", *in_order) if name in names]
+        if found:
             return found
     help = "run `mjcompose build RECIPE --all -o 'FOLDER/{name}/'`, which writes it"
     raise ListingError("file-not-found", f"`{shown}` has no index of models, `{MODELS}`", help)
@@ -249,7 +250,8 @@ class RowCondition:
         self.count += 1
         self._known.update(dict.fromkeys(row.values))
         values = with_fields(row.values)
-        if absent := sorted(self._names - values.keys()):
+        absent = sorted(self._names - values.keys())
+        if absent:
             for name in absent:
                 self.lacking[name] = self.lacking.get(name, 0) + 1
             return False

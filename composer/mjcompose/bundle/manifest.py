@@ -61,7 +61,8 @@ class _Part(BaseModel):
 
 
 def _on_one_line(text: str) -> str:
-    if (character := odd_character(text)) is not None:
+    character = odd_character(text)
+    if character is not None:
         raise PydanticCustomError("name", "a name cannot have {character} in it", {"character": character})
     return text
 
@@ -73,7 +74,8 @@ def _without_folder(text: str) -> str:
 
 
 def _in_bundle(path: str) -> str:
-    if (fault := path_fault(path)) is not None:
+    fault = path_fault(path)
+    if fault is not None:
         raise PydanticCustomError("path", "`{path}` is not a path in a bundle: {fault}", {"path": path, "fault": fault})
     return path
 
@@ -503,7 +505,8 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
     try:
         return from_json(text)
     except ValueError as error:
-        if (newer := newer_format(error)) is not None:
+        newer = newer_format(error)
+        if newer is not None:
             written = f"was written by a newer mjcompose: its format is {newer}, this one knows {FORMAT}"
             sink.error("bundle-manifest", f"the manifest of `{shown}` {written}", help="update mjcompose")
             return None

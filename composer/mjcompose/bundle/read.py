@@ -54,7 +54,8 @@ def files_outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...
         return f"{shown}/{Path(os.path.relpath(os.path.abspath(file), os.path.abspath(folder))).as_posix()}"
 
     door = Door.of([folder], f"the bundle `{shown}`, which may read only itself")
-    if (unit := parse_file(path, sink, file=f"{shown}/{model}", door=door)) is not None:
+    unit = parse_file(path, sink, file=f"{shown}/{model}", door=door)
+    if unit is not None:
         all_admitted(unit, found, name)
     refused = tuple(each for each in (*sink.errors, *found.errors) if each.code in _CODES)
     return refused or (() if unit is not None else tuple(each for each in sink.errors if each.code == "xml-syntax"))
@@ -152,7 +153,8 @@ def _read_archive(file: Path | BytesIO, shown: str) -> dict[str, bytes]:
 def _check_entries(entries: list[zipfile.ZipInfo], shown: str) -> None:
     sizes: dict[str, int] = {}
     for entry in entries:
-        if (path := entry.filename) in sizes:
+        path = entry.filename
+        if path in sizes:
             raise ReadError("file-unreadable", f"`{shown}` has `{path}` twice")
         if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG):
             raise ReadError("file-unreadable", f"`{path}` in `{shown}` is a link or no ordinary file")

@@ -74,6 +74,7 @@ def check_writable(address: str) -> None:
 
 
 def deliver_file(file: Path, address: str) -> None:
+    """Write a copy of a file to an address. Raises OutputError, and OSError if the file cannot be read."""
     with _writing(address) as (fs, path):
         _put(fs, path, read_regular(file, is_source=False))
 
@@ -83,7 +84,8 @@ def deliver_folder(folder: Path, address: str) -> None:
     with _writing(address) as (fs, path):
         there = {each[len(path) + 1 :] for each in fs.find(path)}
         known = _listed(fs, f"{path}/{MANIFEST}") if MANIFEST in there else set()
-        if foreign := sorted(there - known):
+        foreign = sorted(there - known)
+        if foreign:
             message = f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`"
             raise OutputError("output-unwritable", message, "move them elsewhere, or choose another address")
         new = {each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)}

@@ -188,7 +188,11 @@ def check_own_place(out: str | Path) -> None:
 
 @contextlib.contextmanager
 def stage_beside(target: Path) -> Iterator[Path]:
-    """Yield a path in a locked folder, to be renamed to `target`. Leftovers of killed processes are removed."""
+    """Yield a path in a locked folder, to be renamed to `target`. Raises OSError.
+
+    Leftovers of killed processes are removed. The folder is beside `target`: a rename is one step only within a file
+    system.
+    """
     sweep_once(target.parent, lambda name: _STAGE.fullmatch(name) is not None, _put_back)
     with locked_folder(sibling(target, "tmp")) as folder:
         yield folder / "new-output"
@@ -287,7 +291,8 @@ def _check_replaceable(target: Path, out: Path) -> None:
     if known is None:
         message = f"the folder `{out}` is not empty and was not made by mjcompose"
         raise OutputError("output-unwritable", message, "choose a new or empty folder")
-    if foreign := sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER):
+    foreign = sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER)
+    if foreign:
         listed = ", ".join(f"`{path}`" for path in foreign[:3])
         more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
         message = f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}"

@@ -88,7 +88,8 @@ def level_of(path: str) -> int:
     >>> level_of("model.xml"), level_of("assets/arm/link.stl"), level_of("assets/wood.PNG")
     (6, 1, 0)
     """
-    if (suffix := PurePosixPath(path).suffix.lower()) in _PACKED:
+    suffix = PurePosixPath(path).suffix.lower()
+    if suffix in _PACKED:
         return 0
     return _TEXT_LEVEL if suffix in _TEXT else _MESH_LEVEL
 
@@ -132,6 +133,7 @@ def write_archive(bundle: Bundle, out: Path, environment: Mapping[str, str], pac
 def write_packed(
     paths: Iterable[str], model: str, out: Path, environment: Mapping[str, str], packed: Callable[[str], Packed]
 ) -> None:
+    """Write files into an archive, in a fixed order. Raises OutputError if MuJoCo could not find the model in it."""
     if model.endswith(".xml") and model not in (MODEL, f"{out.stem}.xml"):  # MuJoCo opens only MJCF
         message = f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`"
         raise OutputError("output-kind", message, f"name the archive `{PurePosixPath(model).stem}{out.suffix}`")

@@ -150,7 +150,8 @@ def geom_twice(subject: Subject) -> Found:
         if not model.geom_contype[geom] and not model.geom_conaffinity[geom]:
             continue
         values = np.concatenate([np.round(np.ravel(getattr(model, name)[geom]), 7) for name in arrays]) + 0.0
-        if (first := seen.setdefault(values.tobytes(), geom)) != geom:
+        first = seen.setdefault(values.tobytes(), geom)
+        if first != geom:
             message = f"{subject.name('geom', geom)} is the same as {subject.name('geom', first)}, and both collide"
             yield Finding(subject.node("geom", geom), message, help="remove it, or switch its contacts off")
 

@@ -64,7 +64,8 @@ def absolute_path(subject: Subject) -> Found:
 
 
 def _real(element: Node, value: str, unit: Unit) -> str | None:
-    if (path := written_path(unit.settings, element, value)) in unit.contents:
+    path = written_path(unit.settings, element, value)
+    if path in unit.contents:
         return None
     try:
         return unit.door.admit(join(str(unit.directory), path))
@@ -75,7 +76,8 @@ def _real(element: Node, value: str, unit: Unit) -> str | None:
 def _assets(subject: Subject) -> Iterator[tuple[Node, str, str]]:
     if subject.unit is not None:
         for element, attribute, value in file_attributes(subject.root):
-            if (real := _real(element, value, subject.unit)) is not None and os.path.isfile(real):
+            real = _real(element, value, subject.unit)
+            if real is not None and os.path.isfile(real):
                 yield element, attribute, real
 
 
@@ -91,7 +93,8 @@ def same_file_twice(subject: Subject) -> Found:
         first: dict[str, str] = {}
         if len(alike) > 1:
             for element, attribute, real in alike:
-                if (other := first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)) != real:
+                other = first.setdefault(hashlib.sha256(read_regular(real)).hexdigest(), real)
+                if other != real:
                     message = f"`{os.path.basename(real)}` has the same bytes as `{os.path.basename(other)}`"
                     yield Finding(element, message, attribute)
 

@@ -78,7 +78,8 @@ def names_differ_by_case(subject: Subject) -> Found:
     for kind, named in subject.names.declared.items():
         seen: dict[str, str] = {}
         for name, element in named.items():
-            if (first := seen.setdefault(name.lower(), name)) != name:
+            first = seen.setdefault(name.lower(), name)
+            if first != name:
                 message = f"the {kind} names `{name}` and `{first}` differ only in capital letters"
                 yield Finding(element, message, "name" if element.get("name") else None)
 

@@ -61,11 +61,13 @@ def key_breaks_equality(subject: Subject) -> Found:
     import numpy as np
 
     for row, name, data in subject.at_keys():
-        if (element := subject.node("key", row)) is None or not data.ne:
+        element = subject.node("key", row)
+        if element is None or not data.ne:
             continue
         rows = data.efc_type[: data.nefc] == int(subject.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         ids = data.efc_id[: data.nefc][rows]
         apart = np.abs(data.efc_pos[: data.nefc][rows])
         for equality in dict.fromkeys(ids.tolist()):
-            if (distance := float(apart[ids == equality].max())) > 0.01:
+            distance = float(apart[ids == equality].max())
+            if distance > 0.01:
                 yield Finding(element, f"{name} breaks {subject.name('equality', equality)} by {distance:.3g}", "qpos")

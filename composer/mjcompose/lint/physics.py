@@ -179,7 +179,8 @@ def free_joint_damped(subject: Subject) -> Found:
         else:
             others |= {(name, writer) for name, (_, writer) in values.items()}
     for joint, values in free:
-        if shared := [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]:
+        shared = [f"`{name}` {value}" for name, (value, writer) in values.items() if (name, writer) in others]
+        if shared:
             resists = " and ".join(shared)
             message = f"the free {subject.called(joint)} has {resists} of its default class, as hinges have"
             yield Finding(joint, message, help="write `<freejoint/>`, which ignores the classes")

@@ -212,7 +212,8 @@ class Subject:
 
     def given(self, element: Node, attribute: str) -> str | None:
         """Return the value of the element or of its classes; None for MuJoCo's default."""
-        if (own := element.get(attribute)) is not None:
+        own = element.get(attribute)
+        if own is not None:
             return str(own)
         found = self.classes.get(class_in_force(element).name).lookup(str(element.tag), attribute)
         return None if found is None else found[0]
@@ -232,7 +233,8 @@ class Subject:
     @staticmethod
     def called(element: Node) -> str:
         """Return an element in words: joint `elbow`, or an unnamed geom of body `arm`."""
-        if name := element.get("name"):
+        name = element.get("name")
+        if name:
             return f"{element.tag} `{name}`"
         around = next((each for each in element.iterancestors("body") if each.get("name")), None)
         return f"an unnamed {element.tag}" + (f" of body `{around.get('name')}`" if around is not None else "")

@@ -83,7 +83,8 @@ def control_in_degrees(subject: Subject) -> Found:
 @rule("gravity-unit", "Gravity that is not in m/s²", usual=False, profiles={"robot-asset": _METERS})
 def gravity_unit(subject: Subject) -> Found:
     for option in subject.root.iterfind("option"):
-        if (size := math.hypot(*(subject.numbers(option, "gravity") or []))) > _GRAVITY:
+        size = math.hypot(*(subject.numbers(option, "gravity") or []))
+        if size > _GRAVITY:
             message = f"gravity is {size:g} m/s², {size / 9.81:.3g} times the gravity of the earth"
             yield Finding(option, message, "gravity", help="write lengths in meters, and gravity in m/s²")
 

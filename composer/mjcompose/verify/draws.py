@@ -73,7 +73,8 @@ class DrawTable:
                     "count": len(each.first.columns()),
                 }
             )
-        if (answers := self.ask(resolve_addresses, [WHOLE], questions)) is None:
+        answers = self.ask(resolve_addresses, [WHOLE], questions)
+        if answers is None:
             return False
         for each, found in zip(numeric, answers, strict=True):
             if "error" in found:
@@ -180,7 +181,8 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
         for sample in sorted({1, (wanted.samples + 1) // 2, wanted.samples}):
             if not build(sample):
                 return bundle
-            if (different := table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})) is None:
+            different = table.ask(compare_world, [WHOLE, SAMPLE], {**paths, "world": sample - 1})
+            if different is None:
                 return bundle
             if different:
                 listed = ", ".join(f"`{name}`" for name in different)
@@ -320,7 +322,8 @@ def _of_inertial_frame(model: MjModel, body: int, array: str, component: int) ->
 
 
 def _of_mocap(model: MjModel, body: int, array: str, component: int) -> Iterator[Place]:
-    if (mocap := int(model.body_mocapid[body])) < 0:
+    mocap = int(model.body_mocapid[body])
+    if mocap < 0:
         return
     name = _OF_KEYS[array]
     pose = getattr(model, array)[body]

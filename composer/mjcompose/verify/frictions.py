@@ -44,30 +44,39 @@ class Threshold(Struct):
 
 def check_frictions(model: Unit, session: engine.Session, sink: Sink) -> None:
     """Warn about draws that have no effect on some contacts, and about edits that have none on any contact."""
+    entries = _entries(model)
+    if not entries:
+        return
+    places = _Places()
+    drawn = [places.of(geom) for values in entries.values() for geom, value in values if value.way == "draw"]
+    entries = {
+        span: values[:_MOST] for span, values in entries.items() if len(values) <= _MOST or values[0][1].way == "draw"
+    }
+    numbers = [
+        [{"place": places.of(geom), "number": value.start} for geom, value in values] for values in entries.values()
+    ]
+    question = {"entries": numbers, "drawn": drawn}
+    answer = engine.call(session, thresholds, [WHOLE], argument=question)
+    if not answer.ok:
+        return
+    for (span, values), per_geom in zip(entries.items(), answer.value, strict=True):
+        partners = [[Threshold(**partner) for partner in row] for row in per_geom]
+        if values[0][1].way == "draw":
+            _check_draw(values, partners, span, sink)
+        else:
+            _check_edit(values, partners, span, sink)
+
+
+def _entries(model: Unit) -> dict[Span, list[tuple[Node, RecipeValue]]]:
+    """Return the frictions that the recipe sets or draws, with their geoms, by the place in the recipe."""
     entries: dict[Span, list[tuple[Node, RecipeValue]]] = {}
     for node, values in model.origins.values.items():
+        # The origins also know elements that were removed.
         if node.getroottree().getroot() is model.root and node.tag == "geom" and section_of(node) != "default":
             for value in values:
                 if value.attribute == _FRICTION and value.way != "add":
                     entries.setdefault(value.span, []).append((node, value))
-    if not entries:
-        return
-    places = _Places()
-    drawn = [places.of(node) for found in entries.values() for node, value in found if value.way == "draw"]
-    entries = {
-        span: found[:_MOST] for span, found in entries.items() if len(found) <= _MOST or found[0][1].way == "draw"
-    }
-    asked = [[{"place": places.of(node), "number": value.start} for node, value in found] for found in entries.values()]
-    question = {"entries": asked, "drawn": drawn}
-    answer = engine.call(session, thresholds, [WHOLE], argument=question)
-    if not answer.ok:
-        return
-    for (span, found), per_geom in zip(entries.items(), answer.value, strict=True):
-        partners = [[Threshold(**each) for each in row] for row in per_geom]
-        if found[0][1].way == "draw":
-            _check_draw(found, partners, span, sink)
-        else:
-            _check_edit(found, partners, span, sink)
+    return entries
 
 
 class _Places(Struct):

@@ -61,32 +61,48 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     final = bare_model(model) if keys and (notes.written or notes.sources) else None
     if final is None:
         return
-    sources = [each for found in notes.sources.values() for each in found]
-    texts = list(dict.fromkeys(each.text for each in sources))
-    held = [(at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None]
-    forces = [{"key": at, **_held_addresses(keys[at], model)} for at, _ in held]
-    question = {"texts": [*texts, final.text], "mark": MARK, "held": forces}
-    answer = engine.call(session, key_rows, [WHOLE], argument=question)
-    if not answer.ok or "unlike" in answer.value:
-        why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
-        message = f"the keys of the model cannot be checked: {why}"
-        span = model.origins.span(keys[0], model.file)
-        sink.error("keyframe-wrong", message, span)
+    sources = list(chain.from_iterable(notes.sources.values()))
+    texts = list(dict.fromkeys(source.text for source in sources))
+    held = _held_keys(keys, model, notes)
+    forces = [{"key": at, **_held_addresses(keys[at], model)} for at in held]
+    answer = _rows(model, {"texts": [*texts, final.text], "mark": MARK, "held": forces}, session, sink)
+    if answer is None:
         return
-    described = dict(zip(texts, answer.value["bare"], strict=False))
-    meaning = _KeyMeanings(model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows})
-    controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
-    comparison = _Comparison(final, answer.value, notes)
+    described = dict(zip(texts, answer["bare"], strict=False))  # the last answer is about `final`
+    originals = {key: (source, described[source.text]) for source in sources for key in source.rows}
+    meaning = _KeyMeanings(model, notes, originals)
+    controls = {at: row["ctrl"] for at, row in zip(held, answer["held"], strict=True)}
+    comparison = _Comparison(final, answer, notes)
     for at, key in enumerate(keys):
-        if (meant := meaning.of(key)) is not None:
-            row = answer.value["keys"][at]
-            recipe = dict(held).get(at)
-            computed: Mapping[Any, Span] = {}  # the actuators whose controls MuJoCo computes
-            if recipe is not None:
-                said = recipe.entries.get("ctrl", {})
-                computed = {node: span for node, span in recipe.held.items() if node not in said}
-            wrong = comparison.differences(meant, row, computed, controls=controls.get(at))
+        meant = meaning.of(key)
+        if meant is not None:
+            computed = _computed_controls(held[at]) if at in held else {}
+            wrong = comparison.differences(meant, answer["keys"][at], computed, controls=controls.get(at))
             _report(key, list(wrong), model, sink=sink)
+
+
+def _rows(model: Unit, question: Mapping[str, Any], session: engine.Session, sink: Sink) -> Mapping[str, Any] | None:
+    """Return MuJoCo's numbers of the keys of the model and of the bare models, or report why there are none."""
+    answer = engine.call(session, key_rows, [WHOLE], argument=question)
+    if answer.ok and "unlike" not in answer.value:
+        rows: Mapping[str, Any] = answer.value
+        return rows
+    why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
+    span = model.origins.span(keys_of(model)[0], model.file)
+    sink.error("keyframe-wrong", f"the keys of the model cannot be checked: {why}", span)
+    return None
+
+
+def _held_keys(keys: Sequence[Node], model: Unit, notes: KeyNotes) -> dict[int, WrittenKey]:
+    """Return the recipe's entries of the keys that hold a pose, by the number of the key."""
+    held = {at: _held_key(key, model, notes) for at, key in enumerate(keys)}
+    return {at: written for at, written in held.items() if written is not None}
+
+
+def _computed_controls(written: WrittenKey) -> Mapping[Any, Span]:
+    """Return the actuators whose controls MuJoCo computes to hold a pose: those that the recipe does not write."""
+    controls = written.entries.get("ctrl", {})
+    return {actuator: span for actuator, span in written.held.items() if actuator not in controls}
 
 
 def _held_addresses(key: Node, model: Unit) -> dict[str, list[int]]:
@@ -119,7 +135,8 @@ class _KeyMeanings(Struct, frozen=False):
         """Return the meaning of a key; None if it is unknown, or edits have changed its numbers."""
         if key in self.notes.edited:
             return None
-        if (written := self.notes.written.get(key)) is not None:
+        written = self.notes.written.get(key)
+        if written is not None:
             return self._written(written)
         if key in self.sources:
             source, described = self.sources[key]
@@ -130,14 +147,16 @@ class _KeyMeanings(Struct, frozen=False):
     def _joined(self, keys: Sequence[Node], void: frozenset[Node]) -> Meant | None:
         found: Meant = {}
         for key in keys:
-            if (meant := self.of(key)) is None:
+            meant = self.of(key)
+            if meant is None:
                 return None
             for vector, values in meant.items():
                 found.setdefault(vector, {}).update({own: value for own, value in values.items() if own[0] not in void})
         return found
 
     def _written(self, written: WrittenKey) -> Meant | None:
-        if (found := self._joined(written.taken, written.void)) is not None:
+        found = self._joined(written.taken, written.void)
+        if found is not None:
             for node, span in written.held.items():  # of a nested recipe: this was compared with another model
                 for vector in ("ctrl", "act"):
                     found.setdefault(vector, {})[node, "", 0] = [Value((), frozenset(), span)]
@@ -291,26 +310,41 @@ def check_key_ranges(plan: Plan, model: Unit, index: CompiledIndex, sink: Sink) 
     """Warn about out-of-range values in the recipe's own keys, without the keys of parts."""
     if not plan.keyframes:
         return
-    written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
+    elements = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
     for step in plan.keyframes:
-        if (element := written.get(step.key.name)) is None:
+        element = elements.get(step.key.name)
+        if element is None:
             continue
-        rows = {vector: [float(each) for each in str(element.get(vector) or "").split()] for vector in _VECTOR_KINDS}
-        found: dict[tuple[str, str], list[Ranged]] = {}
-        for each in ranged(index, rows):
-            found.setdefault((each.vector, _name(index, each)), []).append(each)
-        for vector in _VECTOR_KINDS:
-            names = [name for kind, name in found if kind == vector]
-            for name, entry in _written_names(step.key, vector, names, plan.separator).items():
-                for each in found.get((vector, name), ()):
-                    if not each.is_within():
-                        _report_range(plan, model, step.key, entry=(vector, entry), name=name, bound=each, sink=sink)
-        driven = dict.fromkeys(joint for each in model.root.iterfind("actuator/*") for joint in _joints_of(each))
-        for joint, (entry, *_) in entries_by_name(step.key.controls.joints, driven, plan.separator).items():
-            for each in found.get((CTRL, _only_actuator(model.root, joint)), ()):
-                if not each.is_within():
-                    path = (*step.key.at, CTRL, JOINT, entry)
-                    _report_control_by_joint(plan, model, path, joint=joint, bound=each, index=index, sink=sink)
+        rows = {vector: [float(word) for word in str(element.get(vector) or "").split()] for vector in _VECTOR_KINDS}
+        outside: _Outside = {}
+        for value in ranged(index, rows):
+            of_element = outside.setdefault((value.vector, _name(index, value)), [])
+            if not value.is_within():
+                of_element.append(value)
+        _warn_of_entries(plan, model, step.key, outside, sink=sink)
+        _warn_of_controls_by_joint(plan, model, step.key, outside, index=index, sink=sink)
+
+
+_Outside = dict[tuple[str, str], list[Ranged]]
+"""The values of a key that are out of their ranges, by vector and name of the element; none for an element within."""
+
+
+def _warn_of_entries(plan: Plan, model: Unit, key: Keyframe, outside: _Outside, *, sink: Sink) -> None:
+    for vector in _VECTOR_KINDS:
+        names = [name for kind, name in outside if kind == vector]
+        for name, entry in _written_names(key, vector, names, plan.separator).items():
+            for value in outside.get((vector, name), ()):
+                _report_range(plan, model, key, entry=(vector, entry), name=name, bound=value, sink=sink)
+
+
+def _warn_of_controls_by_joint(
+    plan: Plan, model: Unit, key: Keyframe, outside: _Outside, *, index: Index, sink: Sink
+) -> None:
+    driven = dict.fromkeys(joint for actuator in model.root.iterfind("actuator/*") for joint in _joints_of(actuator))
+    for joint, (entry, *_) in entries_by_name(key.controls.joints, driven, plan.separator).items():
+        for value in outside.get((CTRL, _only_actuator(model.root, joint)), ()):
+            path = (*key.at, CTRL, JOINT, entry)
+            _report_control_by_joint(plan, model, path, joint=joint, bound=value, index=index, sink=sink)
 
 
 def _name(index: CompiledIndex, each: Ranged) -> str:
@@ -324,7 +358,8 @@ def _name(index: CompiledIndex, each: Ranged) -> str:
 
 def check_stiffness(model: Unit, index: CompiledIndex, at: Span, sink: Sink) -> None:
     """Warn about servos stiffer at their joints than any drive, often because a gear multiplies `kp` twice."""
-    if not (stiff := [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]):
+    stiff = [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]
+    if not stiff:
         return
     named = {str(each.get("name")): each for each in model.root.iterfind("actuator/*") if each.get("name")}
     # MuJoCo puts copies in a `<replicate>` behind the others; these and nameless ones have no place of their own.

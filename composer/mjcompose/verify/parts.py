@@ -55,7 +55,8 @@ def _keep_source(member: PartRecord, session: engine.Session, name: str) -> None
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     sink = Sink()
-    if (unit := UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()) is None:
+    unit = UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()
+    if unit is None:
         raise _unreadable(sink)
     with folder_of(unit) as folder:
         _keep(session, folder, Path("source.xml"), text=write(unit.root), name=name)
@@ -274,7 +275,8 @@ class PartComparer(Struct, frozen=False):
                     self._take(member, name)
             except Incomparable as error:
                 self.alone[name] = error
-        if (fault := self.alone[name]) is not None:
+        fault = self.alone[name]
+        if fault is not None:
             raise fault
 
     def _question(self, member: PartRecord, excused: Iterable[str], replaced_keys: Iterable[str]) -> dict[str, Any]:

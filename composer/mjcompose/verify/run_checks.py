@@ -60,7 +60,8 @@ class NestedRecipe(Struct):
 def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
     """Yield the checks of a plan, then the checks of its nested recipes."""
     for place in plan.walk():
-        if isinstance(inner := place.model, Plan):
+        inner = place.model
+        if isinstance(inner, Plan):
             recipe = NestedRecipe(inner, place.above, place.prefix, others=place.others, keys=place.keys)
             yield from ((recipe, check) for check in inner.checks)
 

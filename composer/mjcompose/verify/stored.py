@@ -73,7 +73,8 @@ class InputFinder:
         changed: Path | None = None
         for candidate in self._candidates(number, wanted):
             source = replace(candidate, compiler=tuple(sorted(wanted.compiler.items())))
-            if (digest := self._digest(source.path)) == wanted.sha256:
+            digest = self._digest(source.path)
+            if digest == wanted.sha256:
                 # MuJoCo may open the source and its files. URDF is checked when it is converted.
                 if source.format not in ("mjcf", "mesh") or self._is_admitted(source):
                     return source
@@ -149,7 +150,8 @@ def verify_stored(path: Path, context: Context, session: Session, recipe: Path |
     except ReadError as error:
         context.sink.add(error.diagnostic)
         return None
-    if (manifest := manifest_of(bundle.files.get(MANIFEST), shown, context.sink)) is not None:
+    manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
+    if manifest is not None:
         check_files(bundle, manifest, shown, sink=context.sink)
     if manifest is not None and manifest.target is not None and manifest.index is None:
         return VerifiedBundle(bundle, manifest, None, parts=())  # it was written for another program

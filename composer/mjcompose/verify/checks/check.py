@@ -192,7 +192,8 @@ class Scope:
         """Return the id of the element of that name; every recipe may name the world. Raises CheckEnds."""
         if kind == "body" and name == "world":
             return 0
-        if (index := self.roster.ids[kind].get(self.prefix + name)) is None:
+        index = self.roster.ids[kind].get(self.prefix + name)
+        if index is None:
             raise CheckEnds(unknown(kind, name, self.names(kind), *at))
         return index
 
@@ -214,7 +215,8 @@ class Scope:
             before = self.before(kind)
             ids: dict[str, list[int]] = {}
             for index in self.own(kind):
-                if name := self.roster.names[kind][index].removeprefix(before):
+                name = self.roster.names[kind][index].removeprefix(before)
+                if name:
                     ids.setdefault(name, []).append(index)
             self.roster.kept[key] = OwnNames(ids, NameOrder(ids))
         own: OwnNames = self.roster.kept[key]
@@ -234,7 +236,8 @@ class Scope:
             message = f"the keyframe `{key}` does not exist: this recipe drops its keyframes"
             notes = (Note("the recipe around it leaves them out: `drop: [key]`"),)
             raise CheckEnds(Fault("unknown-name", message, at, notes=notes))
-        if (index := self.roster.ids["key"].get(self.keys + key)) is None:
+        index = self.roster.ids["key"].get(self.keys + key)
+        if index is None:
             raise CheckEnds(unknown("keyframe", key, self.names("key"), *at))
         self.mujoco.mj_resetDataKeyframe(self.model, data, index)
         return data
@@ -258,7 +261,8 @@ def keys_named(scope: Scope, globs: Sequence[str]) -> list[str]:
         scope.at_key(globs[0])
     found: list[str] = []
     for at, glob in enumerate(globs):
-        if not (fitting := scope.fitting(glob, known)):
+        fitting = scope.fitting(glob, known)
+        if not fitting:
             place = ("key", at) if len(globs) > 1 else ("key",)
             raise names_nothing(f"`{glob}` names no keyframe", glob, "keyframe", known=known, at=place)
         found += [name for name in known if name in fitting and name not in found]
@@ -295,7 +299,8 @@ def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
     """Yield the value of an attribute: two if MuJoCo does not store which one it is, none if it is not set."""
     if attr in ENUMERATED.get(tag, ()):
         array = array_of(tag, attr)
-        if (values := getattr(scope.model, array, None)) is not None:
+        values = getattr(scope.model, array, None)
+        if values is not None:
             yield words(scope.mujoco, array)[int(values[index])]
         return
     from mjcompose.mujoco.references import links
@@ -350,7 +355,8 @@ def values_of(scope: Scope, tag: str, index: int, attr: str, subscript: int | No
     from mjcompose.mujoco.addresses import rows_of
 
     name = "body_subtreemass" if attr == SUBTREE_MASS else array_of(tag, attr)
-    if (array := getattr(scope.model, name, None)) is None:
+    array = getattr(scope.model, name, None)
+    if array is None:
         raise CheckEnds(Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",)))
     row = rows_of(scope.model, tag, name, index=index).start  # a joint has one value; for an actuator the first counts
     numbers = np.atleast_1d(array[row]).ravel()

@@ -65,7 +65,8 @@ class Solver:
             self.data.qpos[:] = self.start
             if number:
                 self._scatter(random, number)
-            if (distance := self._descend()) < best:
+            distance = self._descend()
+            if distance < best:
                 best = distance
                 best_qpos = self.data.qpos.copy()
             if best <= self.tolerance:
@@ -159,7 +160,8 @@ class Solver:
             square[np.diag_indices_from(square)] += damping
             step = np.zeros(len(self.moving))
             step[able] = part.T @ np.linalg.solve(square, error)
-            if (longest := np.abs(step).max(initial=0.0)) > _LONGEST_STEP:
+            longest = np.abs(step).max(initial=0.0)
+            if longest > _LONGEST_STEP:
                 step *= _LONGEST_STEP / longest
             stuck = able & (((here >= self.upper - _NEAR) & (step > 0)) | ((here <= self.lower + _NEAR) & (step < 0)))
             if not stuck.any():
@@ -180,7 +182,8 @@ class Solver:
             elif model.jnt_type[joint] == BALL:
                 turn = np.zeros(3)
                 self.mujoco.mju_quat2Vel(turn, qpos[at : at + 4], 1.0)
-                if (angle := float(np.linalg.norm(turn))) > high:
+                angle = float(np.linalg.norm(turn))
+                if angle > high:
                     turned = np.zeros(4)
                     self.mujoco.mju_axisAngle2Quat(turned, turn / angle, high)
                     qpos[at : at + 4] = turned

@@ -68,7 +68,8 @@ def _near(scope: Scope, data: MjData, near: Near, start: str | None) -> list[Fau
     model = scope.model
     apart = np.zeros(model.nv)
     mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
-    if not (own := [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]):
+    own = [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]
+    if not own:
         return []
     dof = max(own, key=lambda each: abs(apart[each]))
     farthest = float(abs(apart[dof]))
