@@ -419,6 +419,7 @@ class RunTable:
 
 
 def check_parquet() -> None:
+    """Raise OutputError if the package that writes Parquet is not installed."""
     if find_spec("pyarrow") is None:
         help = 'run `pip install "mjcompose[parquet]"`, or write a `.csv`'
         raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help)

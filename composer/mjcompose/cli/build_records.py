@@ -81,7 +81,8 @@ def _component(part: Input, ref: str) -> dict[str, Any]:
     pinned = origin is not None and (origin.commit or origin.sha256)
     properties = {"kind": part.kind, "reference": part.reference, "package": part.package}
     component: dict[str, Any] = {"type": "file", "bom-ref": ref, "name": part.path}
-    if version := part.version or pinned:
+    version = part.version or pinned
+    if version:
         component["version"] = version
     component["hashes"] = [{"alg": "SHA-256", "content": part.sha256}]
     if part.license is not None:

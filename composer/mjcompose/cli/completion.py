@@ -64,7 +64,8 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
 
 def _recipe(ctx: click.Context) -> Path | None:
     for name in ("recipe", "recipes", "model", "target", "a"):
-        if given := ctx.params.get(name):
+        given = ctx.params.get(name)
+        if given:
             return Path(given[0] if isinstance(given, tuple) else given)
     # If an option lacks its value, click does not parse the arguments.
     return Path(ctx.args[0]) if ctx.args else None

@@ -32,7 +32,8 @@ def main() -> None:
     try:
         from mjcompose.base.limits import in_force
 
-        if (message := too_little()) is not None:
+        message = too_little()
+        if message is not None:
             sys.exit(message)
         bound(in_force().memory)
         from mjcompose.cli.main import main as command
@@ -129,7 +130,8 @@ def _end_anyway(read_end: int) -> None:
                 time.sleep(_SECONDS_TO_END)
                 with contextlib.suppress(Exception):
                     os.write(2, _CUT_SHORT)
-                    if (processes := sys.modules.get("mjcompose.base.processes")) is not None:
+                    processes = sys.modules.get("mjcompose.base.processes")
+                    if processes is not None:
                         processes.kill_all()
                 os._exit(codes[signal.Signals(number)])
 

@@ -183,7 +183,8 @@ def rewrite(
 
     If the text of the file is no longer `before`, or if it is not `within` a door, the file stays unchanged.
     """
-    if not (door := door_of_user()).sees(context.folder / recipe):
+    door = door_of_user()
+    if not door.sees(context.folder / recipe):
         door.outside(str(recipe)).report(context.sink, None, shown=context.shown)
         return False
     try:

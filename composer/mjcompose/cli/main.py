@@ -190,7 +190,8 @@ class _Verbs(click.Group):
             ctx.exit(_FAILED)
         except Exception as error:
             # Pydantic 2.14 replaces any exception that ends it by its own.
-            if (code := requested_exit_code()) is not None:
+            code = requested_exit_code()
+            if code is not None:
                 ctx.exit(code)
             if _is_reported(error):
                 ctx.exit(_FAILED)
@@ -209,9 +210,8 @@ class _Verbs(click.Group):
                 formatter.write_dl([(f"{name:{width}}", words) for name, words in verbs.items()])
         from mjcompose.base.extensions import names
 
-        if more := [
-            (name, f"A command of {owner}.") for name, owner in names("commands").items() if name not in _VERBS
-        ]:
+        more = [(name, f"A command of {owner}.") for name, owner in names("commands").items() if name not in _VERBS]
+        if more:
             with formatter.section("Commands of other packages"):
                 formatter.write_dl(more)
 
@@ -276,7 +276,8 @@ def _with_hint(error: click.NoSuchOption) -> click.NoSuchOption:
         return error
     name = error.option_name
     known = {each for option in error.ctx.command.get_params(error.ctx) for each in option.opts}
-    if (called := _OPTIONS_CALLED.get(name)) in known:
+    called = _OPTIONS_CALLED.get(name)
+    if called in known:
         return click.NoSuchOption(name, f"No such option '{name}'. Did you mean '{called}'?", ctx=error.ctx)
     return click.NoSuchOption(name, possibilities=closest(name, known), ctx=error.ctx)
 

@@ -88,16 +88,18 @@ def migrate(options: MigrateOptions, run: Run) -> Answer | int:
     result = migrated(wish, context, progress)
     if run.is_strict:
         context.sink.promote()
-    written: Path | None = None
-    is_whole = result is not None and not context.sink.has_errors
-    if result is not None and is_whole and (out is not None or options.in_place):
-        written = _written(result, out, context)
-    if result is not None and run.form == "json":
+    files = [Path(model)] if ":" not in model else []
+    if result is None:
+        raise Stop(run.code_of_failure(*files))
+    is_whole = not context.sink.has_errors
+    writes = out is not None or options.in_place
+    written = _written(result, out, context) if is_whole and writes else None
+    if run.form == "json":
         click.echo(json_text(_data(result, written, context), ensure_ascii=False))
-    elif result is not None and is_whole and out is None and not options.in_place:
+    elif is_whole and not writes:
         show_differences(result.migrated.changed, context, done="migrated")
-    if result is None or context.sink.has_errors:
-        raise Stop(run.code_of_failure(*([Path(model)] if ":" not in model else [])))
+    if context.sink.has_errors:
+        raise Stop(run.code_of_failure(*files))
     code = FINDINGS if (result.migrated.changed and written is None) or result.unexplained else 0
     if run.form == "json":
         return code
@@ -135,7 +137,8 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
         return model if all(done) else None
     target = Path(out)
     if target.suffix.lower() in MJCF_FILES:
-        if (why := _bound(result, target)) is not None:
+        why = _bound(result, target)
+        if why is not None:
             context.sink.error(
                 "output-kind",
                 f"`{out}` would not find its files: {why}",

@@ -258,7 +258,8 @@ def _answer(found: Recovered, target: Path, shown: str, run: Run) -> Answer | in
 
 def _refuse_foreign(files: tuple[Path, ...], run: Run) -> None:
     for file in files:
-        if (found := foreign_format(file)) is not None:
+        found = foreign_format(file)
+        if found is not None:
             shown = run.context.shown(file)
             run.context.sink.error("source-kind", found.message(shown), help=found.help(shown))
         elif as_text(str(file)) != str(file):

@@ -132,7 +132,8 @@ def kind_of_output(out: str | None, models: int = 1) -> OutputForm:
         return OutputForm.ARCHIVE
     kind = OutputForm.TEXT if out == "-" else form_of(out)
     known = {"{name}", "{hash}", "{mujoco}"} if kind == "mjb" else {"{name}", "{hash}"}
-    if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
+    unknown = next((word for word in _PLACEHOLDER.findall(out) if word not in known), None)
+    if unknown:
         help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or remove the braces"
         raise OutputError("output-kind", f"`{unknown}` has no meaning in the output `{out}`", help)
     if is_address(out) and kind in (OutputForm.TEXT, OutputForm.USD):
@@ -164,7 +165,8 @@ def _data(result: BuildResult, spec: OutputSpec, out: str) -> dict[str, object]:
     answer: dict[str, object] = {"output": out, "name": result.name, "sha256": result.sha256, "sizes": sizes}
     if result.merged:
         answer["merged"] = {kind: dict(names) for kind, names in result.merged.items()}
-    if adopted := [each for each in result.adopted if each.is_written]:
+    adopted = [each for each in result.adopted if each.is_written]
+    if adopted:
         answer["adopted"] = [{"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted]
     if result.excluded:
         answer["excluded"] = result.excluded
@@ -187,8 +189,9 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
         files = f"{out} and {manifest_beside(Path(out)).name}"
         be = "are"
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
-    if sizes := result.sizes or {}:
-        bodies = counted(sizes["nbody"] - 1, "body")
+    sizes = result.sizes or {}
+    if sizes:
+        bodies = counted(sizes["nbody"] - 1, "body", "bodies")
         sensors = counted(sizes["nsensor"], "sensor")
         numbers = f"nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {bodies}, {sensors}"
         yield f"  {result.name}: {numbers}, {counted(sizes['nkey'], 'keyframe')}"

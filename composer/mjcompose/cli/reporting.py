@@ -24,7 +24,8 @@ _WRITTEN = "mjcompose.written"
 
 
 def note_files(files: Iterable[str | Path]) -> None:
-    if (context := click.get_current_context(silent=True)) is not None:
+    context = click.get_current_context(silent=True)
+    if context is not None:
         context.meta.setdefault(_READ, set()).update(map(Path, files))
 
 
@@ -33,7 +34,8 @@ def noted_files() -> set[Path]:
 
 
 def note_output(target: str) -> None:
-    if (context := click.get_current_context(silent=True)) is not None:
+    context = click.get_current_context(silent=True)
+    if context is not None:
         context.meta.setdefault(_WRITTEN, {})[target] = None
 
 
@@ -100,7 +102,8 @@ def report(context: Context, form: str, *, err: bool = False, texts: Mapping[str
         from mjcompose.tools.view.builder import hopes
 
         note_files(hopes(context))
-    if shown := rendered(context.sink.sorted(), form, source_reader(context.folder, texts)):
+    shown = rendered(context.sink.sorted(), form, source_reader(context.folder, texts))
+    if shown:
         click.echo(shown, nl=False, err=err or form == "text", color=use_color())
 
 

@@ -126,7 +126,8 @@ async def _call(root: Path, name: str, given: Mapping[str, Any]) -> CallToolResu
     """Return the answer of a tool; for an invalid call, a text with the reason."""
     from mcp_types import CallToolResult, ImageContent, TextContent
 
-    if (wrong := _wrong(root, name, given)) is not None:
+    wrong = _wrong(root, name, given)
+    if wrong is not None:
         return CallToolResult(content=[TextContent(text=wrong)], is_error=True)
     if name == "reference":
         is_error, text = _reference(given["key"])

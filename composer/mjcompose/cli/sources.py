@@ -53,7 +53,8 @@ def info(options: InfoOptions, run: Run) -> Answer:
             yield f"  {_bytes(size_built):>9}  built models, {len(built)} files"
         for entry in reversed(entries):
             yield f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}"
-        if unfinished := store.unfinished():
+        unfinished = store.unfinished()
+        if unfinished:
             yield f"  {len(unfinished)} unfinished, being fetched now or interrupted"
 
     rows = [
@@ -125,14 +126,16 @@ def verify(options: CacheVerifyOptions, run: Run) -> Answer | None:
         if blob.is_damaged:
             blob.path.unlink(missing_ok=True)
             _say_removed(blob.path, run.form)
-    for folder in (headless := store.headless(entries)):
+    headless = store.headless(entries)
+    for folder in headless:
         if options.fix:
             store.remove_headless(folder)
             _say_removed(folder, run.form)
         else:
             sink.error("store-unusable", f"`{folder}` is damaged, and its origin is unknown", help=_FIX)
     for entry in entries:
-        if not (damage := store.damage(entry)):
+        damage = store.damage(entry)
+        if not damage:
             continue
         if options.fix:
             with run.stopping(FINDINGS):

@@ -185,7 +185,8 @@ def _labels(context: click.Context, option: click.Parameter, text: str | None) -
     from mjcompose.tools.view.render import LABELS
 
     kinds = () if text is None else tuple(each.strip() for each in text.split(","))
-    if wrong := next((each for each in kinds if each not in LABELS), None):
+    wrong = next((each for each in kinds if each not in LABELS), None)
+    if wrong:
         raise click.BadParameter(f"`{wrong}` is not a kind with labels: write {', '.join(LABELS)}.")
     return kinds
 

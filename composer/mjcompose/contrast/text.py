@@ -271,7 +271,8 @@ def place(cause: CauseLines) -> str:
 
 def _remarks(diff: Diff) -> Iterator[str]:
     yield from (end.said_outside for end in (diff.a, diff.b) if end.said_outside)
-    if counts := [end.cells for end in (diff.a, diff.b) if end.cells]:
+    counts = [end.cells for end in (diff.a, diff.b) if end.cells]
+    if counts:
         cells = counted(counts[-1], "cell")
         yield f"compared at its defaults; `--pick CELL` compares one of the {cells} of the matrix"
 

@@ -80,7 +80,8 @@ def build(
     outcomes: list[CheckOutcome] | None = None,
 ) -> Built | None:
     """Return the bundle of a recipe, unwritten, or None after errors. MuJoCo runs in `session`, or within `limits`."""
-    if (plan := planned(request, context)) is None:
+    plan = planned(request, context)
+    if plan is None:
         return None
     outcomes = [] if outcomes is None else outcomes
     with nullcontext(session) if session else engine.Session(limits) as own:
@@ -136,7 +137,8 @@ class Build(Struct, frozen=False):
         measure = measure_with(context, session=self.session)
         options = ComposeOptions(checks_sources=request.verified, deduplicates=request.deduplicated)
         composer = Composer(context, measure, self.session, library=self.library, options=options)
-        if (draft := self._draft(self.plan, composer)) is None:
+        draft = self._draft(self.plan, composer)
+        if draft is None:
             return None
         composed = draft.composed
         bundle = draft.bundle
@@ -246,7 +248,8 @@ class Build(Struct, frozen=False):
         context = replace(self.context, timings=[])  # the timings of the model do not include samples
         options = ComposeOptions(deduplicates=self.request.deduplicated)
         composer = Composer(context, measure_with(context, session=self.session), self.session, options=options)
-        if (sample := self._draft(self.plan.of_sample(number), composer)) is None:
+        sample = self._draft(self.plan.of_sample(number), composer)
+        if sample is None:
             return False
         model = sample.composed.model
         at = self.plan.span

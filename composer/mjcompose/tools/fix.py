@@ -6,11 +6,13 @@ import hashlib
 import os
 import re
 from bisect import bisect
+from codecs import BOM_UTF8
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from functools import lru_cache, partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -378,16 +380,19 @@ class Fixing(Struct, frozen=False):
         with unsaved(texts):
             return self.look(context)
 
+    def _is_full(self, edits: Mapping[Path, _Apart]) -> bool:
+        return self.at_once is not None and sum(len(apart.edits) for apart in edits.values()) == self.at_once
+
     def carry_out(self, models: Iterable[Judged]) -> list[Diagnostic]:
         """Apply the fixes that fit and do not overlap; return their diagnostics."""
         edits: dict[Path, _Apart] = {}
         texts: dict[Path, str] = {}
-        for diagnostic in (each for model in models for each in model.found):
+        for diagnostic in chain.from_iterable(model.found for model in models):
             span = place_of(diagnostic)
             if span is None or _identity(diagnostic) in self.useless:
                 continue
             path = Path(os.path.normpath(self.context.folder / span.file))
-            if self.at_once is not None and sum(len(apart.edits) for apart in edits.values()) == self.at_once:
+            if self._is_full(edits):
                 break
             if path not in texts and self.is_own(path):
                 texts[path] = _decoded(self.text(path))
@@ -397,7 +402,7 @@ class Fixing(Struct, frozen=False):
             elif edit is not None:
                 edits.setdefault(path, _Apart()).add(edit, diagnostic)
         for path, apart in edits.items():
-            mark = b"\xef\xbb\xbf" if self.text(path).startswith(b"\xef\xbb\xbf") else b""
+            mark = BOM_UTF8 if self.text(path).startswith(BOM_UTF8) else b""
             self.now[path] = mark + applied(texts[path], apart.edits).encode()
         return [diagnostic for apart in edits.values() for diagnostic in apart.edits.values()]
 

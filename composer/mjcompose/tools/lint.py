@@ -265,10 +265,12 @@ def fix_of(element: Node, edit: ElementEdit, unit: Unit) -> Fix | None:
     """Return the change of the file's text, or None if the file has the element in another form."""
     owner = unit.origins.owner(element, unit.file)
     line = line_of(element)
-    text = unit.origins.text(owner) if isinstance(owner, str) else None
-    if text is None or line is None or element in unit.origins.settings or not isinstance(owner, str):
+    if not isinstance(owner, str) or line is None or element in unit.origins.settings:
         return None
-    if owner != unit.file and (edit.removes or any(name == "name" for name, _ in edit.attributes)):
+    text = unit.origins.text(owner)
+    if text is None:
+        return None
+    if owner != unit.file and (edit.removes or "name" in dict(edit.attributes)):
         return None  # other models may include the file
     tag = str(element.tag)
     written = {str(name): str(value) for name, value in element.items()}
@@ -278,7 +280,8 @@ def fix_of(element: Node, edit: ElementEdit, unit: Unit) -> Fix | None:
     at = text.element(tag, line, written)
     if at is None:
         return None
-    if not any(name in written for name, _ in edit.attributes):
+    names = {name for name, _ in edit.attributes}
+    if names.isdisjoint(written):
         added = "".join(f' {name}="{_escaped(value)}"' for name, value in edit.attributes)
         return _replaced(owner, at, added, start=at.end_column)
     if len(edit.attributes) != 1:

@@ -228,7 +228,8 @@ def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Pa
         if was is None or kind_of(was).is_local or id in fresh:
             continue
         there = {name: digest for name, digest in now.files.items() if name in was.files}
-        if changes := differences({name: digest for name, digest in was.files.items() if name in there}, there):
+        changes = differences({name: digest for name, digest in was.files.items() if name in there}, there)
+        if changes:
             help = (
                 f"to accept the changes, run `mjcompose lock {recipe} --upgrade-source {shlex.quote(now.used_by[0])}`"
             )

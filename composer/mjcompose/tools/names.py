@@ -73,7 +73,8 @@ def _head(names: NamesRecord, data: Mapping[str, Any]) -> Iterator[str]:
     yield "Angles are in radians, lengths in meters."
     yield f"sha256 of the MJCF text: {names.sha256}"
     for kind in _KINDS:
-        if number := sum(not row["name"] for row in data[kind]):
+        number = sum(not row["name"] for row in data[kind])
+        if number:
             yield f"{number} {kind if number > 1 else kind[:-1]} without a name: see `mjcompose names --json`."
 
 

@@ -377,7 +377,8 @@ def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
     """Return a function for the part of an element in a composition: a part, the base, or (None) the recipe itself."""
 
     def part_of(node: Node) -> str | None:
-        if (part := parts.get(node)) is not None:
+        part = parts.get(node)
+        if part is not None:
             return part
         if isinstance(model.origins.owner(node, model.file), str):
             return BASE

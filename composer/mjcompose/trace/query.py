@@ -209,7 +209,8 @@ def _own(holder: Node) -> Iterator[Node]:
     """Yield a body and everything in it except bodies. No recursion: frames may be nested deeply."""
     waiting = [holder]
     while waiting:
-        yield (node := waiting.pop())
+        node = waiting.pop()
+        yield node
         waiting += [child for child in node.iterchildren("*", reversed=True) if child.tag != "body"]
 
 

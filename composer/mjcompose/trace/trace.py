@@ -5,7 +5,7 @@ Elements are compared by identity after each pass and step.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
 from types import FunctionType
@@ -124,36 +124,46 @@ class Trace:
         units = list(units)
         self._indexed = None
         if isinstance(done, Linking):
-            self._linkings[done.base.root] = done
-            for part in done.parts:
-                self._parts[part.unit.root] = part
-                for node in part.unit.root.iter("*"):
-                    self.lives[node].parts.append(part)
+            self._note_parts(done)
         changed = [unit for unit in units if self._looks_other(unit.root)]
         if not changed:
             return
         linking = self._linkings.get(units[0].root)
-        causes = {each.root: TracedOperation(done, each, self._parts.get(each.root), linking=linking) for each in units}
-        before = {node for unit in changed for node in self._members.get(unit.root, ())}
-        now: set[Node] = set()
+        causes = {unit.root: TracedOperation(done, unit, self._parts.get(unit.root), linking=linking) for unit in units}
+        before = [node for unit in changed for node in self._members.get(unit.root, ())]
+        born = [life for unit in changed for life in self._note_members(unit, causes)]
+        now = {node for unit in changed for node in self._members[unit.root]}
+        lost = [self.lives[node] for node in dict.fromkeys(before) if node not in now]
+        self._note_ends(lost, born, causes)
+
+    def _note_parts(self, linking: Linking) -> None:
+        self._linkings[linking.base.root] = linking
+        for part in linking.parts:
+            self._parts[part.unit.root] = part
+            for node in part.unit.root.iter("*"):
+                self.lives[node].parts.append(part)
+
+    def _note_members(self, unit: Unit, causes: Mapping[Node, TracedOperation]) -> list[Life]:
+        """Compare the elements of a unit with what is known of them. Return the new ones."""
+        cause = causes[unit.root]
+        members = self._members[unit.root] = list(unit.root.iter("*"))
         born: list[Life] = []
-        for unit in changed:
-            cause = causes[unit.root]
-            members = self._members[unit.root] = list(unit.root.iter("*"))
-            now.update(members)
-            for node in members:
-                life = self.lives.get(node)
-                if life is None:
-                    born.append(self._born(node, cause))
-                else:
-                    self._compare(life, causes.get(life.home, cause), unit)
-                    life.home = unit.root
-        lost = [self.lives[node] for node in before - now]
-        for life in lost:
-            life.gone = causes.get(life.home)
-        self.gone += [life for life in lost if life.gone is not None]
+        for node in members:
+            life = self.lives.get(node)
+            if life is None:
+                born.append(self._born(node, cause))
+            else:
+                self._compare(life, causes.get(life.home, cause), unit)
+                life.home = unit.root
+        return born
+
+    def _note_ends(self, lost: Iterable[Life], born: Iterable[Life], causes: Mapping[Node, Cause]) -> None:
+        """Note what removed the lost elements. A new one of the same name may go on with the life of a lost one."""
         lost_by_name: dict[tuple[str, str | None], list[Life]] = {}
         for life in lost:
+            life.gone = causes.get(life.home)
+            if life.gone is not None:
+                self.gone.append(life)
             lost_by_name.setdefault((life.tag, dict(life.items).get("name")), []).append(life)
         for life in born:
             if life.made_by is not None and life.made_by.is_pass and life.tag != "default":

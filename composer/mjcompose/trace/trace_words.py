@@ -250,7 +250,8 @@ class Causes:
 
     def _agreement_made(self, life: Life, change: AttributeChange) -> Reason:
         for name, value in life.attributes.items():
-            if reason := self._agreement(life, replace(change, attribute=str(name), after=str(value))):
+            reason = self._agreement(life, replace(change, attribute=str(name), after=str(value)))
+            if reason:
                 return reason
         return Reason("settings that the parts require")
 

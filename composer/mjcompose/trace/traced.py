@@ -443,7 +443,8 @@ def _no_recipe(path: Path, context: Context) -> None:
 
     help = "use its recipe"
     with suppress(ReadError, ValueError, KeyError):
-        if (recipe := from_json(read(context.folder / path).files[MANIFEST]).recipe) is not None:
+        recipe = from_json(read(context.folder / path).files[MANIFEST]).recipe
+        if recipe is not None:
             help = f"use its recipe: `mjcompose explain {recipe.path}`"
     message = f"`{context.shown(context.folder / path)}` has the model, but not where its elements come from"
     context.sink.error("source-kind", message, help=help)

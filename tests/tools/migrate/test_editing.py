@@ -135,6 +135,14 @@ def test_another_tag(tmp_path: Path) -> None:
     assert "<site name=\"c\"\n\t\t\tsize='.2'></site>" in text_of(editing, model)
 
 
+def test_another_tag_gets_its_first_attribute(tmp_path: Path) -> None:
+    editing, model = edited(TEXT, tmp_path)
+    (body,) = editing.at("body")
+    editing.retag(body, "replicate")
+    editing.set(body, "count", "2")
+    assert '<replicate count="2"><geom size=".3"/></replicate>' in text_of(editing, model)
+
+
 def test_line_breaks_of_windows_and_a_mark_are_kept(tmp_path: Path) -> None:
     editing, model = edited("\ufeff" + TEXT.replace("\n", "\r\n"), tmp_path)
     editing.set(editing.within("option/flag"), "island", "disable")

@@ -120,7 +120,8 @@ def load_files(record: Record, load: Callable[[KeptFile], _File | None]) -> dict
     """Return the files of a bundle, each as `load` returns it, or None if one of them is lost or changed."""
     files: dict[str, _File] = {}
     for file in record.files:
-        if (loaded := load(file)) is None:
+        loaded = load(file)
+        if loaded is None:
             return None
         files[file.path] = loaded
     return files
@@ -203,7 +204,8 @@ class Maker:
             return None, found.why
         if context.strict and _warns(found.record):
             return None, ("it has warnings, which are errors now",)
-        if (made := self._with_files(found.record, found.answer)) is None:
+        made = self._with_files(found.record, found.answer)
+        if made is None:
             return None, (LOST,)
         _report(found.record, context, outcomes)
         return made, ()
@@ -234,7 +236,8 @@ class Maker:
             target=options.target,
             worlds=options.worlds,
         )
-        if (plan := stages.planned(request, context)) is None:
+        plan = stages.planned(request, context)
+        if plan is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
             known = self._recall_planned(plan, choice.name, context, key=key, outcomes=outcomes)
@@ -298,7 +301,8 @@ class Maker:
         made = result_from_cache(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
         if record.text is not None:
-            if (text := self.cache.raw(KeptFile("", record.text, 0, source=None))) is None:
+            text = self.cache.raw(KeptFile("", record.text, 0, source=None))
+            if text is None:
                 return None
             made = replace(made, text=text)
         if target is not None and self.form != "usd" and self.cache.is_written(target, self.content(made)):
@@ -415,7 +419,8 @@ class Maker:
         assert self.cache is not None
         found = []
         for path, content in bundle.files.items():
-            if (digest := bundle.digest(path)) not in known:
+            digest = bundle.digest(path)
+            if digest not in known:
                 self.cache.keep_raw(digest, content)
             found.append(KeptFile(path, digest, len(content), source=known.get(digest)))
         return tuple(found)

@@ -232,7 +232,8 @@ class Cache(Struct, frozen=False):
         if not isinstance(before, dict):
             return CacheLookup(why=("it was not built before, or its result was not kept",))
         with contextlib.suppress(TypeError, AttributeError):
-            if changes := differences(before, key.parts):
+            changes = differences(before, key.parts)
+            if changes:
                 return CacheLookup(why=changes)
         return CacheLookup(why=("nothing was kept of its last build",))
 

@@ -42,7 +42,8 @@ _PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__fi
 def tool_version(store: Path) -> str:
     """Return the version and a hash of all files of the package, which is kept by their sizes and times."""
     stamp = hashlib.sha256(repr(list(_files())).encode()).hexdigest()
-    if (known := blobs.get(store, "asked", stamp)) is not None:
+    known = blobs.get(store, "asked", stamp)
+    if known is not None:
         return known.decode()
     whole = hashlib.sha256()
     for path, *_ in _files():
@@ -116,7 +117,8 @@ class FileStates(Struct, frozen=False):
     _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
 
     def look(self, path: str) -> FileState:
-        if (stamped := self._stamp(path)) is None:
+        stamped = self._stamp(path)
+        if stamped is None:
             return FileState(path, ABSENT, None)
         stamp, is_folder = stamped
         key = path, stamp

@@ -280,7 +280,8 @@ class CellRun:
 
     def made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         for place, cell in enumerate(cells):
-            if (known := self.making.known(cell)) is None:
+            known = self.making.known(cell)
+            if known is None:
                 yield from self._made(cells[place:])
                 return
             yield self._taken(known)

@@ -117,7 +117,8 @@ class Inputs(Struct, frozen=False):
 
 def may_move(context: Context) -> bool:
     """Return whether every build queries the network, for example for an unpinned branch."""
-    if (fetching := context.fetching) is None:
+    fetching = context.fetching
+    if fetching is None:
         return False
     if any(group == "sources" for group, _ in LOADED):
         return True  # the variables of such a kind are in no key

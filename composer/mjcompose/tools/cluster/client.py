@@ -190,7 +190,8 @@ def check_versions(client: Client, workers: list[str], packages: tuple[str, ...]
         if there is not None and (python := _minor(there["host"]["python"])) != here:
             raise _differs(worker, {"Python": (python, here)})
     names = tuple(dict.fromkeys((*PACKAGES, *packages)))
-    cloudpickle.register_pickle_by_value(own := sys.modules[__name__])
+    own = sys.modules[__name__]
+    cloudpickle.register_pickle_by_value(own)
     try:
         answers = client.run(versions, names, workers=workers, on_error="return")
     finally:
@@ -202,7 +203,8 @@ def check_versions(client: Client, workers: list[str], packages: tuple[str, ...]
         if isinstance(theirs, BaseException):
             raise ClusterError("cluster-worker", f"the worker `{worker}` does not answer: {theirs}")
         pairs = {name: (theirs.get(name), mine.get(name)) for name in ("mjcompose", *names, "zlib")}
-        if different := {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}:
+        different = {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+        if different:
             raise _differs(worker, different)
 
 
@@ -271,7 +273,7 @@ class Stations:
         )
 
     def begin(self, client: Client, workers: list[str]) -> None:
-        """Prepare workers: each gets its missing files before it gets a cell."""
+        """Prepare workers: each gets its missing files before it gets a cell. Raises ClusterError."""
         check_versions(client, workers, tuple(name for name, *_ in self._packages))
         while workers:
             answers = client.run(station.begin, self.order, workers=workers, on_error="return")
@@ -310,7 +312,8 @@ class Stations:
             assert isinstance(result, CellResult | Died)
             return result
         if result.cell.result is None:  # perhaps because a file exists only on this machine
-            if (made := self._making.make(result.cell.cell)).result is not None:
+            made = self._making.make(result.cell.cell)
+            if made.result is not None:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
@@ -419,7 +422,8 @@ class Crew:
                     self._note(part, future.result())
         # Workers have written more than they could report.
         for number in taken - self._ready.keys():
-            if (known := self.stations.known(self._cells[number])) is not None:
+            known = self.stations.known(self._cells[number])
+            if known is not None:
                 self._ready[number] = known
         for number in sorted(self._ready):
             result = self._ready.pop(number)

@@ -65,8 +65,8 @@ class CauseFinder:
         found = self._first(self._candidates(change, before, after)) or self._content(change, before, after)
         return found or self._first(others) or self.written.only()
 
-    def _first(self, causes: Iterable[CauseLines]) -> CauseLines | None:
-        settled = (self._settled(cause) for cause in causes)
+    def _first(self, causes: Iterable[CauseLines], depth: int = 0) -> CauseLines | None:
+        settled = (self._settled(cause, depth) for cause in causes)
         return next((cause for cause in settled if cause is not None), None)
 
     def _candidates(self, change: FieldChange, before: Node | None, after: Node | None) -> Iterator[CauseLines]:
@@ -106,13 +106,14 @@ class CauseFinder:
             row = self._settled(CauseLines(cause.words, before, after), depth + 1)
             if row is not None:
                 return row
-        names = [each for side, span in zip(self.both, spans, strict=True) for each in side.recipes.names_at(span)]
-        for each in dict.fromkeys(names):
-            places = [list(side.recipes.parameter(each)) for side in self.both]
-            for before, after in zip_longest(*places):
-                if (found := self._settled(CauseLines(f"`{each}`", before, after), depth + 1)) is not None:
-                    return found
-        return None
+        names = chain.from_iterable(side.recipes.names_at(span) for side, span in zip(self.both, spans, strict=True))
+        return self._first(chain.from_iterable(map(self._of_parameter, dict.fromkeys(names))), depth + 1)
+
+    def _of_parameter(self, parameter: str) -> Iterator[CauseLines]:
+        """Yield the lines that can set a parameter, in A and in B."""
+        places = [side.recipes.parameter(parameter) for side in self.both]
+        for before, after in zip_longest(*places):
+            yield CauseLines(f"`{parameter}`", before, after)
 
     def _opposite(self, side: int, changed: Span | None, known: Span | None) -> Span | None:
         """Return the place to show on the other side of a new or removed line.

@@ -49,11 +49,12 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
     with scratch("pictures") as made:
         answer = engine.call(session, pictures, kept, argument=str(made))
         if not answer.ok:
-            said = answer.error or answer.crash
-            context.sink.error("no-rendering", f"no pictures could be made: {said}")
+            reason = answer.error or answer.crash
+            context.sink.error("no-rendering", f"no pictures could be made: {reason}")
             return ()
-        if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
-            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=NEEDS_OPENGL)
+        reason = session.no_opengl or answer.value.get("no OpenGL")
+        if reason is not None:
+            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {reason}", help=NEEDS_OPENGL)
             return ()
         views: list[View] = []
         used: set[str] = set()
@@ -118,6 +119,15 @@ ADDRESSES = "address"
 COUNTS = "count"
 
 
+def _choice(given: Given | None, pick: str | None, sample: int | None) -> str | None:
+    """Return in words what the options choose, or None if they choose nothing."""
+    if given:
+        return f"a value for `{next(iter(given))}`"
+    if pick is not None:
+        return f"the cell `{pick}`"
+    return None if sample is None else f"the sample {sample}"
+
+
 def diff(
     a: str,
     b: str,
@@ -143,12 +153,10 @@ def diff(
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
-        known = [operand.kind for operand in operands if operand is not None]
-        asked = given or pick is not None or sample is not None
-        if asked and len(known) == 2 and OperandKind.RECIPE not in known:
-            option = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
-            option = f"a value for `{next(iter(given))}`" if given else option
-            message = f"you choose {option}, but neither `{a}` nor `{b}` is a recipe"
+        kinds = [operand.kind for operand in operands if operand is not None]
+        choice = _choice(given, pick, sample)
+        if choice is not None and len(kinds) == 2 and OperandKind.RECIPE not in kinds:
+            message = f"you choose {choice}, but neither `{a}` nor `{b}` is a recipe"
             help = "compare the recipe, or the bundle that it gives with these options"
             context.sink.error("unknown-name", message, help=help)
             return None
@@ -233,28 +241,44 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
 
     If a recipe has an `interface`, only the names that it lists count as major. The interface of A comes first.
     """
-    read = [names_of(side, session, context) for side in (a, b)]
+    indexes = [_index_of(side, session, context) for side in (a, b)]
     answer = engine.call(session, looks, [a.kept, b.kept], argument=None)
     if not answer.ok:
         context.sink.error("mujoco-crash", f"the changes cannot be sorted: {answer.error or answer.crash}")
-    if read[0] is None or read[1] is None or not answer.ok:
+    before, after = indexes
+    if before is None or after is None or not answer.ok:
         return None
     contrast = found.contrast
-    listed = _interface_of(a) or _interface_of(b)
-    sorting = _Sorting({order.kind: order for order in listed}, answer.value)
-    renamed = {(each.kind, str(each.before)): each.name for each in contrast.changes if each.what == "renamed"}
-    own = [*_units_and_places(read[0].index, read[1].index, renamed)]
-    direct = [change for change in contrast.changes if not change.follows] or [*contrast.changes]
+    interface = _interface_of(a) or _interface_of(b)
+    sorting = _Sorting({order.kind: order for order in interface}, answer.value)
+    renamed = {
+        (change.kind, str(change.before)): change.name for change in contrast.changes if change.what == "renamed"
+    }
+    own = [*_units_and_places(before, after, renamed)]
+    by_level = _by_level(contrast, own, sorting)
     causes = CauseFinder(a, b, contrast)
     levels: list[LevelChanges] = []
     for name in LEVELS:
-        changes = [change for change in (*direct, *own) if sorting.level(change) == name]
-        groups = _groups(changes, causes, a, b)
+        groups = _groups(by_level.get(name, ()), causes, a, b)
         moves = tuple(move for move in contrast.moves if sorting.of_name(move.kind, move.name) == name)
         arrays = contrast.arrays if name == "minor" and not own else ()
         if groups or moves or arrays:
             levels.append(LevelChanges(name, groups, moves, arrays=arrays))
     return Breaking(found, tuple(levels))
+
+
+def _index_of(side: Side, session: Session, context: Context) -> Index | None:
+    names = names_of(side, session, context)
+    return None if names is None else names.index
+
+
+def _by_level(contrast: Contrast, own: Iterable[Change], sorting: _Sorting) -> dict[str, list[Change]]:
+    """Return the changes that follow from no other one and those of units and places (`own`), by level."""
+    direct = [change for change in contrast.changes if not change.follows] or [*contrast.changes]
+    by_level: dict[str, list[Change]] = {}
+    for change in (*direct, *own):
+        by_level.setdefault(sorting.level(change), []).append(change)
+    return by_level
 
 
 def _interface_of(side: Side) -> Sequence[Order]:

@@ -44,7 +44,8 @@ class SideElements:
         if side.traced is not None:
             for kind, node in query.kinds_in_order(side.traced.model.root):
                 self.found[kind].append(node)
-                if (name := query.name_of(node)) is not None and node.tag != "worldbody":
+                name = query.name_of(node)
+                if name is not None and node.tag != "worldbody":
                     self.named.setdefault((kind, name), node)
         self._bodies = {query.name_of(node): number for number, node in enumerate(self.found["body"])}
         for kind in ("exclude", "pair"):
@@ -66,7 +67,8 @@ class SideElements:
     def written(self, node: Node | None, attribute: str | None) -> list[Span]:
         """Return the place where an attribute was first written, and the places where it was changed later."""
         if attribute is None:
-            return [] if (span := self.span(node)) is None else [span]
+            span = self.span(node)
+            return [] if span is None else [span]
         return [] if node is None else self.traced.history(node, attribute)
 
     def class_in_force(self, node: Node) -> Span | None:
@@ -196,17 +198,21 @@ class Pairs:
         self.a = a
         self.b = b
 
+    def of_inertia(self, change: FieldChange, before: Node, after: Node) -> Iterator[Pair]:
+        """Yield what can change the inertia of a body: its `<inertial>`, geoms and meshes, or its pose without them."""
+        for tag in ("inertial", "geom"):
+            for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
+                yield mine, theirs, None
+                yield from self.referred(mine, theirs, ASSETS)
+        if change.field in _AT_POSE and not (self.a.weighs(before) or self.b.weighs(after)):
+            pose = about(change.field.replace("body_i", "body_")).attributes
+            yield before, after, pose
+            yield from self.frames(before, after, pose)
+
     def candidates(self, change: FieldChange, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
         """Yield possible causes, the likeliest first."""
         if change.field in INERTIAL:
-            for tag in ("inertial", "geom"):
-                for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
-                    yield mine, theirs, None
-                    yield from self.referred(mine, theirs, ASSETS)
-            if change.field in _AT_POSE and not (self.a.weighs(before) or self.b.weighs(after)):
-                pose = about(change.field.replace("body_i", "body_")).attributes
-                yield before, after, pose
-                yield from self.frames(before, after, pose)
+            yield from self.of_inertia(change, before, after)
             return
         yield before, after, wanted
         if "pos" in wanted or change.field.endswith(("_bodyid", "_parentid")):

@@ -263,9 +263,11 @@ class FilePairs:
         """Return the file at the same place on the other side; the counterpart of A itself is B."""
         here = self.sides[side]
         there = self.sides[1 - side]
-        if (found := self._paths[1 - side].get(real(here, file))) is not None:
+        found = self._paths[1 - side].get(real(here, file))
+        if found is not None:
             return found
-        if (found := self._named[1 - side].get(name(here, file))) is not None:
+        found = self._named[1 - side].get(name(here, file))
+        if found is not None:
             return found
         mains = [each.operand.context.shown(each.operand.path) for each in (here, there)]
         alike = Path(mains[0]).suffix == Path(mains[1]).suffix and here.operand.kind is there.operand.kind

@@ -180,18 +180,20 @@ class ChangeFinder:
         for name, attribute in before.kind.attributes.items():
             if name not in one or name not in other:
                 continue
-            ours = one[name]
-            theirs = other[name]
-            is_equal = attribute.is_reference and theirs.split() == [
-                self.theirs(each, attribute.refers, old) for old in ours.split()
-            ]
-            if not is_equal and attribute.refers in _ASSETS:  # the part may have an equal one of its own
-                own = self.alike.get(each.out + ours)
-                there = self.names.get((attribute.refers, theirs))
-                is_equal = theirs in (ours, each.prefix + ours) or bool(own and own == self.alike.get(there or ""))
-            if is_equal:
+            if attribute.is_reference and self._refer_alike(attribute, one[name], other[name], each):
                 del one[name], other[name]
         return elements.differing(one, other, before.kind, prefix=each.prefix)
+
+    def _refer_alike(self, attribute: Attribute, ours: str, theirs: str, each: Instance) -> bool:
+        """Return whether references of the part and of the merged model mean the same elements."""
+        if theirs.split() == [self.theirs(each, attribute.refers, name) for name in ours.split()]:
+            return True
+        if attribute.refers not in _ASSETS:
+            return False
+        # The part may have an equal asset of its own.
+        own = self.alike.get(each.out + ours)
+        there = self.names.get((attribute.refers, theirs))
+        return theirs in (ours, each.prefix + ours) or bool(own and own == self.alike.get(there or ""))
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
         """Return whether MuJoCo compiles both to the same result."""

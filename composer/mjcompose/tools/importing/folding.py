@@ -56,7 +56,8 @@ def folded(entries: Sequence[SectionEntry]) -> list[SectionEntry]:
 def _read(entry: SectionEntry) -> _Written | SectionEntry:
     if entry.note is not None or OPENING in entry.text:
         return entry
-    tree = load(entry.text, "", sink := Sink())
+    sink = Sink()
+    tree = load(entry.text, "", sink)
     data = None if tree is None or sink.has_errors else to_python(tree)
     if not isinstance(data, dict):
         return entry

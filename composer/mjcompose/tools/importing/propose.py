@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from itertools import count
 from pathlib import Path
@@ -20,12 +20,12 @@ from mjcompose.language.recipe import SETTABLE
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
-from mjcompose.sources.reference import SourceError
+from mjcompose.sources.reference import Source, SourceError
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.compare import ChangeFinder
-from mjcompose.tools.importing.elements import ChangedAttribute, Likeness, Names, SectionEntry
+from mjcompose.tools.importing.elements import ChangedAttribute, SectionEntry, Item, Likeness, Names
 from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.grammar import GRAMMAR
@@ -106,7 +106,8 @@ class _Proposer(ChangeFinder):
         """Map each name of a part in the merged model to its name in the composition."""
         for each in self.found:
             for namespace, name in elements.named(self.parts[each.part]):
-                if (there := (namespace, self.theirs(each, namespace, name))) in self.there:
+                there = (namespace, self.theirs(each, namespace, name))
+                if there in self.there:
                     self.names[there] = each.out + name
 
     def match_assets(self) -> None:
@@ -117,7 +118,8 @@ class _Proposer(ChangeFinder):
             for (tag, name), node in elements.assets_of(unit).items():
                 self.alike[each.out + name] = (tag, *sorted(self.values(node, unit).items()))
                 keys = (key for key in ((tag, each.prefix + name), (tag, name)) if key in assets)
-                if (there := next(keys, None)) is not None:
+                there = next(keys, None)
+                if there is not None:
                     self.names.setdefault(there, each.out + name)
         for (tag, name), node in assets.items():
             if (tag, name) not in self.names:
@@ -252,33 +254,37 @@ class _Proposer(ChangeFinder):
         named = ((each.out, key) for each in self.found for key in elements.named(self.parts[each.part]))
         brought = {(namespace, out + name) for out, (namespace, name) in named}
         for item in elements.items(self.merged):
-            node = item.node
-            if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
+            if item.node in self.covered or (item.kind.tag == "frame" and self.is_empty(item.node)):
                 continue
             if item.section == "worldbody":
-                parent = node.getparent()
-                if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
-                    continue  # it comes with its parent
-                name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
-                note = None if name else "it is in a body without a name"
-                text = f"{{to: {word(name or '?')}, xml: {quoted(self.fragment(node))}}}"
-                self.entries.append(SectionEntry("add", text, note))
+                self._left_in_world(item)
             elif item.section == "contact":
                 values = elements.flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
                 self.entries.append(SectionEntry("contact", values, group=item.kind.tag))
             elif item.name:
-                key = item.name
-                if (item.namespace, key) in brought:  # the name is taken until the part's element is removed
-                    key = self.label(item.section, f"{key}_new")
-                    select = elements.selector_of(item.namespace, item.kind.tag, key)
-                    self.edit({"select": select, "rename": word(item.name)}, elements.RENAMED)
-                self.entries.append(
-                    SectionEntry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}")
-                )
+                self._left_named(item, is_taken=(item.namespace, item.name) in brought)
             else:
                 key = self.label(item.section, item.kind.tag)
-                text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(node))}}}"
+                text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(item.node))}}}"
                 self.entries.append(SectionEntry(item.section, text))
+
+    def _left_in_world(self, item: Item) -> None:
+        parent = item.node.getparent()
+        if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
+            return  # it comes with its parent
+        name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
+        note = None if name else "it is in a body without a name"
+        text = f"{{to: {word(name or '?')}, xml: {quoted(self.fragment(item.node))}}}"
+        self.entries.append(Entry("add", text, note))
+
+    def _left_named(self, item: Item, is_taken: bool) -> None:
+        """Write an element with a name. If a part brings that name, it is taken until the part's element is removed."""
+        key = item.name
+        if is_taken:
+            key = self.label(item.section, f"{item.name}_new")
+            select = elements.selector_of(item.namespace, item.kind.tag, key)
+            self.edit({"select": select, "rename": word(item.name)}, elements.RENAMED)
+        self.entries.append(Entry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(item.node, key))}}}"))
 
     def is_empty(self, frame: Node) -> bool:
         """Return whether an unnamed frame holds only elements of the parts."""
@@ -311,6 +317,20 @@ class UrdfProposal(Struct):
     rows: tuple[ReadRow, ...]
 
 
+def _read_urdf(source: Source, context: Context) -> tuple[Unit | None, UrdfChoices]:
+    """Return the model of a URDF, or report its faults. If its inertias are the only fault, they are repaired."""
+    with Session() as session:
+        for choices in (UrdfChoices(visuals="keep"), UrdfChoices(visuals="keep", inertia="repair")):
+            reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
+            unit = reader.unit()
+            if unit is not None or {error.code for error in reader.sink.errors} != {INERTIA}:
+                break
+    for diagnostic in reader.sink.diagnostics:
+        if diagnostic.code != UNREAD or diagnostic.severity is Severity.ERROR:
+            context.sink.add(diagnostic)
+    return unit, choices
+
+
 def of_urdf(path: Path, target: Path, context: Context) -> UrdfProposal | None:
     """Return a recipe for a URDF that builds, or None if the URDF has faults, which are reported."""
     try:
@@ -318,15 +338,7 @@ def of_urdf(path: Path, target: Path, context: Context) -> UrdfProposal | None:
     except SourceError as error:
         context.sink.add(error.at(Span(context.shown(path), 1, 1)))
         return None
-    with Session() as session:
-        for choices in (UrdfChoices(visuals="keep"), UrdfChoices(visuals="keep", inertia="repair")):
-            reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
-            unit = reader.unit()
-            if unit is not None or {each.code for each in reader.sink.errors} != {INERTIA}:
-                break
-    for each in reader.sink.diagnostics:
-        if each.code != UNREAD or each.severity is Severity.ERROR:
-            context.sink.add(each)
+    unit, choices = _read_urdf(source, context)
     if unit is None:
         return None
     file = Path(os.path.relpath(path.absolute(), target.absolute().parent)).as_posix()
@@ -379,23 +391,32 @@ def recipe_text(proposal: Proposal) -> tuple[str, dict[int, SectionEntry]]:
         if not entries:
             continue
         lines.append("")
-        live = any(entry.note is None for entry in entries)
-        if section in _WHOLE:
-            lines.append(f"{'' if live else '# '}{section}: {entries[0].text}")
-            places[len(lines)] = entries[0]
-            continue
-        lines.append(f"{section}:" if live else f"# {section}:")
-        group = note = None
-        for entry in in_order(entries):
-            if entry.group != group and entry.group:
-                live = any(each.note is None for each in entries if each.group == entry.group)
-                lines.append(f"{'' if live else '# '}  {entry.group}:")
-                group = entry.group
-            if entry.note is not None and entry.note != note:
-                lines.append(f"  # not expressed: {entry.note}")
-            note = entry.note
-            dash = "- " if section in _LISTS or section == "contact" else ""
-            indent = "    " if entry.group else "  "
-            lines.append(f"{indent}{'# ' if entry.note is not None else ''}{dash}{entry.text}")
-            places[len(lines)] = entry
+        for line, entry in _lines(section, entries):
+            lines.append(line)
+            if entry is not None:
+                places[len(lines)] = entry
     return "\n".join(lines) + "\n", places
+
+
+def _lines(section: str, entries: Sequence[Entry]) -> Iterator[tuple[str, Entry | None]]:
+    """Yield the lines of a section, each with the entry that it holds."""
+    if section in _WHOLE:
+        yield f"{_comment(entries)}{section}: {entries[0].text}", entries[0]
+        return
+    yield f"{_comment(entries)}{section}:", None
+    group = note = None
+    for entry in in_order(entries):
+        if entry.group != group and entry.group:
+            group = entry.group
+            yield f"{_comment([other for other in entries if other.group == group])}  {group}:", None
+        if entry.note is not None and entry.note != note:
+            yield f"  # not expressed: {entry.note}", None
+        note = entry.note
+        dash = "- " if section in _LISTS or section == "contact" else ""
+        indent = "    " if entry.group else "  "
+        yield f"{indent}{_comment([entry])}{dash}{entry.text}", entry
+
+
+def _comment(entries: Iterable[Entry]) -> str:
+    """Return the mark of a comment for a line that is only about entries with a note."""
+    return "# " if all(entry.note is not None for entry in entries) else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from itertools import groupby
@@ -92,6 +92,18 @@ def changed(facts: tuple[elements.ChangedAttribute, ...]) -> Iterator[str]:
         yield f"{of}: {each.attribute} {before} → {after}{alone}"
 
 
+def _one_sided(changes: Iterable[FieldChange], merged: str) -> Iterator[str]:
+    """Yield one line for the elements of a kind that only one of the models has."""
+
+    def by_kind(change: FieldChange) -> tuple[str, str]:
+        return change.what, change.kind
+
+    for (what, kind), group in groupby(sorted(changes, key=by_kind), key=by_kind):
+        names = [change.name for change in group]
+        verb = "is" if len(names) == 1 else "are"
+        yield f"{subject(kind, names)} {verb} {'missing' if what == 'removed' else f'not in {merged}'}"
+
+
 def left(outcome: RecoveryDifferences, merged: str) -> Iterator[str]:
     """Yield one line for each remaining difference between the recipe's model and the merged one.
 
@@ -105,17 +117,13 @@ def left(outcome: RecoveryDifferences, merged: str) -> Iterator[str]:
         )
         return f"{ours}, in {merged} it is {theirs}"
 
-    follows = [each for each in outcome.changes if each.follows]
-    others = [each for each in outcome.changes if not each.follows]
+    follows = [change for change in outcome.changes if change.follows]
+    others = [change for change in outcome.changes if not change.follows]
     if not others:
         others = follows
         follows = []
-    presence = sorted((each for each in others if each.what != "changed"), key=lambda each: (each.what, each.kind))
-    for (what, kind), several in groupby(presence, key=lambda each: (each.what, each.kind)):
-        names = [each.name for each in several]
-        verb = "is" if len(names) == 1 else "are"
-        yield f"{subject(kind, names)} {verb} {'missing' if what == 'removed' else f'not in {merged}'}"
-    yield from sentences((each for each in others if each.what == "changed"), between)
+    yield from _one_sided((change for change in others if change.what != "changed"), merged)
+    yield from sentences((change for change in others if change.what == "changed"), between)
     if follows:
         verb = "differs" if len(follows) == 1 else "differ"
         yield f"{counted(len(follows), 'number')} that MuJoCo computes from these {verb} too"
@@ -256,19 +264,26 @@ class _Recovery:
         references = [self.references.get(path) or relative(path) for path in self.parts]
         return propose(self.units[0], self.units[1:], references, relative=relative, likeness=likeness)
 
-    def settled(self, proposal: Proposal, progress: Callable[[str], None]) -> Recovered:
-        """Return the proposal without the entries that do not build, and with the keys that it lacked."""
+    def without_failing(
+        self, proposal: Proposal, progress: Callable[[str], None]
+    ) -> tuple[Bundle | None, Sequence[Diagnostic]]:
+        """Build the proposal, and turn each entry that does not build into a comment, until the others build."""
+        shown = self.context.shown(self.out)
         for number in range(_ROUNDS):
             progress(f"trying the recipe{f' without the failed entries ({number})' if number else ''}")
             text, places = recipe_text(proposal)
             bundle, faults = self.built(text)
-            shown = self.context.shown(self.out)
             lines = [fault.span.line if fault.span and fault.span.file == shown else 0 for fault in faults]
             guilty = [(places[line], fault) for line, fault in zip(lines, faults, strict=True) if line in places]
             if bundle is not None or not guilty:
                 break
             for entry, fault in guilty:
                 entry.note = " ".join(fault.message.split())
+        return bundle, faults
+
+    def settled(self, proposal: Proposal, progress: Callable[[str], None]) -> Recovered:
+        """Return the proposal without the entries that do not build, and with the keys that it lacked."""
+        bundle, faults = self.without_failing(proposal, progress)
         outcome = self.outcome(proposal, bundle)
         missing = [key.name for key in _lost_keys(outcome) if _has_name(key)]
         if missing:  # with a key of that name, its values can be compared

@@ -242,8 +242,9 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: ArrayComparison) -> None:
         b = y[other : other + lengths[mesh]]
         # Versions place a mesh that no geom shows differently.
         is_same = mesh not in used and a.shape == b.shape
-        if not is_same and (a.shape != b.shape or unequal(a, b, _BOUND, one.scale[start : start + counts[mesh]]).any()):
-            if is_same := _same_surface(a, b):
+        if not is_same and (a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all()):
+            is_same = _same_surface(a, b)
+            if is_same:
                 outcome.recut.append(_called("mesh", mesh, one))
             is_same = is_same or _look_alike(a, b, mesh, one=one, two=two)
         kept.append(a if is_same else b)
@@ -321,7 +322,8 @@ def _pairs(one: _Side, two: _Side, outcome: ArrayComparison) -> dict[str, Array]
         keys = _keys(list(names))
         others = _keys(other)
         for here, there, words in ((keys, others, ("present", "missing")), (others, keys, ("missing", "present"))):
-            if several := [key for key in here if key not in there]:
+            several = [key for key in here if key not in there]
+            if several:
                 name = several[0][0]
                 element = element_text(kind, name)
                 outcome.differences.append(ArrayDifference(f"{kind} names", element, *words, len(several)))

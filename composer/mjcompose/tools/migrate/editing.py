@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from html import unescape
 from itertools import islice
@@ -81,7 +81,7 @@ class MigratedFile(Struct, frozen=False):
     def rewritten(self, renamed: Mapping[Node, Mapping[str, str]]) -> str:
         """Return the text with the attributes, tags and new children that the nodes have now.
 
-        `renamed` maps new names of attributes to old names, by node.
+        `renamed` maps new names of attributes to old names, by node. Raises MarkupError for changes that overlap.
         """
         edits: list[tuple[int, int, str]] = []
         text = self.markup.text
@@ -104,11 +104,16 @@ def _changes(
 ) -> Iterator[tuple[int, int, str]]:
     """Yield the changes of the tags and attributes of an element: places in the text, and their new text."""
     tag = str(node.tag)
-    now = {str(name): str(value) for name, value in node.items()}
     if tag != head.tag:
         starts = (head.start + 1, close + 2) if close else (head.start + 1,)
         for at in starts:
             yield at, at + len(head.tag), tag
+    yield from _changed_attributes({str(name): str(value) for name, value in node.items()}, head, renamed, text)
+
+
+def _changed_attributes(
+    now: Mapping[str, str], head: Tag, renamed: Mapping[str, str], text: str
+) -> Iterator[tuple[int, int, str]]:
     known = {attribute.name: attribute for attribute in head.attributes}
     kept = _kept(now, known, renamed)
     places = set(kept.values())
@@ -123,7 +128,7 @@ def _changes(
             yield head.start + len(text[head.start : attribute.at].rstrip()), attribute.end + 1, ""
     new = [name for name in now if name not in known and renamed.get(name, name) not in places]
     if new:
-        last = max((attribute.end + 1 for attribute in head.attributes), default=head.start + 1 + len(tag))
+        last = max((attribute.end + 1 for attribute in head.attributes), default=head.start + 1 + len(head.tag))
         yield last, last, "".join(f" {name}={quoteattr(now[name])}" for name in new)
 
 
@@ -137,6 +142,13 @@ def _kept(now: Mapping[str, str], known: Collection[str], renamed: Mapping[str, 
     return kept
 
 
+def _starts(children: Iterable[Node], written: _Written, place: Mapping[Node, _Written]) -> Iterator[int]:
+    """Yield where the children of an element begin that are written inside it."""
+    for child in children:
+        if child in place and _inside(place[child], written):
+            yield place[child].head.start
+
+
 def _additions(
     node: Node, written: _Written, place: Mapping[Node, _Written], text: str
 ) -> Iterator[tuple[int, int, str]]:
@@ -146,20 +158,11 @@ def _additions(
         return
     indent = _indent(text, written.head.start)
     texts: dict[int, str] = {}
-    known = [
-        place[child].head.start for child in node.iterchildren("*") if child in place and _inside(place[child], written)
-    ]
+    known = list(_starts(node.iterchildren("*"), written, place))
     step = "\t" if "\n\t" in text else "  "
     inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
     for child in fresh:
-        following = next(
-            (
-                place[each].head.start
-                for each in child.itersiblings("*")
-                if each in place and _inside(place[each], written)
-            ),
-            None,
-        )
+        following = next(_starts(child.itersiblings("*"), written, place), None)
         markup = _markup(child, inner, step)
         at, added = (-1, f"\n{inner}{markup}") if following is None else (following, f"{markup}\n{inner}")
         texts[at] = texts.get(at, "") + added
@@ -349,7 +352,8 @@ class Migration(Struct, frozen=False):
     def within(self, path: str) -> Node:
         """Return the only element of a section, made if it is missing: `option/flag`, `visual/headlight`."""
         section, _, tag = path.partition("/")
-        if found := self.at(path):
+        found = self.at(path)
+        if found:
             return found[-1]
         holder = next(reversed(self.at(section)), None)
         if holder is None:

@@ -154,16 +154,7 @@ def migrate(
     result = Migrated(before, after, assets=assets, adopted=tuple(adopted))
     for editing, files in zip(whole, sources, strict=True):
         for path, (source, data) in files.items():
-            try:
-                text = source.rewritten(editing.renamed)
-            except MarkupError:
-                _cannot_edit(path, context)
-                return None
-            mark = _MARK if data.startswith(_MARK) else b""
-            new = mark + text.encode("utf-8", "surrogateescape")
-            if result.files.setdefault(path, (data, new))[1] != new:
-                message = f"two of these models include `{context.shown(path)}`, and each needs a version of its own"
-                context.sink.error("migrate-cannot", message, help="make a copy for one of the models")
+            if not _rewrite(path, source, data, editing=editing, files=result.files, context=context):
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
     result.meanings = (*pieces.left, *(each for editing in whole for each in editing.meanings))
@@ -239,6 +230,30 @@ _OF_THE_ENGINE = frozenset(
 """Ways to simulate that earlier versions lack; the model is the same without them."""
 
 
+def _rewrite(
+    path: Path,
+    source: MigratedFile,
+    data: bytes,
+    *,
+    editing: Migration,
+    files: dict[Path, tuple[bytes, bytes]],
+    context: Context,
+) -> bool:
+    """Note the text of a file before and after, and return whether it can be written; if not, it is reported."""
+    try:
+        text = source.rewritten(editing.renamed)
+    except MarkupError:
+        _cannot_edit(path, context)
+        return False
+    mark = _MARK if data.startswith(_MARK) else b""
+    new = mark + text.encode("utf-8", "surrogateescape")
+    if files.setdefault(path, (data, new))[1] == new:
+        return True
+    message = f"two of these models include `{context.shown(path)}`, and each needs a version of its own"
+    context.sink.error("migrate-cannot", message, help="make a copy for one of the models")
+    return False
+
+
 def _sources(unit: Unit, context: Context) -> dict[Path, tuple[MigratedFile, bytes]]:
     """Return the files of a unit with their nodes; report a text whose form differs from the tree."""
     nodes: dict[str, list[Node]] = defaultdict(list)
@@ -305,9 +320,11 @@ class Prover(Struct, frozen=False):
     def prove(self, migrated: Migrated, model: Path) -> Proof:
         """Compile the migrated model with the other MuJoCo, and compare. Raises ProgramError, and OSError."""
         proof = Proof(self.original(migrated.before, model))
-        if (other := self.others.get(migrated.after)) is not None:
+        other = self.others.get(migrated.after)
+        if other is not None:
             self.progress(f"compiling the migrated {model.name} with MuJoCo {migrated.after}")
-            (stage := self.folder / "stage").mkdir()
+            stage = self.folder / "stage"
+            stage.mkdir()
             proof.after = other.compile(lay_out(migrated, stage, link=True)[model], self.folder / "after.npz")
         if proof.before and proof.after and proof.before.error is None and proof.after.error is None:
             proof.outcome = compare(proof.before, proof.after)
@@ -398,18 +415,25 @@ def run(wish: MigrateRequest, context: Context, progress: Callable[[str], None])
         gather((before, after) if wish.proves else (), others, context)
         with scratch("migrate") as folder:
             prover = Prover(folder, others, progress)
-            values = measured(prover.original(before, path)) if before != after else {}
-            migrated = migrate(unit, before, after, context=context, adopt=wish.adopt, values=values)
-            if migrated is None:
-                return None
-            proof = prover.prove(migrated, path) if before != after else Proof()
-            missing = tuple(each for each in (before, after) if each not in others)
-            result = Result(path, migrated, proof, missing=missing)
-            _judge(result, context)
+            result = _migrated_and_proved(unit, path, before, after, prover=prover, wish=wish, context=context)
     except (ProgramError, OSError) as error:
         context.sink.error("migrate-python", str(error), help=getattr(error, "help", None))
         return None
     return None if context.sink.has_errors else result
+
+
+def _migrated_and_proved(
+    unit: Unit, path: Path, before: str, after: str, *, prover: Prover, wish: Wish, context: Context
+) -> Result | None:
+    values = measured(prover.original(before, path)) if before != after else {}
+    migrated = migrate(unit, before, after, context=context, adopt=wish.adopt, values=values)
+    if migrated is None:
+        return None
+    proof = prover.prove(migrated, path) if before != after else Proof()
+    missing = tuple(version for version in (before, after) if version not in prover.others)
+    result = Result(path, migrated, proof, missing=missing)
+    _judge(result, context)
+    return result
 
 
 def opened(pythons: Iterable[Path], context: Context) -> dict[str, Other]:
@@ -488,7 +512,8 @@ def _sort_differences(result: Result, outcome: ArrayComparison) -> None:
 
 
 def _report_unexplained(result: Result, context: Context) -> None:
-    if count := len(result.unexplained):
+    count = len(result.unexplained)
+    if count:
         notes = [Note(words) for words in result.unexplained[:_SHOWN]]
         if count > _SHOWN:
             notes.append(Note(f"and {count - _SHOWN} more"))

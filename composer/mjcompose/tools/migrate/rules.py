@@ -86,7 +86,8 @@ _TURNED = ("euler", "axisangle", "xyaxes", "zaxis")
 def split_passive(editing: Migration) -> None:
     """Write the two flags that `passive` became in 3.3.6."""
     for node in editing.at("option/flag"):
-        if (value := node.get("passive")) is not None:
+        value = node.get("passive")
+        if value is not None:
             editing.rename(node, "passive", "spring")
             if node.get("damper") is None:
                 editing.set(node, "damper", value)
@@ -153,7 +154,8 @@ def shells_of_meshes(editing: Migration) -> None:
     """Since 3.3, a mesh specifies whether its mass is on its surface; before, each geom specified it."""
     wanted: dict[str, list[tuple[Node, bool]]] = {}
     for node in editing.at("body/geom"):
-        if (mesh := _mesh_of(editing, node)) is not None:
+        mesh = _mesh_of(editing, node)
+        if mesh is not None:
             wanted.setdefault(mesh, []).append((node, editing.value(node, "shellinertia") == "true"))
     meshes = {_name(node): node for node in editing.at("asset/mesh")}
     for name, uses in wanted.items():

@@ -127,7 +127,8 @@ class _Trials:
         for name in names:
             migrated = self._migrated(before, after, tuple(each for each in names if each != name))
             if migrated is not None:
-                (folder := self.folder / f"model{self.count}").mkdir()
+                folder = self.folder / f"model{self.count}"
+                folder.mkdir()
                 motion = self.motion(migrate.lay_out(migrated, folder, link=True)[self.model], after)
                 found = differences(start, motion, signal="qpos", tolerance=self.request.tolerance)
                 left[name] = {(each.name, each.unit): each.amount for each in found}

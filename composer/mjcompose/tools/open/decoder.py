@@ -310,7 +310,8 @@ def _provider(scheme: str) -> _Provider:
 
 def _folder(scheme: str, owner: str) -> Path:
     if scheme == "package":
-        if found := packages.folders(owner):
+        found = packages.folders(owner)
+        if found:
             return found[0]
         raise SourceError("source-not-found", f"the Python package `{owner}` is not installed")
     source = resolve(f"{scheme}:{owner}", relative_to=Path.cwd(), environment=dict(os.environ))

@@ -37,15 +37,16 @@ class DraftRefused(Exception):
 
 
 def value_of(text: str) -> Any:
-    """Return the value of a text in YAML."""
-    tree = load(f"value: {text}", "", sink := Sink())
+    """Return the value of a text in YAML. Raises Refused if it is none."""
+    sink = Sink()
+    tree = load(f"value: {text}", "", sink)
     if sink.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
         raise DraftRefused("this cannot be written as YAML")
     return to_python(tree.entries["value"][1])
 
 
 def name_text(name: str) -> str:
-    """Return a name as YAML that means the same name again."""
+    """Return a name as YAML that means the same name again. Raises Refused if it cannot be written."""
     text = word(name)
     text = text if isinstance(yaml_tree.resolve(text), str) else quoted(name)
     if not name.isprintable() or not name or is_template(name) or value_of(text) != name:
@@ -64,7 +65,10 @@ def short(value: float, digits: int) -> str:
 
 
 class RecipeDraft(Struct, frozen=False):
-    """A recipe, its tree, and the changes to be made. `wanted` is the intended meaning of its new text."""
+    """A recipe, its tree, and the changes to be made. `wanted` is the intended meaning of its new text.
+
+    Every change raises DraftRefused if the recipe has no place for it.
+    """
 
     file: str
     path: Path
@@ -77,7 +81,8 @@ class RecipeDraft(Struct, frozen=False):
 
     @classmethod
     def of(cls, file: str, path: Path, raw: bytes) -> RecipeDraft:
-        tree = load(raw, file, sink := Sink())
+        sink = Sink()
+        tree = load(raw, file, sink)
         if sink.has_errors or not isinstance(tree, Mapping):
             raise DraftRefused(f"`{file}` is not a valid recipe now")
         return cls(file, path, raw, text=raw.decode("utf-8-sig"), tree=tree, wanted=to_python(tree))
@@ -151,12 +156,11 @@ class RecipeDraft(Struct, frozen=False):
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
-        """Return the new text. It refuses a text with a different meaning."""
+        """Return the new text. Raises Refused if it would mean something else than `wanted`."""
         end = "\r\n" if "\r\n" in self.text else "\n"
-        text = yaml_tree.changed(
-            self.text, [TextChange(each.span, each.text.replace("\n", end)) for each in self.changes]
-        )
-        tree: Node | None = load(text, self.file, sink := Sink())
+        text = yaml_tree.changed(self.text, [TextChange(each.span, each.text.replace("\n", end)) for each in self.changes])
+        sink = Sink()
+        tree: Node | None = load(text, self.file, sink)
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:
             raise DraftRefused(
                 f"`{self.file}` cannot be changed here without changing something else: write it yourself"

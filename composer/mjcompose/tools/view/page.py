@@ -70,10 +70,12 @@ def choices(operand: Operand, asked: ViewChoice) -> list[dict[str, Any]]:
     variants = find(document, ("variants",))
     axes = variants.entries.items() if isinstance(variants, Mapping) and asked.pick is None else ()
     for axis, values in ((axis, values) for axis, (_, values) in axes if isinstance(values, Mapping)):
-        value = node.text if isinstance(node := asked.given.get(axis), Scalar) else None
+        node = asked.given.get(axis)
+        value = node.text if isinstance(node, Scalar) else None
         menus.append({"name": axis, "label": f"variant {axis}", "values": list(values.entries), "value": value})
     has_cells = not {"matrix", "randomize"}.isdisjoint(document.entries)
-    if cells := cells_of(operand.path, context, dict(asked.given)) if has_cells else []:
+    cells = cells_of(operand.path, context, dict(asked.given)) if has_cells else []
+    if cells:
         names = [_NONE, *(cell.name for cell in cells[:_MOST_CELLS])]
         menus.append({"name": CELL, "label": "cell or sample", "values": names, "value": asked.pick or _NONE})
     return menus
@@ -191,7 +193,8 @@ class PageOrigins:
         if span.file not in self._numbers:  # `located` is slow
             operand = self.side.operand
             name = self.names.of(operand.located(span).file)
-            if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
+            path = os.path.abspath(operand.context.folder / span.file)
+            if os.path.isfile(path):
                 self.absolute.setdefault(name, path)
             self._numbers[span.file] = self._files.setdefault(name, len(self._files))
         return [self._numbers[span.file], span.line, span.column]
@@ -396,7 +399,8 @@ def _played(bundle: Bundle, session: Session) -> dict[str, bytes]:
     """Return only the files that MuJoCo reads, because others reveal their origin; visual meshes are tiny."""
     names = [name for name in bundle.files if name.startswith("assets/")]
     with scratch("physics") as folder:
-        (source := folder / "in").mkdir()
+        source = folder / "in"
+        source.mkdir()
         write_files(bundle, source)
         asked = {"model": str(source / bundle.model), "out": str(folder / "out")}
         answer = engine.call(session, strip, (), argument=asked)

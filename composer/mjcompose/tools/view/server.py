@@ -323,7 +323,8 @@ class _Handler(BaseHTTPRequestHandler):
         super().handle_one_request()
 
     def do_GET(self) -> None:
-        if (key := self._key()) is None:
+        key = self._key()
+        if key is None:
             return
         shown = self.server.owner.workshop.shown
         if key == "":
@@ -341,7 +342,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
-        if (key := self._key()) is None:
+        key = self._key()
+        if key is None:
             return
         try:
             said = self._said()

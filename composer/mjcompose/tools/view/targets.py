@@ -113,15 +113,14 @@ class _Movable:
         for part in dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts):
             if part.content is None or part.span is None or _turn_of(part.span) not in steps or not part.span.file:
                 continue
-            content = part.content
             moves = bool(part.joints or part.mocap)
-            top = content.getparent() if moves and content.tag == "frame" else content
-            if top is None or top.tag not in ("frame", "body"):
+            top = _top(part.content, moves)
+            if top is None:
                 continue
             plan, at = steps[_turn_of(part.span)]
-            final = content.get("childclass") or part.prefix
-            is_outer = plan is self.plans[0] or not str(final).endswith(part.prefix)
-            outer = "" if is_outer else str(final).removesuffix(part.prefix)
+            whole_prefix = str(part.content.get("childclass") or part.prefix)
+            is_outer = plan is self.plans[0] or not whole_prefix.endswith(part.prefix)
+            outer = "" if is_outer else whole_prefix.removesuffix(part.prefix)
             target = MovableItem(part.key, plan, at, span=part.span, outer=(outer,))
             nodes = [top] if moves else list(through_frames(top))
             yield self._row(target, "part", nodes, place=self._place(part, top))
@@ -192,6 +191,12 @@ class _Movable:
         frame = None if mount is None or not pose.is_finite else [*pose.pos, *pose.quat]
         number = mount[1] if mount else 0
         return {"at": [*at], "label": target.label, "kind": kind, "mount": number, "frame": frame, "moved": moved}
+
+
+def _top(content: Node, moves: bool) -> Node | None:
+    """Return the element that holds a part in the model. A part that moves is held by the body around its frame."""
+    top = content.getparent() if moves and content.tag == "frame" else content
+    return top if top is not None and top.tag in ("frame", "body") else None
 
 
 def _turn_of(span: Span) -> tuple[Span, str | None]:

@@ -212,7 +212,8 @@ class Writer:
             raise DraftRefused("your unsaved text sets another place: save it first", stale=True)
         context = target.plan.angle_context
         found = PoseDraft(draft, holder, context.others.get(draft.file, context.whole))
-        if computed := found.computed:
+        computed = found.computed
+        if computed:
             key, text = computed[0]
             raise DraftRefused(f"`{key}` is computed: `{text}`", parameters=self._parameters_in(text, said))
         return found
@@ -289,10 +290,12 @@ class Writer:
         after = offset.draft.wanted
         for step in offset.holder:
             after = after[step]
-        if added := [key for key in after if key not in before]:
-            raise DraftRefused(f"the table has no column `{added[0]}`: add it to the table and to the entry")
-        if unread := [key for key in after if after[key] != before[key] and key not in target.columns]:
-            raise DraftRefused(f"the entry does not read the column `{unread[0]}` of the table")
+        added = [key for key in after if key not in before]
+        if added:
+            raise RecipeDraft(f"the table has no column `{added[0]}`: add it to the table and to the entry")
+        unread = [key for key in after if after[key] != before[key] and key not in target.columns]
+        if unread:
+            raise RecipeDraft(f"the entry does not read the column `{unread[0]}` of the table")
         return written
 
     def _target(self, said: Any) -> MovableItem:
@@ -353,7 +356,8 @@ class Writer:
             raise DraftRefused(f"there is a keyframe `{name}`: choose another name")
         entry: dict[str, Written] = {}
         for key, kind in (("qpos", "joint"), ("mpos", "body"), ("mquat", "body")):
-            if moved := {self._name(kind, at): self._values(key, at, _numbers(values)) for at, values in said[key]}:
+            moved = {self._name(kind, at): self._values(key, at, _numbers(values)) for at, values in said[key]}
+            if moved:
                 entry[key] = dict(moved)
         if said.get("hold") is True and self.scene["actuator"]["name"]:
             entry["ctrl"] = "hold"

@@ -277,7 +277,9 @@ def unlike(first: MjModel, other: MjModel) -> list[str] | None:
         if getattr(first, size) != getattr(other, size):
             return [f"`{size}` is {getattr(other, size)}, not {getattr(first, size)}"]
     for name in arrays(first):
-        if (now := flat(other, name).size) != (before := flat(first, name).size):
+        now = flat(other, name).size
+        before = flat(first, name).size
+        if now != before:
             return [f"the array `{name}` has {now} numbers, not {before}"]
     return None
 

@@ -86,7 +86,8 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
         model = _compiled(mujoco, file, shown)
     listed: Any = index_of(compiled_index(model, mujoco))
     if manifest.index is not None:
-        check_index(manifest.index, listed, shown, sink=(sink := Sink()))
+        sink = Sink()
+        check_index(manifest.index, listed, shown, sink=sink)
         _raise_or_warn(sink.errors, allow_changes)
         listed = _with_places(listed, manifest)
     return Loaded(model, manifest, Index(listed, partial(names, model), manifest.separator))
@@ -108,7 +109,8 @@ def _checked(path: Path, shown: str) -> _Checked:
         if os.path.isfile(path):
             content = read_regular(path, in_force().output_size)
             key = (sha256(content).hexdigest(), in_force())
-            if (kept := _taken(key)) is not None:
+            kept = _taken(key)
+            if kept is not None:
                 return _Checked(key, kept.manifest, None, kept=kept)
         return _compare(read(path, content=content), shown, content)
     except OSError as error:
@@ -119,7 +121,8 @@ def _checked(path: Path, shown: str) -> _Checked:
 
 def _compare(bundle: Bundle, shown: str, content: bytes | None = None) -> _Checked:
     """Compare the files of a bundle with its manifest; `content` are the bytes of its archive."""
-    manifest = manifest_of(bundle.files.get(MANIFEST), shown, sink := Sink())
+    sink = Sink()
+    manifest = manifest_of(bundle.files.get(MANIFEST), shown, sink)
     if manifest is None:
         raise LoadError(sink.errors)
     check_files(bundle, manifest, shown, sink=sink)
@@ -200,7 +203,8 @@ def _written(checked: _Checked, shown: str) -> _Kept:
         folder = stack.enter_context(scratch("bundle"))
         write_files(bundle, folder)
         file = folder / bundle.model
-        if found := files_outside(file.parent, file.name, shown):
+        found = files_outside(file.parent, file.name, shown)
+        if found:
             raise LoadError(found)
         stamps = {path: _stamp(path) for path in (folder / name for name in bundle.files)}
         return _Kept(checked.manifest, file, stamps, folder=stack.pop_all())

@@ -80,7 +80,8 @@ class _Named:
         found: list[int] = []
         several = [names] if isinstance(names, str) else names
         for name in several:
-            if (row := self._row(name)) is not None:
+            row = self._row(name)
+            if row is not None:
                 found.append(row)
                 continue
             try:

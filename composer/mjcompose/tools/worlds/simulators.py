@@ -44,7 +44,8 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         help = "install `mujoco>=3.17`, or step `worlds.models()` one after another"
         raise failure("not-installed", f"MuJoCo {mujoco_module.__version__} has no `mujoco.batch`", help) from error
     names = [name for name in worlds.arrays if name not in MEANS]
-    if shared := [name for name in names if name not in MODEL_FIELDS]:
+    shared = [name for name in names if name not in MODEL_FIELDS]
+    if shared:
         help = "step `worlds.models()` one after another, or remove the fields of `randomize` that change them"
         message = f"a batch of MuJoCo has {_listed(shared)} once for all simulations"
         raise failure("not-per-world", message, help)
@@ -260,7 +261,8 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
         raise failure("not-installed", f"`mjlab` cannot be used: {error}", "`pip install mjlab`") from error
     simulator = Simulator("warp", mujoco_warp.put_model)
     names = [name for name in per_world(simulator.take(worlds, worlds.nominal), worlds) if is_stepped(name)]
-    if dotted := [name for name in names if "." in name]:
+    dotted = [name for name in names if "." in name]
+    if dotted:
         raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", _INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
     check_fixed_poses(worlds)
@@ -308,7 +310,8 @@ def _places(
         if each.kind == "body" and each.element == _WORLD:
             continue  # mjlab recomputes it
         called = _in_scene(each.element, entity)
-        if (found := there.get((called, each.attribute))) is None:
+        found = there.get((called, each.attribute))
+        if found is None:
             help = "keep it in the entity, or remove its changes from the recipe"
             raise failure("bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help)
         ours.append(at)

@@ -152,6 +152,14 @@ def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
     return free
 
 
+def _presence(groups: Sequence[Group], plan: Plan, count: int) -> Any:
+    """Return which world (row) has which part of the union (column)."""
+    has = np.zeros((count, len(plan.placed)), bool)
+    for group, active in zip(groups, plan.active, strict=True):
+        has[np.ix_(group.worlds, [plan.placed.index(part) for part in active])] = True
+    return has
+
+
 def unite(joining: Joining, name: str, context: Context, session: Session) -> tuple[Worlds, Bundle]:
     """Return the worlds of all models, and the bundle of their common model. Raises LoadError."""
     import mujoco
@@ -180,10 +188,7 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
             found.take(world, made)
     varying = {name: Varying(index, values) for name, index, values in found.found()}
     parts = tuple(each.prefix + each.part.body for each in plan.placed)
-    has = np.zeros((count, len(parts)), bool)
-    for group, active in zip(groups, plan.active, strict=True):
-        has[np.ix_(group.worlds, [plan.placed.index(each) for each in active])] = True
-    table = replace(joining.table(loaded, varying), parts=parts, has=has)
+    table = replace(joining.table(loaded, varying), parts=parts, has=_presence(groups, plan, count))
     return Worlds(union, loaded.manifest, loaded.index, table=table), bundle
 
 
@@ -325,7 +330,8 @@ class Mapped:
     def _labels(self, kind: str, number: int) -> list[str]:
         if kind in _TREE:
             return [self._there(kind, number)]
-        if name := self.theirs.names[kind][number]:
+        name = self.theirs.names[kind][number]
+        if name:
             return [
                 prefix + name
                 for prefix in dict.fromkeys(["", *self.prefix_of.values()])
@@ -348,7 +354,8 @@ class Mapped:
         table = self.theirs
         body = number if kind == "body" else int(getattr(self.model, f"{KINDS[kind].arrays}_bodyid")[number])
         prefix = self.prefix_of.get(table.names["body"][body], "")
-        if name := table.names[kind][number]:
+        name = table.names[kind][number]
+        if name:
             return prefix + name
         return table.describe(kind, number).replace("of body `", f"of body `{prefix}")
 
