@@ -190,8 +190,8 @@ def check_own_place(out: str | Path) -> None:
 def stage_beside(target: Path) -> Iterator[Path]:
     """Yield a path in a locked folder, to be renamed to `target`. Raises OSError.
 
-    Leftovers of killed processes are removed. The folder is beside `target`: a rename is one step only within a file
-    system.
+    Leftovers of killed processes are removed. The folder is in that of `target`, because a rename is one step only
+    within a file system.
     """
     sweep_once(target.parent, lambda name: _STAGE.fullmatch(name) is not None, _put_back)
     with locked_folder(sibling(target, "tmp")) as folder:

@@ -191,7 +191,7 @@ def _lines(result: BuildResult, spec: OutputSpec, out: str) -> Iterator[str]:
     yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
     sizes = result.sizes or {}
     if sizes:
-        bodies = counted(sizes["nbody"] - 1, "body", "bodies")
+        bodies = counted(sizes["nbody"] - 1, "body")
         sensors = counted(sizes["nsensor"], "sensor")
         numbers = f"nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {bodies}, {sensors}"
         yield f"  {result.name}: {numbers}, {counted(sizes['nkey'], 'keyframe')}"

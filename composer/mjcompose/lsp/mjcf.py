@@ -256,7 +256,7 @@ def renameable(question: ModelQuestion) -> Span | None:
 def rename(question: ModelQuestion, new: str, others: Iterable[tuple[Unit, str]]) -> tuple[Known, list[TextChange]]:
     """Return the changes that a new name needs in the model, and in the `others`, as `including` yields them.
 
-    The changed texts are read again: every other name must mean the same. Raises Refused.
+    The changed texts are read again: every other name must mean the same. Raises RenameRefused.
     """
     known = next(iter(named_at(question)), None)
     own = question.analysis.unit

@@ -244,7 +244,7 @@ def _of_mjcf(path: Path, forms: list[ValueForm], around: Any) -> Wanted | None:
     return None
 
 
-# What a key of a tendon's path names. The path of a spatial tendon is a list of elements, which a recipe writes short.
+# The names that fit as a key of a tendon's path. The path of a spatial tendon is a list of elements.
 _PATHS_OF_TENDONS = {
     ("spatial", "site"): "site",
     ("spatial", "geom"): "geom",
@@ -254,7 +254,7 @@ _PATHS_OF_TENDONS = {
 
 
 def _referred(attribute: Attribute, around: Any) -> Wanted | None:
-    """Return the names that fit as the value of an attribute, given the keys beside it."""
+    """Return the names that fit as the value of an attribute, given the other keys of its mapping."""
     if attribute.refers_by:
         # A sibling such as `objtype` names the namespace.
         sibling = around.get(attribute.refers_by) if isinstance(around, dict) else ""

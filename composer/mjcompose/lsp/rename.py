@@ -134,7 +134,7 @@ def _at_cursor(uses: Iterable[Span], question: Question) -> Span | None:
 def rename(
     question: Question, new: str, others: Iterable[Analysis], models: Iterable[tuple[Unit, str]] = ()
 ) -> list[TextChange]:
-    """Return all changes that a new name needs. Raises Refused.
+    """Return all changes that a new name needs. Raises RenameRefused.
 
     `others` are the recipes that may include this one or this model, `models` the models that include or attach
     this one, with the prefix of its names there.

@@ -89,7 +89,7 @@ def _spans(value: Mapping | Sequence) -> list[Span]:
 
 
 def _begins_at_items(value: Sequence, stretch: _Stretch, lines: Items[str]) -> bool:
-    """Return whether the stretch, and what follows it in its list, begin at a dash: two items may share a line."""
+    """Return whether the stretch and the next item begin at a dash: two items may share a line."""
     starts = (stretch.start, stretch.end) if stretch.last < len(_spans(value)) else (stretch.start,)
     return all(_is_item(lines[line]) for line in starts)
 

@@ -312,7 +312,7 @@ def _class_attributes(found: DefaultClass, node: Node, attributes: Mapping[str, 
     """Return the attributes that a class and the classes above it set for an element; the nearest class wins."""
     inherited = {} if found.parent is None else _class_attributes(found.parent, node, attributes)
     tag = default_tag(node)
-    # MuJoCo (3.12 to 4.0) keeps one default for all actuators of a class: `<position>` also sets what `<motor>` gets.
+    # MuJoCo (3.12 to 4.0) keeps one default for all actuators of a class: a `position` in it also changes a `motor`.
     tags = ACTUATORS if tag in ACTUATORS else (tag,)
     elements = [element for name in tags for element in found.elements.get(name, ())]
     in_order = sorted(elements, key=position) if len(elements) > 1 else elements

@@ -270,7 +270,7 @@ def flatten(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Un
     return link_checked(model, conflict, copy, check_keys=True)
 
 
-def link_checked(model: ModelState, conflict: ModelMeasure, copy: Callable[[ModelState], Unit], *, check_keys: bool) -> Flat:
+def link_checked(model: ModelState, conflict: Policy, copy: Callable[[ModelState], Unit], *, check_keys: bool) -> Flat:
     """Link a model whose references have been checked. Raises MjcfError.
 
     With `check_keys`, it is also raised for keyframes that do not fit.

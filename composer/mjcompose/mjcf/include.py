@@ -313,7 +313,7 @@ def _conflicts(model: ModelState, source: ModelState) -> Iterator[_Conflict]:
         path, attribute = key
         if path == ("compiler",) and attribute in _FOLDERS:
             continue
-        # What only one model sets changes the other if that has elements which read it.
+        # A setting of only one model changes the other if that has elements which read it.
         is_read = both_have_elements and path[0] in _READ_BY
         if not is_read and (key not in mine or key not in theirs):
             continue

@@ -116,7 +116,7 @@ def plain_text(attribute: Attribute, value: object) -> str | None:
 
 
 def _plain_numbers(attribute: Attribute, value: object) -> str | None:
-    # A type is compared and not tested with `isinstance`: a `bool` is no number, and a subclass has a text of its own.
+    # Types are compared, not tested with `isinstance`: a `bool` is not a number, and a subclass has a text of its own.
     numbers: Any = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     if type(numbers) is float or type(numbers) is int:
         numbers = (numbers,)
@@ -175,7 +175,7 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
     return attribute.refers
 
 
-def _declared_name(target: Target, namespace: str | None) -> str | None:
+def _declared_name(target: ReferencedNode, namespace: str | None) -> str | None:
     """Return the name that a target has. Raises `BadValue` if a reference to the namespace cannot mean the target."""
     if not target.model.has(target.node):
         raise BadValue(f"got {describe_target(target)}, which was removed")

@@ -144,7 +144,7 @@ class Trace:
                 self.lives[node].parts.append(part)
 
     def _note_members(self, unit: Unit, causes: Mapping[Node, TracedOperation]) -> list[Life]:
-        """Compare the elements of a unit with what is known of them. Return the new ones."""
+        """Compare the elements of a unit with their lives until now. Return the lives that begin."""
         cause = causes[unit.root]
         members = self._members[unit.root] = list(unit.root.iter("*"))
         born: list[Life] = []
@@ -157,8 +157,8 @@ class Trace:
                 life.home = unit.root
         return born
 
-    def _note_ends(self, lost: Iterable[Life], born: Iterable[Life], causes: Mapping[Node, Cause]) -> None:
-        """Note what removed the lost elements. A new one of the same name may go on with the life of a lost one."""
+    def _note_ends(self, lost: Iterable[Life], born: Iterable[Life], causes: Mapping[Node, TracedOperation]) -> None:
+        """Note the operation that removed each lost element. A new one of the same name may go on with its life."""
         lost_by_name: dict[tuple[str, str | None], list[Life]] = {}
         for life in lost:
             life.gone = causes.get(life.home)

@@ -338,7 +338,7 @@ def _warn_of_entries(plan: Plan, model: Unit, key: Keyframe, outside: _Outside, 
 
 
 def _warn_of_controls_by_joint(
-    plan: Plan, model: Unit, key: Keyframe, outside: _Outside, *, index: Index, sink: Sink
+    plan: Plan, model: Unit, key: Keyframe, outside: _Outside, *, index: CompiledIndex, sink: Sink
 ) -> None:
     driven = dict.fromkeys(joint for actuator in model.root.iterfind("actuator/*") for joint in _joints_of(actuator))
     for joint, (entry, *_) in entries_by_name(key.controls.joints, driven, plan.separator).items():

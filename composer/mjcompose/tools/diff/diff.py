@@ -120,7 +120,7 @@ COUNTS = "count"
 
 
 def _choice(given: Given | None, pick: str | None, sample: int | None) -> str | None:
-    """Return in words what the options choose, or None if they choose nothing."""
+    """Return the choice that the options make, in words, or None if they make none."""
     if given:
         return f"a value for `{next(iter(given))}`"
     if pick is not None:
@@ -267,15 +267,15 @@ def breaking(a: Side, b: Side, found: Diff, *, session: Session, context: Contex
     return Breaking(found, tuple(levels))
 
 
-def _index_of(side: Side, session: Session, context: Context) -> Index | None:
+def _index_of(side: Side, session: Session, context: Context) -> CompiledIndex | None:
     names = names_of(side, session, context)
     return None if names is None else names.index
 
 
-def _by_level(contrast: Contrast, own: Iterable[Change], sorting: _Sorting) -> dict[str, list[Change]]:
+def _by_level(contrast: Contrast, own: Iterable[FieldChange], sorting: _Sorting) -> dict[str, list[FieldChange]]:
     """Return the changes that follow from no other one and those of units and places (`own`), by level."""
     direct = [change for change in contrast.changes if not change.follows] or [*contrast.changes]
-    by_level: dict[str, list[Change]] = {}
+    by_level: dict[str, list[FieldChange]] = {}
     for change in (*direct, *own):
         by_level.setdefault(sorting.level(change), []).append(change)
     return by_level

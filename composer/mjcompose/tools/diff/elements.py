@@ -199,7 +199,7 @@ class Pairs:
         self.b = b
 
     def of_inertia(self, change: FieldChange, before: Node, after: Node) -> Iterator[Pair]:
-        """Yield what can change the inertia of a body: its `<inertial>`, geoms and meshes, or its pose without them."""
+        """Yield the elements that can change the inertia of a body: its `<inertial>`, geoms and meshes, or itself."""
         for tag in ("inertial", "geom"):
             for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
                 yield mine, theirs, None

@@ -25,7 +25,7 @@ from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.faults import quoted, word
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.compare import ChangeFinder
-from mjcompose.tools.importing.elements import ChangedAttribute, SectionEntry, Item, Likeness, Names
+from mjcompose.tools.importing.elements import ChangedAttribute, Likeness, ModelElement, Names, SectionEntry
 from mjcompose.tools.importing.search import Instance, parent_body
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.grammar import GRAMMAR
@@ -268,23 +268,25 @@ class _Proposer(ChangeFinder):
                 text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(item.node))}}}"
                 self.entries.append(SectionEntry(item.section, text))
 
-    def _left_in_world(self, item: Item) -> None:
+    def _left_in_world(self, item: ModelElement) -> None:
         parent = item.node.getparent()
         if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
             return  # it comes with its parent
         name = "world" if parent.tag == "worldbody" else self.names.get(("body", str(parent.get("name"))))
         note = None if name else "it is in a body without a name"
         text = f"{{to: {word(name or '?')}, xml: {quoted(self.fragment(item.node))}}}"
-        self.entries.append(Entry("add", text, note))
+        self.entries.append(SectionEntry("add", text, note))
 
-    def _left_named(self, item: Item, is_taken: bool) -> None:
+    def _left_named(self, item: ModelElement, is_taken: bool) -> None:
         """Write an element with a name. If a part brings that name, it is taken until the part's element is removed."""
         key = item.name
         if is_taken:
             key = self.label(item.section, f"{item.name}_new")
             select = elements.selector_of(item.namespace, item.kind.tag, key)
             self.edit({"select": select, "rename": word(item.name)}, elements.RENAMED)
-        self.entries.append(Entry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(item.node, key))}}}"))
+        self.entries.append(
+            SectionEntry(item.section, f"{word(key)}: {{xml: {quoted(self.fragment(item.node, key))}}}")
+        )
 
     def is_empty(self, frame: Node) -> bool:
         """Return whether an unnamed frame holds only elements of the parts."""
@@ -398,7 +400,7 @@ def recipe_text(proposal: Proposal) -> tuple[str, dict[int, SectionEntry]]:
     return "\n".join(lines) + "\n", places
 
 
-def _lines(section: str, entries: Sequence[Entry]) -> Iterator[tuple[str, Entry | None]]:
+def _lines(section: str, entries: Sequence[SectionEntry]) -> Iterator[tuple[str, SectionEntry | None]]:
     """Yield the lines of a section, each with the entry that it holds."""
     if section in _WHOLE:
         yield f"{_comment(entries)}{section}: {entries[0].text}", entries[0]
@@ -417,6 +419,6 @@ def _lines(section: str, entries: Sequence[Entry]) -> Iterator[tuple[str, Entry 
         yield f"{indent}{_comment([entry])}{dash}{entry.text}", entry
 
 
-def _comment(entries: Iterable[Entry]) -> str:
+def _comment(entries: Iterable[SectionEntry]) -> str:
     """Return the mark of a comment for a line that is only about entries with a note."""
     return "# " if all(entry.note is not None for entry in entries) else ""

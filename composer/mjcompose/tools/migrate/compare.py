@@ -242,7 +242,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: ArrayComparison) -> None:
         b = y[other : other + lengths[mesh]]
         # Versions place a mesh that no geom shows differently.
         is_same = mesh not in used and a.shape == b.shape
-        if not is_same and (a.shape != b.shape or not _close(a, b, one.scale[start : start + counts[mesh]]).all()):
+        if not is_same and (a.shape != b.shape or unequal(a, b, _BOUND, one.scale[start : start + counts[mesh]]).any()):
             is_same = _same_surface(a, b)
             if is_same:
                 outcome.recut.append(_called("mesh", mesh, one))

@@ -423,7 +423,7 @@ def run(wish: MigrateRequest, context: Context, progress: Callable[[str], None])
 
 
 def _migrated_and_proved(
-    unit: Unit, path: Path, before: str, after: str, *, prover: Prover, wish: Wish, context: Context
+    unit: Unit, path: Path, before: str, after: str, *, prover: Prover, wish: MigrateRequest, context: Context
 ) -> Result | None:
     values = measured(prover.original(before, path)) if before != after else {}
     migrated = migrate(unit, before, after, context=context, adopt=wish.adopt, values=values)

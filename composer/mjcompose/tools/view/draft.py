@@ -37,7 +37,7 @@ class DraftRefused(Exception):
 
 
 def value_of(text: str) -> Any:
-    """Return the value of a text in YAML. Raises Refused if it is none."""
+    """Return the value of a text in YAML. Raises DraftRefused if it is none."""
     sink = Sink()
     tree = load(f"value: {text}", "", sink)
     if sink.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
@@ -46,7 +46,7 @@ def value_of(text: str) -> Any:
 
 
 def name_text(name: str) -> str:
-    """Return a name as YAML that means the same name again. Raises Refused if it cannot be written."""
+    """Return a name as YAML that means the same name again. Raises DraftRefused if it cannot be written."""
     text = word(name)
     text = text if isinstance(yaml_tree.resolve(text), str) else quoted(name)
     if not name.isprintable() or not name or is_template(name) or value_of(text) != name:
@@ -156,9 +156,11 @@ class RecipeDraft(Struct, frozen=False):
         self.set(path, values, *changes)
 
     def result(self) -> bytes:
-        """Return the new text. Raises Refused if it would mean something else than `wanted`."""
+        """Return the new text. Raises DraftRefused if it would mean something else than `wanted`."""
         end = "\r\n" if "\r\n" in self.text else "\n"
-        text = yaml_tree.changed(self.text, [TextChange(each.span, each.text.replace("\n", end)) for each in self.changes])
+        text = yaml_tree.changed(
+            self.text, [TextChange(each.span, each.text.replace("\n", end)) for each in self.changes]
+        )
         sink = Sink()
         tree: Node | None = load(text, self.file, sink)
         if sink.has_errors or tree is None or to_python(tree) != self.wanted:

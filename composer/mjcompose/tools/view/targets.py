@@ -194,7 +194,7 @@ class _Movable:
 
 
 def _top(content: Node, moves: bool) -> Node | None:
-    """Return the element that holds a part in the model. A part that moves is held by the body around its frame."""
+    """Return the element that holds a part in the model. The body around its frame holds a part that moves."""
     top = content.getparent() if moves and content.tag == "frame" else content
     return top if top is not None and top.tag in ("frame", "body") else None
 

@@ -292,10 +292,10 @@ class Writer:
             after = after[step]
         added = [key for key in after if key not in before]
         if added:
-            raise RecipeDraft(f"the table has no column `{added[0]}`: add it to the table and to the entry")
+            raise DraftRefused(f"the table has no column `{added[0]}`: add it to the table and to the entry")
         unread = [key for key in after if after[key] != before[key] and key not in target.columns]
         if unread:
-            raise RecipeDraft(f"the entry does not read the column `{unread[0]}` of the table")
+            raise DraftRefused(f"the entry does not read the column `{unread[0]}` of the table")
         return written
 
     def _target(self, said: Any) -> MovableItem:

@@ -152,7 +152,7 @@ def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
     return free
 
 
-def _presence(groups: Sequence[Group], plan: Plan, count: int) -> Any:
+def _presence(groups: Sequence[WorldGroup], plan: UnionPlan, count: int) -> Any:
     """Return which world (row) has which part of the union (column)."""
     has = np.zeros((count, len(plan.placed)), bool)
     for group, active in zip(groups, plan.active, strict=True):
