@@ -47,17 +47,28 @@ def _resolved(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, A
     if gains is not None:
         targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
         return {"id": number, "targets": [targets]}
-    array = array_of(family, attribute)
+    return _targets(model, asked, number)
+
+
+def _targets(model: MjModel, asked: dict[str, Any], number: int) -> dict[str, Any]:
+    """Return the numbers of mjModel that a draw of an attribute sets, of the element with a number."""
+    family = asked["family"]
+    array = array_of(family, asked["attribute"])
     rows = rows_of(model, family, array, index=number)
-    if family == "actuator":  # if an actuator has several controls, the draw is for the first
+    if family == "actuator":
+        # In MuJoCo 4.0, some have several controls (`pid`, `orientation`): the draw is for the first.
         rows = range(rows.start, rows.start + 1)
-    found = getattr(model, array, None)
-    width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
+    values = getattr(model, array, None)
+    is_flat = values is not None and values.ndim == 1
+    width = 1 if values is None or is_flat else int(np.prod(values.shape[1:]))
     last = asked["start"] + asked["count"]
-    if found is None or last > width:
-        return {"error": f"`{attribute}` of `{tag}` does not have that many numbers in mjModel"}
-    indices = [[[row] if found.ndim == 1 else [row, n] for row in rows] for n in range(asked["start"], last)]
-    return {"id": number, "targets": [[{"array": array, "index": index} for index in each] for each in indices]}
+    if values is None or last > width:
+        return {"error": f"`{asked['attribute']}` of `{asked['tag']}` does not have that many numbers in mjModel"}
+    targets = [
+        [{"array": array, "index": [row] if is_flat else [row, column]} for row in rows]
+        for column in range(asked["start"], last)
+    ]
+    return {"id": number, "targets": targets}
 
 
 def _id(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> int | str:
