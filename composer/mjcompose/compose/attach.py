@@ -290,7 +290,26 @@ _MATES = ("site", "body", "frame")
 
 
 def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
-    """Return the part without its joints, which need the unit of angle that the parts agree on."""
+    """Return the part with its place and the connection to it: nothing, a mocap body or joints."""
+    by_itself = _floats_by_itself(step, unit)
+    joint = step.attachment.joint
+    return Part(
+        unit,
+        step.prefix,
+        _place_with_offset(step, unit, making),
+        keyframes=step.attachment.key_policy,
+        joints=() if by_itself else _joints(step, making),
+        weld=step.floats or joint == "none",
+        mocap=joint == "mocap" and not by_itself and not step.floats,
+        sense=None if step.floats else _sense(step, making),
+        by_itself=by_itself,
+        span=step.span,
+        key=str(step.at[-1]),
+    )
+
+
+def _place_with_offset(step: AttachPart, unit: Unit, making: ElementBuilder) -> AttachmentPlace:
+    """Return the place of a part, where its copy, its mate and its scattering move it."""
     place = _place_of(step, making)
     if any(step.copy) and step.attachment.scatter is None:
         # Each axis is in the frame of the previous axis.
@@ -306,37 +325,39 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     if step.moved is not None:
         pose = (read_pose(place.offset, False, "xyz") @ step.moved).rounded()
         place = _at_key(place, pose, "replicate", step=step, making=making)
-    return Part(unit, step.prefix, place, keyframes=step.attachment.key_policy, span=step.span, key=str(step.at[-1]))
+    return place
 
 
-def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Add the connection between the place and the part: nothing, a mocap body or joints."""
-    if step.floats:
-        part.weld = True
-        part.joints = (Joint("freejoint", {"name": step.prefix}),)
-        return
-    part.sense = _sense(step, making)
+def _floats_by_itself(step: AttachPart, unit: Unit) -> bool:
+    """Return whether the part has what the recipe wants between it and its place: a free joint, or a mocap body."""
+    joint = step.attachment.joint
+    if step.floats or joint not in ("free", "mocap"):
+        return False
+    return floats_by_itself(unit, mocap=joint == "mocap")
+
+
+def _joints(step: AttachPart, making: ElementBuilder) -> tuple[Joint, ...]:
+    """Return the joints between the place and the part."""
     joint = step.attachment.joint
     named = {"name": step.prefix} if step.prefix else {}
-    if joint == "none":
-        part.weld = True
-    elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
-        part.by_itself = True
-    elif joint == "mocap":
-        part.mocap = True
-    elif joint == "free":
+    if step.floats or joint == "free":
         # MuJoCo 4.0 gives a `<joint type="free">` the joint defaults, such as an `armature`, but not a `<freejoint>`.
-        part.joints = (Joint("freejoint", named),)
-    elif joint == "ball":
+        return (Joint("freejoint", named),)
+    if joint == "ball":
         # With the class `main`, it has none of the joint defaults of its place, which are for other joints.
-        part.joints = (Joint("joint", {**named, "type": "ball", "class": "main"}),)
-    elif joint is not None:
-        joints = joint if isinstance(joint, tuple) else (joint,)
-        for element in joints:
-            if isinstance(joint, tuple):
-                named = {"name": step.prefix + str(element.attributes["name"])}
-            spans = {name: making.span(element, name) for name in element.attributes}
-            part.joints += (Joint("joint", {**named, **joint_attributes(element, making)}, spans),)
+        return (Joint("joint", {**named, "type": "ball", "class": "main"}),)
+    if isinstance(joint, RecipeElement):
+        return (_written_joint(joint, named, making),)
+    if isinstance(joint, tuple):
+        names = [{"name": step.prefix + str(element.attributes["name"])} for element in joint]
+        return tuple(_written_joint(element, name, making) for element, name in zip(joint, names, strict=True))
+    return ()
+
+
+def _written_joint(element: RecipeElement, named: Mapping[str, str], making: ElementBuilder) -> Joint:
+    """Return a joint that the recipe writes, with the places of its attributes."""
+    spans = {name: making.span(element, name) for name in element.attributes}
+    return Joint("joint", {**named, **joint_attributes(element, making)}, spans)
 
 
 def _sense(step: AttachPart, making: ElementBuilder) -> SensorBody | None:

@@ -20,7 +20,6 @@ from mjcompose.base.sink import LaterName, Sink
 from mjcompose.compose.attach import (
     UnplacedRecord,
     add_element,
-    add_joints,
     check_hung,
     check_joints,
     early_additions,
@@ -411,8 +410,6 @@ class Composer:
                 for node in unit.root.iter("*"):
                     inner = self.parts.get(node)
                     self.parts[node] = f"{name}/{inner}" if inner else name
-        for step, part in zip(plan.parts, parts, strict=True):
-            add_joints(step, part, linking, making=making)
         note_rules_of_base(plan, linking)
         return linking
 

@@ -84,11 +84,14 @@ class SensorBody(Struct):
 class Part:
     """A unit, the prefix of its names (including the separator), and how it is attached to the model.
 
-    `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set if
-    the bodies of the part have free joints of their own, or are mocap bodies. It is then attached to the world,
-    wherever its place is. `mirrors` is the part whose reflected pose it has. `across` are the numbers of the world's
-    and of the part's axis. `key` is its key in the recipe. `outward` has the final names of the elements that the part
-    refers to outside itself, by the text of the reference.
+    `by_itself` is set if the bodies of the part have free joints of their own, or are mocap bodies. It is then attached
+    to the world, wherever its place is. `mirrors` is the part whose reflected pose it has. `across` are the numbers of
+    the world's and of the part's axis. `key` is its key in the recipe. `outward` has the final names of the elements
+    that the part refers to outside itself, by the text of the reference.
+
+    The passes fill the other fields, so nobody can set them when a part is made. `choose_classes` fills `top_class`,
+    the final name of the part's top class, and `layouts` the `layout` of its keys. `bodies` fills `mount`, the element
+    that it is attached to, `content`, the element that then holds its world, and `pose_in_world`, if its keys need it.
     """
 
     unit: Unit
@@ -105,11 +108,11 @@ class Part:
     span: Span | None = None
     key: str = ""
     outward: Mapping[str, str] = MappingProxyType({})
-    mount: Node | None = None
-    top_class: str = ""
-    layout: KeyLayout | None = None
-    pose_in_world: Pose | None = None
-    content: Node | None = None
+    top_class: str = field(default="", init=False)
+    layout: KeyLayout | None = field(default=None, init=False)
+    mount: Node | None = field(default=None, init=False)
+    content: Node | None = field(default=None, init=False)
+    pose_in_world: Pose | None = field(default=None, init=False)
 
     @property
     def called(self) -> str:
