@@ -148,6 +148,21 @@ NOT_A_BUILD = {
         ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"), "needs files beside it: tests/urdf"
     ),
     **dict.fromkeys(("measured-format", "measured-stale"), "needs a file of measurements: tests/errors/measured"),
+    **dict.fromkeys(
+        (
+            "errors-not-noise",
+            "held-out",
+            "not-identifiable",
+            "recording-column",
+            "recording-kind",
+            "recording-sign",
+            "recording-time",
+            "recording-unit",
+            "recording-value",
+            "worse-than-recipe",
+        ),
+        "of `mjcompose identify`: tests/tools/identify",
+    ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/sides",
     "no-rendering": "needs a machine without OpenGL: tests/tools/diff",

@@ -29,6 +29,18 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "wrong-length": "a list has too few or too many entries",
         "wrong-type": "a value has another type than expected",
     },
+    "Identify": {
+        "errors-not-noise": "the fitted model lacks something that the robot has",
+        "held-out": "a fit follows a held-out recording far worse than the recordings that were fitted",
+        "not-identifiable": "a number of the recipe cannot be fitted to a recording",
+        "recording-column": "a column of a recording is missing, or is nothing of the model",
+        "recording-kind": "a file is not a recording that can be read",
+        "recording-sign": "a joint of a recording moves against its command",
+        "recording-time": "the times of a recording are not those of one motion",
+        "recording-unit": "numbers of a recording are far outside of what the model allows",
+        "recording-value": "a value of a recording is not a number",
+        "worse-than-recipe": "a fit follows a held-out recording worse than the recipe does",
+    },
     "YAML": {
         "csv-syntax": "a CSV file is not a table with named rows and columns",
         "yaml-alias": "an alias names nothing; most often a glob that lacks its quotes",

@@ -56,6 +56,8 @@ class Limits(Struct):
     xml_size: int = _limit(64 * MIB, "the XML files of one model together", "bytes")
     text_size: int = _limit(16 * MIB, "one attribute, comment or text in XML", "bytes")
     recipe_size: int = _limit(16 * MIB, "one recipe file", "bytes")
+    recording_size: int = _limit(1 * GIB, "one recording of a robot, as stored and as unpacked", "bytes")
+    recording_numbers: int = _limit(50_000_000, "the numbers in one recording of a robot")
     edits: int = _limit(200_000, "the values that edits write, and the cost of selecting and drawing")
     yaml_values: int = _limit(
         500_000, "the values in one YAML file, aliases expanded, and those that `for` makes in a recipe"

@@ -38,6 +38,7 @@ _GROUPS = {
         "fix": "Apply the exact fixes that error messages suggest.",
         "fmt": "Format recipes in the canonical layout, and keep comments.",
         "import": "Propose a recipe that builds a merged model from its parts.",
+        "identify": "Fit the numbers of a recipe to recordings of a robot.",
         "migrate": "Rewrite a model for another version of MuJoCo.",
         "upgrade": "Show how a model moves differently in another version of MuJoCo.",
     },

@@ -313,6 +313,8 @@ class Recipe(Model):
     """Changes to selected elements, in order, after everything else is in place."""
     measured: Annotated[Any, Lazy("mjcompose.language.measured:UseMeasured")] = None
     """The file with the measured numbers of one robot, which the model gets after `edit`."""
+    identify: Annotated[Any, Lazy("mjcompose.language.identify:Identify")] = None
+    """The numbers that `mjcompose identify` fits to recordings of a robot."""
     keyframe: Annotated[
         dict[str, Keyframe],
         Keys(lambda name, _: name_fault(name, IT, (name,))),

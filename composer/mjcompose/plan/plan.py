@@ -37,6 +37,7 @@ from mjcompose.tree.pattern import paths_of
 
 if TYPE_CHECKING:
     from mjcompose.language.distribution import Operation
+    from mjcompose.language.identify import Identify
     from mjcompose.language.randomize import DrawField, Randomize
     from mjcompose.link.subtree import DroppedElement, Subtree
     from mjcompose.plan.measured import Measurements
@@ -276,6 +277,8 @@ class Plan(Struct):
     """The data sheets of motors that the recipe has."""
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
+    identify: Identify | None = None
+    """The numbers that `mjcompose identify` fits."""
     measured: Measurements | None = None
     """The file of measurements whose numbers are among the edits."""
     randomize: Randomize | None = None

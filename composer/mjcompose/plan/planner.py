@@ -69,7 +69,9 @@ STEPS: tuple[type[Step], ...] = (
 """All types of steps in the order in which they are carried out: settings, classes, and the steps that may use them."""
 # Keys that the planner reads itself: settings of the whole recipe, its sources and its checks.
 _PLANNED = (
-    "recipe name description angle eulerseq separator conflict allow base attach check datasheets measured".split()
+    *"recipe name description angle eulerseq separator conflict allow base attach check datasheets".split(),
+    "identify",
+    "measured",
 )
 
 for _each in STEPS:
@@ -259,6 +261,7 @@ class _Planner:
             variants=concrete.variants if concrete else {},
             checks=tuple(checks_of(recipe.check)),
             datasheets=recipe.datasheets,
+            identify=recipe.identify,
             measured=loaded.measured,
             randomize=loaded.randomize,
             sample=loaded.sample,

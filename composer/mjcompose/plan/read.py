@@ -113,7 +113,7 @@ def validated_recipe(path: Path, given: Given, context: Context) -> ValidRecipe 
         if valid is None:
             return None
         read = ValidRecipe(valid.recipe, valid.document, concrete, lost=valid.lost | lost)
-        return read if valid.recipe.measured is None else _with_measurements(read, own)
+        return read if valid.recipe.measured is None or own.as_designed else _with_measurements(read, own)
 
     return _once(("validated", path, _values(given)), context, work)
 

@@ -41,8 +41,9 @@ class Context(Struct, frozen=False):
 
     `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with
     given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are errors.
-    `attaching` says that MJCF attaches the recipe, which then has no more rights than the MJCF. `timings` has the
-    seconds of each stage, in the order in which they ended.
+    `attaching` says that MJCF attaches the recipe, which then has no more rights than the MJCF. With `as_designed`,
+    recipes do not use their files of measurements. `timings` has the seconds of each stage, in the order in which they
+    ended.
     """
 
     sink: Sink = field(default_factory=Sink)
@@ -53,6 +54,7 @@ class Context(Struct, frozen=False):
     concrete: dict[tuple[object, ...], tuple[Any, tuple[Diagnostic, ...]]] = field(default_factory=dict)
     strict: bool = False
     attaching: bool = False
+    as_designed: bool = False
     timings: list[tuple[str, float]] = field(default_factory=list)
 
     @contextmanager

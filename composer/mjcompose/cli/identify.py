@@ -1,0 +1,118 @@
+"""`mjcompose identify`: fit the numbers of a recipe to recordings of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mjcompose.bundle.bundle import OutputError
+from mjcompose.bundle.staging import staged_file
+from mjcompose.cli.options import RECIPE, Choices, FetchOptions, ReportOptions, TimeOptions, output
+from mjcompose.cli.reporting import progress_of_command
+from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
+
+if TYPE_CHECKING:
+    from mjcompose.tools.identify.identify import FitRequest
+
+
+class IdentifyOptions(Group):
+    recipe: Path = RECIPE
+    recordings: tuple[Path, ...] = argument(metavar="RECORDING...", type=PATH, nargs=-1, required=True)
+    out: str | None = output("The file of measurements to write, such as robots/A12.yaml.")
+    held_out: tuple[Path, ...] = option(
+        "--hold-out",
+        metavar="RECORDING",
+        type=PATH,
+        multiple=True,
+        help="Do not fit this recording: compare it with the result. Without this option, the last fifth of a single "
+        "RECORDING is held out.",
+    )
+    plan: bool = flag("--plan", help="Fit nothing: show what the recordings can tell of each number.")
+    window: float | None = option(
+        "--window",
+        type=click.FloatRange(min=0.05),
+        metavar="SECONDS",
+        help="Compare recordings in pieces of this length.",
+    )
+    name: str | None = option("--name", help="The name of the robot in the file. The default is the name of OUT.")
+    from_measured: bool = flag(
+        "--from-measured", help="Start from the numbers of the recipe's file of measurements, instead of its own."
+    )
+    choices: Choices = group(Choices)
+    fetching: FetchOptions = group(FetchOptions)
+    limits: TimeOptions = group(TimeOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(IdentifyOptions)
+def identify(options: IdentifyOptions, run: Run) -> Answer:
+    """Fit the numbers of the section `identify` of RECIPE to each RECORDING of a robot: `.csv` or `.npz`.
+
+    The result is a file of measurements, which `measured: FILE` in a recipe uses. Columns are called `time`, `qpos
+    JOINT`, `qvel JOINT`, `ctrl ACTUATOR` and `sensor NAME`. Exit codes: 1 if a recording or a field is wrong, or if
+    the result follows a held-out recording worse than the recipe.
+    """
+    from mjcompose.tools.identify.identify import FitRequest, identify, plan_fit
+
+    name = options.name or (Path(options.out).stem if options.out else options.recipe.stem)
+    request = FitRequest(
+        options.recipe,
+        options.recordings,
+        options.held_out,
+        options.choices.given(run),
+        name=name,
+        window=options.window,
+        from_measured=options.from_measured,
+    )
+    if options.plan:
+        return _plan(request, run, plan_fit(request, run.context, progress_of_command()))
+    fit = run.need(identify(request, run.context, progress_of_command()), options.recipe)
+    lines = [*_lines(fit.data)]
+    if options.out is not None and not run.context.sink.has_errors:
+        with run.context.sink:
+            _write(Path(options.out), fit.text, request)
+            lines.append(f"wrote {options.out}")
+    return Answer("\n".join(lines), dict(fit.data))
+
+
+def _write(out: Path, text: str, request: FitRequest) -> None:
+    inputs = [request.recipe, *request.recordings, *request.held_out]
+    try:
+        with staged_file(out, "-o", inputs=inputs) as stage:
+            stage.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise OutputError("output-unwritable", f"`{out}` cannot be written: {error.strerror or error}") from None
+
+
+def _plan(request: FitRequest, run: Run, numbers: list[dict[str, Any]] | None) -> Answer:
+    found = run.need(numbers, request.recipe)
+    width = max(len(_word(number)) for number in found)
+    lines = [
+        f"{_word(number):{width}}  ± {number['prior']:<8.3g} now, ± {number['std']:<8.3g} after"
+        + (", little is learned" if number["little"] else "")
+        for number in found
+    ]
+    return Answer("\n".join(line.rstrip() for line in lines), {"numbers": found})
+
+
+def _word(number: Mapping[str, Any]) -> str:
+    return f"{number['kind']} {', '.join(number['names'])}: {number['attribute']}"
+
+
+def _lines(data: Mapping[str, Any]) -> Iterator[str]:
+    yield f"{len(data['numbers'])} numbers in {data['seconds']:.0f} s, {data['simulated_steps']} simulated steps"
+    width = max(len(_word(number)) for number in data["numbers"])
+    for number in data["numbers"]:
+        words = number["verdict"].replace("_", " ")
+        verdict = f"  {words}: {number['reason']}" if words else ""
+        deviation = 1.96 * number["std"]
+        value = f"{number['value']:10.5g} ± {deviation:<9.2g}"
+        yield f"  {_word(number):{width}}  {value} recipe {number['recipe']:<9.4g}{verdict}".rstrip()
+    width = max(len(error["signal"]) for error in data["errors"])
+    for error in data["errors"]:
+        held = error["held_out"]
+        out = f", held out {held['recipe']:.3g} → {held['fitted']:.3g}" if held else ""
+        yield f"  {error['signal']:{width}}  error {error['recipe']:.3g} → {error['fitted']:.3g}{out}"

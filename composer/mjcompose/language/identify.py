@@ -1,0 +1,179 @@
+"""The section `identify`: the numbers of a robot that `mjcompose identify` fits to recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.language.forms.context import Settings
+from mjcompose.language.forms.model import IT, Model, OneOf
+from mjcompose.language.forms.scalars import (
+    Checked,
+    Count,
+    Expects,
+    Items,
+    Measure,
+    Name,
+    Range,
+    Scaled,
+    Selects,
+    Text,
+    in_order,
+)
+from mjcompose.language.measured import in_si
+from mjcompose.language.select import NARROWED
+from mjcompose.text.expression import Angle
+from mjcompose.tree.pattern import Selector
+
+TIMES = {"ms": 1e-3, "s": 1.0}
+UNITS = {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "m": 1.0, "cm": 1e-2, "mm": 1e-3}
+SPEEDS = {**UNITS, **{f"{unit}/s": factor for unit, factor in UNITS.items()}}
+CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_Unit = Literal["rad", "mrad", "deg", "m", "cm", "mm"]
+_Time = Annotated[float, Scaled(TIMES, ge=0)]
+_Times = Annotated[tuple[_Time, ...], Items(2, 2), Checked(in_order), Expects("a list of 2 times", "[0, 60ms]")]
+_Number = Annotated[float | Angle, Measure()]
+_Numbers = Annotated[tuple[_Number, ...], Items(2, 2), Checked(in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
+
+
+class RecordingUnits(Model):
+    """The units of a recording; by default rad, m and s."""
+
+    example: ClassVar = "{qpos: deg, ctrl: deg}"
+
+    qpos: _Unit | None = None
+    """of positions"""
+    qvel: Literal["rad/s", "mrad/s", "deg/s", "m/s", "cm/s", "mm/s"] | None = None
+    """of speeds"""
+    ctrl: _Unit | None = None
+    """of commands"""
+    time: Literal["s", "ms", "us", "ns"] | None = None
+    """of the time"""
+
+    def factor(self, kind: str) -> float:
+        """Return what turns a number of this kind of column into MuJoCo's unit."""
+        unit = getattr(self, kind, None)
+        table = CLOCKS if kind == "time" else SPEEDS
+        return 1.0 if unit is None else table[unit]
+
+
+class RecordingKeys(Model):
+    """How to read the columns of a recording."""
+
+    example: ClassVar = "{units: {qpos: deg}}"
+
+    units: RecordingUnits = Field(default_factory=RecordingUnits)
+    """the units, if they are not rad, m, rad/s and s"""
+    sign: Annotated[dict[str, Literal[-1, 1]], Expects("a mapping from names to 1 or -1", "{elbow: -1}")] = Field({})
+    """-1 for a joint that the recording counts the other way round, or for one column, `qpos elbow`; 1 if a direction
+    is right but looks wrong"""
+    names: Annotated[dict[str, Text], Expects("a mapping from names to names", "{joint_1: shoulder_pan}")] = Field({})
+    """names in the recording, and the names in the model"""
+    ignore: Annotated[tuple[Annotated[str, Name(glob=True)], ...], Items(1), Expects("a list of globs")] = ()
+    """names in the recording that the model does not have"""
+    hold: bool = False
+    """actuators without recorded commands hold the control of the keyframe"""
+
+
+class IdentifyField(Model):
+    """One number of each selected element, and the range in which it may be."""
+
+    rules: ClassVar = (
+        OneOf(
+            "attr",
+            "inertia",
+            "delay",
+            "zero",
+            lacks="does not say which number to fit",
+            help="give the other a field of its own",
+            advice="write for instance `attr: damping, range: [0, 20]`",
+        ),
+    )
+    example: ClassVar = '{select: {joint: "arm/*"}, attr: damping, range: [0, 20]}'
+    called: ClassVar = "field `{}` of `identify`"
+    owned: ClassVar = "field `{}`"
+    instead: ClassVar = {**NARROWED, "uniform": "range", "bounds": "range", "limits": "range"}
+
+    select: Annotated[Selector, Selects()] = Field(examples=['{joint: "arm/*"}'])
+    """the elements whose number is fitted"""
+    attr: Annotated[str, Name(what="an attribute of MJCF")] | None = None
+    """an attribute of MJCF, with an index for one number: `friction[0]`"""
+    inertia: Literal["mass"] | None = None
+    """the mass of bodies, with the inertia in proportion"""
+    delay: _Times | None = None
+    """the least and the greatest delay of the commands of actuators"""
+    zero: _Numbers | None = None
+    """the least and the greatest reading of joints at the zero of the model"""
+    range: _Numbers | None = None
+    """the smallest and the greatest possible number"""
+    scale: Range | None = None
+    """the same, as factors of the recipe's number"""
+    offset: _Numbers | None = None
+    """the same, as distances from the recipe's number"""
+    per: Literal["element", "part", "sample"] = "element"
+    """a number for each element, one for each part, or one for all"""
+    expect: Count | None = None
+    """how many elements must be selected"""
+    optional: bool = False
+    """allows an empty selection"""
+
+    @property
+    def name(self) -> str:
+        return str(self.at[-1])
+
+    @property
+    def attribute(self) -> str:
+        """The word for the number in a file of measurements."""
+        if self.attr is not None:
+            return self.attr
+        return "mass" if self.inertia is not None else "delay" if self.delay is not None else "zero"
+
+    def bounds(self, nominal: float) -> tuple[float, float]:
+        """Return the range of a number, in MuJoCo's units; the recipe's number is `nominal`."""
+        if self.delay is not None:
+            return self.delay[0], self.delay[1]
+        if self.zero is not None:
+            return in_si(self.zero[0]), in_si(self.zero[1])
+        if self.range is not None:
+            return in_si(self.range[0]), in_si(self.range[1])
+        if self.scale is not None:
+            low, high = sorted(nominal * factor for factor in self.scale)
+            return low, high
+        assert self.offset is not None
+        return nominal + in_si(self.offset[0]), nominal + in_si(self.offset[1])
+
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        written = [key for key in ("range", "scale", "offset") if getattr(self, key) is not None]
+        has_own = self.delay is not None or self.zero is not None
+        if has_own and written:
+            message = f"`{self.attribute}` has its range already, so `{written[0]}` has no meaning"
+            yield Fault("unknown-key", message, (written[0],), key=True, help=f"remove `{written[0]}`")
+        elif not has_own and not written:
+            help = "a number moves only within its range: `range: [0, 5]`, or `scale: [0.5, 2]` of the recipe's number"
+            yield Fault("missing-key", f"{IT} has no `range`", key=True, help=help)
+        elif len(written) > 1:
+            message = f"{IT} has both `{written[0]}` and `{written[1]}`, of which only one is allowed"
+            yield Fault("unknown-key", message, (written[1],), key=True, help=f"remove `{written[1]}`")
+
+
+class Identify(Model):
+    """The numbers that `mjcompose identify` fits to recordings of a robot."""
+
+    owned: ClassVar = ""
+
+    start: Annotated[str, Name("key")] | None = None
+    """the keyframe for everything that is not recorded"""
+    window: Annotated[float, Scaled(TIMES, gt=0)] | None = None
+    """the length of the pieces in which recordings are compared; by default as long as an error of the start stays
+    small"""
+    recording: RecordingKeys = Field(default_factory=RecordingKeys)
+    """how to read the columns of the recordings"""
+    fields: Annotated[
+        dict[str, IdentifyField],
+        Field(min_length=1),
+        Expects("a mapping from names to what is fitted", f"{{damping: {IdentifyField.example}}}"),
+    ]
+    """the numbers by name, each with the elements and the range"""

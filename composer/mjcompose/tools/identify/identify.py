@@ -1,0 +1,230 @@
+"""Fit the numbers of a recipe to recordings of a robot."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import field
+from pathlib import Path
+from typing import Any
+
+from mjcompose.base.dataclass import Struct
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.limits import in_force
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.language.identify import Identify
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.engine import Session
+from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
+from mjcompose.plan.read import Given
+from mjcompose.sources.context import Context
+from mjcompose.tools.identify.file import text_of
+from mjcompose.tools.identify.model import FitModel, open_model, span_of_field
+from mjcompose.tools.identify.work import fit_recordings, plan_recordings
+from mjcompose.verify.compile import WHOLE
+
+_FAR = 3.0
+"""How many times the error of the fit a held-out recording may have before it is a warning."""
+_WORSE = 1.2
+"""How many times the error of the recipe a held-out recording may have before it is an error."""
+_CORRELATED = 3.0
+"""Over how many samples errors may be correlated before it is a warning."""
+_PATIENCE = 0.3
+
+Say = Callable[[str], None]
+
+
+class FitRequest(Struct):
+    """A recipe with values of its parameters, recordings, and how to fit them.
+
+    `name` is the name of the robot. Without `held_out`, the last fifth of a single recording is held out.
+    """
+
+    recipe: Path
+    recordings: tuple[Path, ...]
+    held_out: tuple[Path, ...] = ()
+    given: Given = field(default_factory=dict)
+    name: str = "robot"
+    window: float | None = None
+    from_measured: bool = False
+
+
+class Fit(Struct):
+    """The data of a fit, and the text of its file of measurements."""
+
+    data: Mapping[str, Any]
+    text: str
+
+
+def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
+    """Return the fit, or None after reported errors. Warnings say what the fit does not explain."""
+    with _asked(request, context, say) as asked:
+        if asked is None:
+            return None
+        model, data, version = asked.run(fit_recordings)
+        if data is None:
+            return None
+    text = text_of(request.name, request.recipe, data, version or "", model.hinges)
+    _judge(data, model, context.sink)
+    return Fit(data, text)
+
+
+def plan_fit(request: FitRequest, context: Context, say: Say) -> list[dict[str, Any]] | None:
+    """Return what recordings could tell of each number, or None after reported errors."""
+    with _asked(request, context, say) as asked:
+        if asked is None:
+            return None
+        _, data, _ = asked.run(plan_recordings)
+        return None if data is None else data["numbers"]
+
+
+class _Asked(Struct):
+    """A question to MuJoCo's process about recordings."""
+
+    model: FitModel
+    session: Session
+    context: Context
+    question: dict[str, Any]
+    say: Say
+
+    def run(self, function: Callable[..., Any]) -> tuple[FitModel, dict[str, Any] | None, str | None]:
+        """Return the model, the answer of a function, None after a reported error, and the version of MuJoCo."""
+        sink = self.context.sink
+        with _progress(Path(self.question["progress"]), self.say):
+            answer = engine.call(self.session, function, [WHOLE], argument=self.question)
+        version = self.session.mujoco_version
+        if not answer.ok:
+            code = CRASHES.get(answer.crash or "", "mujoco-crash")
+            help = "raise the limit: `--limit time=1200`" if answer.crash == "timeout" else CRASH_HELP.get(code)
+            sink.error(code, f"the fit ended: {answer.error or answer.crash}", self.model.plan.span, help=help)
+            return self.model, None, version
+        if "fault" in answer.value:
+            report_fault(answer.value["fault"], self.model, sink)
+            return self.model, None, version
+        return self.model, answer.value, version
+
+
+@contextmanager
+def _asked(request: FitRequest, context: Context, say: Say) -> Iterator[_Asked | None]:
+    context.as_designed = not request.from_measured
+    with Session() as session, scratch("identify") as folder:
+        say("building the model")
+        model = open_model(request.recipe, request.given, context, session)
+        if model is None:
+            yield None
+            return
+        question = question_of(model.identify, model.fields, request.recordings, request.held_out, context)
+        question["progress"] = str(folder / "progress")
+        if request.window is not None:
+            question["window"] = request.window
+        yield _Asked(model, session, context, question, say)
+
+
+def question_of(
+    identify: Identify,
+    fields: Sequence[Mapping[str, Any]],
+    recordings: Sequence[Path],
+    held_out: Sequence[Path],
+    context: Context,
+) -> dict[str, Any]:
+    """Return the question to MuJoCo's process as data."""
+    keys = identify.recording
+    limits = in_force()
+
+    def named(paths: Sequence[Path]) -> list[dict[str, str]]:
+        return [{"path": str(context.folder / path), "file": context.shown(context.folder / path)} for path in paths]
+
+    return {
+        "recordings": named(recordings),
+        "held_out": named(held_out),
+        "splits": True,
+        "fields": list(fields),
+        "start": identify.start,
+        "window": identify.window,
+        "limits": {"size": limits.recording_size, "numbers": limits.recording_numbers},
+        "keys": {
+            "factors": {kind: keys.units.factor(kind) for kind in ("qpos", "qvel", "ctrl", "sensor", "time")},
+            "sign": dict(keys.sign),
+            "names": dict(keys.names),
+            "ignore": list(keys.ignore),
+            "hold": keys.hold,
+        },
+    }
+
+
+@contextmanager
+def _progress(path: Path, say: Say) -> Iterator[None]:
+    """Say what MuJoCo's process notes in a file, while it works."""
+    done = threading.Event()
+
+    def watch() -> None:
+        last = ""
+        while not done.wait(_PATIENCE):
+            try:
+                text = path.read_text(encoding="utf-8")
+            except OSError:
+                continue
+            if text and text != last:
+                say(text)
+                last = text
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        done.set()
+        watcher.join()
+
+
+def report_fault(fault: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
+    """Report what is wrong with a recording, or with a field, at its place."""
+    file = fault["file"]
+    if fault["field"] is not None:
+        message = f"field `{fault['field']}` of `identify`: {fault['message']}"
+        sink.error(fault["code"], message, span_of_field(model, fault["field"]), help=fault["help"])
+        return
+    span = Span(file, fault["line"], 1) if fault["line"] is not None else None
+    message = fault["message"] if file is None else f"`{file}`: {fault['message']}"
+    sink.error(fault["code"], message, span, help=fault["help"])
+
+
+def _judge(data: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
+    """Report a fit that follows held-out recordings badly, or whose errors are not noise."""
+    span = model.plan.span
+    worse = [each for each in data["errors"] if _is_worse(each)]
+    if worse:
+        first = max(worse, key=lambda each: each["held_out"]["fitted"] / each["held_out"]["recipe"])
+        held = first["held_out"]
+        message = (
+            f"the fitted model follows `{first['signal']}` of the held-out recording worse than the recipe:"
+            f" {held['fitted']:.3g}, before {held['recipe']:.3g}"
+        )
+        help = "the recordings differ in something that no field describes: a payload, a delay, a zero, contact"
+        sink.error("worse-than-recipe", message, span, help=help)
+    far = [each for each in data["errors"] if each["held_out"] and each["held_out"]["fitted"] > _FAR * each["fitted"]]
+    if far and not worse:
+        first = max(far, key=lambda each: each["held_out"]["fitted"] / each["fitted"])
+        fitted = first["held_out"]["fitted"]
+        message = (
+            f"`{first['signal']}` of the held-out recording has an error of {fitted:.3g},"
+            f" {fitted / first['fitted']:.1f} times that of the fit"
+        )
+        help = "some number fits one recording alone, as friction of contact often does: add recordings, or omit fields"
+        sink.warning("held-out", message, span, help=help)
+    correlated = [each for each in data["errors"] if each["correlated"] > _CORRELATED]
+    if correlated:
+        first = max(correlated, key=lambda each: each["correlated"])
+        message = (
+            f"the errors of `{first['signal']}` are not noise: they are correlated over"
+            f" {first['correlated']:.0f} samples, so the model lacks something that the robot has"
+        )
+        help = "the numbers make up for it, and may be wrong for other motions: add a field, such as `delay` or `zero`"
+        sink.warning("errors-not-noise", message, span, help=help)
+
+
+def _is_worse(error: Mapping[str, Any]) -> bool:
+    held = error["held_out"]
+    return bool(held) and held["fitted"] > _WORSE * held["recipe"] and held["fitted"] > _FAR * error["fitted"]

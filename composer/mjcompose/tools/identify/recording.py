@@ -1,0 +1,264 @@
+"""A recording in the model's names and units, and everything about it that must be right before a fit.
+
+Runs in MuJoCo's process.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mjcompose.base.dataclass import Struct
+from mjcompose.base.suggest import closest
+from mjcompose.mujoco.attributes import names
+from mjcompose.tools.identify.tables import RecordingFault, Series, SizeLimits, Table, read_table, sha256_of
+from mjcompose.tree.pattern import fitter
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
+
+_KINDS = {"qpos": "joint", "qvel": "joint", "ctrl": "actuator", "sensor": "sensor"}
+"""The first word of a column, and the kind of element that it names."""
+_CODE = "recording-column"
+_TIME = "recording-time"
+_SHORTEST = 0.2
+"""Seconds that a recording has at least."""
+_AGAINST = -0.5
+"""The correlation of a joint with its command below which its sign is probably wrong."""
+
+
+class Signal(NamedTuple):
+    """One number that is recorded and simulated: `qpos`, `qvel` or `sensor`, its element, and which of its numbers."""
+
+    kind: str
+    name: str
+    component: int = 0
+
+    @property
+    def word(self) -> str:
+        index = f"[{self.component}]" if self.component else ""
+        return f"{self.kind} {self.name}{index}"
+
+
+class Command(NamedTuple):
+    """What an actuator was commanded: each value holds from its time to the next."""
+
+    times: Series
+    values: Series
+
+
+class Recording(Struct):
+    """A recording of motion: signals on one clock, which starts at 0, and commands by actuator."""
+
+    file: str
+    sha256: str
+    times: Series
+    signals: Mapping[Signal, Series]
+    commands: Mapping[str, Command]
+
+    @property
+    def seconds(self) -> float:
+        return float(self.times[-1])
+
+
+def read_recording(
+    mujoco: Any, model: MjModel, path: Path, file: str, keys: dict[str, Any], limits: SizeLimits
+) -> Recording:
+    """Return the recording of a file, which messages call `file`. Raises RecordingFault with its name."""
+    try:
+        return _Reader(mujoco, model, keys).read(path, file, limits)
+    except RecordingFault as fault:
+        fault.file = file
+        raise
+
+
+class _Reader:
+    """Reads columns by the keys of `recording`: `units`, `sign`, `names`, `ignore`, `hold`."""
+
+    def __init__(self, mujoco: Any, model: MjModel, keys: dict[str, Any]) -> None:
+        self.mujoco = mujoco
+        self.model = model
+        self.keys = keys
+        self.known = {kind: [name for name in names(model, kind) if name] for kind in set(_KINDS.values())}
+
+    def read(self, path: Path, file: str, limits: SizeLimits) -> Recording:
+        table = read_table(path, limits)
+        times = table.times * self.keys["factors"]["time"]
+        _check_clock(table, times, has_unit=self.keys["factors"]["time"] != 1.0)
+        signals: dict[Signal, Series] = {}
+        commands: dict[str, Command] = {}
+        for column, written in table.columns.items():
+            signal = self._signal(column)
+            if signal is None:
+                continue
+            values = written * self.keys["factors"][signal.kind] * self._sign(signal)
+            self._check_unit(signal, column, values)
+            if signal.kind == "ctrl":
+                known = np.isfinite(values)
+                commands[signal.name] = Command(times[known] - times[0], values[known])
+            else:
+                _check_finite(table, times, column, values)
+                signals[signal] = values
+        self._check_contents(signals, commands)
+        recording = Recording(file, sha256_of(path), times - times[0], signals, commands)
+        if recording.seconds < _SHORTEST:
+            message = f"it is {recording.seconds * 1e3:.0f} ms long"
+            raise RecordingFault(_TIME, message, "record some seconds of motion; the time is in seconds")
+        self._check_signs(recording)
+        return recording
+
+    def _signal(self, column: str) -> Signal | None:
+        """Return what a column is about, or None for a column to ignore."""
+        kind, _, written = column.partition(" ")
+        if kind not in _KINDS or not written:
+            if self._ignores(column):
+                return None
+            help = "`qpos arm/elbow` is a position, `ctrl arm/elbow` a command"
+            words = ", ".join(f"`{word}`" for word in _KINDS)
+            raise RecordingFault(_CODE, f"column `{column}` begins with none of {words}", help, line=1)
+        name, component = _without_index(written)
+        name = self.keys["names"].get(name, name)
+        if name in self.known[_KINDS[kind]]:
+            return Signal(kind, name, component)
+        if self._ignores(name) or self._ignores(column):
+            return None
+        near = closest(name, self.known[_KINDS[kind]])
+        some = near[0] if near else "NAME"
+        help = f"`recording: {{names: {{{name}: {some}}}}}` maps names, `ignore: [{name}]` leaves it out"
+        if near:
+            help = f"did you mean `{near[0]}`? {help}"
+        message = f"`{column}` names no {_KINDS[kind]} of the model"
+        raise RecordingFault(_CODE, message, help, line=1)
+
+    def _sign(self, signal: Signal) -> int:
+        """Return the sign of a column: that of the column itself, or else that of its name."""
+        signs: dict[str, int] = self.keys["sign"]
+        return signs.get(f"{signal.kind} {signal.name}", signs.get(signal.name, 1))
+
+    def _says_sign(self, joint: str, actuator: str) -> bool:
+        keys = (joint, actuator, f"qpos {joint}", f"ctrl {actuator}")
+        return any(key in self.keys["sign"] for key in keys)
+
+    def _ignores(self, name: str) -> bool:
+        return any(fitter(glob, lambda: [name], "/")(name) for glob in self.keys["ignore"])
+
+    def _check_unit(self, signal: Signal, column: str, values: Series) -> None:
+        """Refuse positions and commands far outside of the model's range: they are in another unit."""
+        limit = self._limit(signal)
+        if limit is None or self.keys["factors"][signal.kind] != 1.0:
+            return
+        known = values[np.isfinite(values)]
+        reach = float(np.abs(known).max(initial=0))
+        if reach > 3 * limit + 0.5:
+            message = f"`{column}` reaches {reach:.4g}, and the model allows {limit:.4g}"
+            help = f"are these degrees? write `recording: {{units: {{{signal.kind}: deg}}}}`"
+            raise RecordingFault("recording-unit", message, help, line=1)
+
+    def _limit(self, signal: Signal) -> float | None:
+        model = self.model
+        if signal.kind == "qpos":
+            joint = model.joint(signal.name)
+            if joint.type[0] != self.mujoco.mjtJoint.mjJNT_HINGE:
+                return None
+            is_limited = model.jnt_limited[joint.id]
+            return float(np.abs(model.jnt_range[joint.id]).max()) if is_limited else 4 * math.pi
+        if signal.kind == "ctrl":
+            actuator = model.actuator(signal.name).id
+            is_limited = model.actuator_ctrllimited[actuator]
+            return float(np.abs(model.actuator_ctrlrange[actuator]).max()) if is_limited else None
+        return None
+
+    def _check_contents(self, signals: Mapping[Signal, Series], commands: Mapping[str, Command]) -> None:
+        if not signals:
+            help = "record `qpos JOINT`, `qvel JOINT` or `sensor NAME`"
+            raise RecordingFault(_CODE, "it has no column that the model could be compared with", help, line=1)
+        missing = [name for name in self.known["actuator"] if name not in commands and self._drives(name, signals)]
+        if missing and not self.keys["hold"]:
+            more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+            help = (
+                "the simulation needs the commands of the robot: record `ctrl NAME`; `recording: {hold: true}` keeps"
+                " the control of the keyframe"
+            )
+            raise RecordingFault(_CODE, f"it has no commands of actuator `{missing[0]}`{more}", help, line=1)
+        empty = next((name for name, command in commands.items() if len(command.times) < 1), None)
+        if empty is not None:
+            raise RecordingFault("recording-value", f"`ctrl {empty}` has no number", "remove the column", line=1)
+
+    def _drives(self, actuator: str, signals: Mapping[Signal, Series]) -> bool:
+        joint = self._joint_of(actuator)
+        return joint is not None and Signal("qpos", joint) in signals
+
+    def _joint_of(self, actuator: str) -> str | None:
+        model = self.model
+        index = model.actuator(actuator).id
+        if model.actuator_trntype[index] != self.mujoco.mjtTrn.mjTRN_JOINT:
+            return None
+        return str(model.joint(int(model.actuator_trnid[index, 0])).name)
+
+    def _check_signs(self, recording: Recording) -> None:
+        """Refuse a joint that moves against its position servo, unless the recipe says its sign."""
+        for actuator, command in recording.commands.items():
+            joint = self._joint_of(actuator)
+            if joint is None or self._says_sign(joint, actuator):
+                continue
+            moved = recording.signals.get(Signal("qpos", joint))
+            is_servo = self.model.actuator_biasprm[self.model.actuator(actuator).id, 1] != 0
+            if moved is None or not is_servo:
+                continue
+            told = np.interp(recording.times, command.times, command.values)
+            if min(moved.std(), told.std()) > 1e-3 and (r := float(np.corrcoef(moved, told)[0, 1])) < _AGAINST:
+                message = f"joint `{joint}` moves against its command (correlation {r:.2f})"
+                help = f'write `recording: {{sign: {{"qpos {joint}": -1}}}}`, or `1` if the sign is right'
+                raise RecordingFault("recording-sign", message, help, line=1)
+
+
+def _without_index(written: str) -> tuple[str, int]:
+    """Return a name and the index behind it.
+
+    >>> _without_index("wrist[2]"), _without_index("elbow")
+    (('wrist', 2), ('elbow', 0))
+    """
+    name, bracket, index = written.rpartition("[")
+    if bracket and index.endswith("]") and index[:-1].isdigit():
+        return name, int(index[:-1])
+    return written, 0
+
+
+def _check_finite(table: Table, times: Series, column: str, values: Series) -> None:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        first = int(bad[0])
+        rows = "1 row" if bad.size == 1 else f"{bad.size} rows"
+        message = f"`{column}` has no number in {rows}, first at {times[first]:.3f} s"
+        raise RecordingFault("recording-value", message, "remove these rows, or this column", line=table.line(first))
+
+
+def _check_clock(table: Table, times: Series, has_unit: bool) -> None:
+    if not np.isfinite(times).all():
+        row = int(np.flatnonzero(~np.isfinite(times))[0])
+        raise RecordingFault(_TIME, "a row has no time", "remove it", line=table.line(row))
+    steps = np.diff(times)
+    backward = np.flatnonzero(steps <= 0)
+    if backward.size:
+        row = int(backward[0]) + 1
+        message = f"the time goes back or stands still: {times[row]:.4f} s after {times[row - 1]:.4f} s"
+        help = "sort the rows; if the clock was set during the recording, cut it into two"
+        raise RecordingFault(_TIME, message, help, line=table.line(row))
+    usual = float(np.median(steps))
+    if usual > 10:
+        help = "the time is in seconds" if has_unit else "is the time in milliseconds? `recording: {units: {time: ms}}`"
+        raise RecordingFault(_TIME, f"{usual:g} s pass between samples", help)
+    gaps = np.flatnonzero(steps > max(20 * usual, 0.1))
+    if gaps.size:
+        row = int(gaps[0])
+        message = f"nothing for {steps[row]:.2f} s from {times[row]:.3f} s on, {steps[row] / usual:.0f} usual steps"
+        raise RecordingFault(_TIME, message, "cut the recording there into two", line=table.line(row + 1))
+
+
+def all_signals(recordings: Sequence[Recording]) -> Iterator[Signal]:
+    """Yield each signal of the recordings once."""
+    yield from dict.fromkeys(signal for recording in recordings for signal in recording.signals)

@@ -1,0 +1,189 @@
+"""Read the columns of a recording from a file. Runs in MuJoCo's process, with its limits of time and memory."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mjcompose.base.dataclass import Struct
+
+Series = npt.NDArray[np.float64]
+CLOCKS = ("time", "t", "timestamp")
+"""Names of the column with the time."""
+_CODE = "recording-column"
+
+
+class RecordingFault(Exception):
+    """A recording that cannot be used; `line` is the line of a text file, and `field` a field of `identify`."""
+
+    def __init__(
+        self, code: str, message: str, help: str | None = None, *, line: int | None = None, field: str | None = None
+    ) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.help = help
+        self.line = line
+        self.field = field
+        self.file: str | None = None
+
+
+class Table(Struct):
+    """The columns of a file by name, and the time of each row, in the unit of the file. `lines` are lines of text."""
+
+    times: Series
+    columns: Mapping[str, Series]
+    lines: npt.NDArray[np.int64] | None = None
+
+    def line(self, row: int) -> int | None:
+        return None if self.lines is None else int(self.lines[row])
+
+
+class SizeLimits(Struct):
+    """The most bytes of a file, also unpacked, and the most numbers in it."""
+
+    size: int
+    numbers: int
+
+
+def read_table(path: Path, limits: SizeLimits) -> Table:
+    """Return the table of a recording. Raises RecordingFault."""
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        help = f"write the recording as {' or '.join(f'`{suffix}`' for suffix in READERS)}"
+        raise RecordingFault("recording-kind", f"no recording ends in `{path.suffix}`", help)
+    try:
+        size = path.stat().st_size
+    except FileNotFoundError:
+        raise RecordingFault("file-not-found", "the recording does not exist") from None
+    except OSError as error:
+        raise RecordingFault("file-unreadable", f"it cannot be read: {error.strerror or error}") from None
+    if not path.is_file():
+        raise RecordingFault("file-unreadable", "it is not a regular file", "name a file")
+    if size > limits.size:
+        raise _too_large("bytes", size, limits.size)
+    return reader(path, limits)
+
+
+def sha256_of(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _too_large(what: str, count: int, most: int) -> RecordingFault:
+    help = "cut the recording into several, or name fewer columns; `--limit recording-size=1G` allows more"
+    return RecordingFault("limit-exceeded", f"it has {count} {what}; {most} are allowed", help)
+
+
+def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> Table:
+    clock = next((name for name in CLOCKS if name in columns), None)
+    if clock is None:
+        help = "name the column with the time in seconds `time`"
+        raise RecordingFault(_CODE, "it has no column `time`", help)
+    times = columns.pop(clock)
+    if len(times) < 2:
+        raise RecordingFault("recording-time", f"it has {len(times)} rows", "record some seconds of motion")
+    return Table(times, columns, lines)
+
+
+def _read_csv(path: Path, limits: SizeLimits) -> Table:
+    rows: list[list[float]] = []
+    lines: list[int] = []
+    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+        reader = csv.reader(file)
+        try:
+            header = [name.strip() for name in next(reader, [])]
+            _check_header(header)
+            for row in reader:
+                if not row:
+                    continue
+                rows.append(_numbers(row, header, reader.line_num))
+                lines.append(reader.line_num)
+                if len(rows) * len(header) > limits.numbers:
+                    raise _too_large("numbers", len(rows) * len(header), limits.numbers)
+        except csv.Error as error:
+            raise RecordingFault("csv-syntax", f"it is not CSV: {error}", line=reader.line_num) from None
+    table = np.array(rows, float).reshape(len(rows), len(header))
+    return _with_clock(dict(zip(header, table.T.copy(), strict=True)), np.array(lines, np.int64))
+
+
+def _check_header(header: list[str]) -> None:
+    if not header:
+        raise RecordingFault(_CODE, "it is empty", "its first row has the names of the columns")
+    for index, name in enumerate(header):
+        if name in header[:index]:
+            raise RecordingFault(_CODE, f"it has two columns `{name}`", "remove one of them", line=1)
+
+
+def _numbers(row: list[str], header: list[str], line: int) -> list[float]:
+    if len(row) != len(header):
+        message = f"it has {len(row)} values in a row, and {len(header)} columns"
+        raise RecordingFault("recording-value", message, "is the row cut off? remove it", line=line)
+    try:
+        return [float(value) if value.strip() else np.nan for value in row]
+    except ValueError:
+        for name, value in zip(header, row, strict=True):
+            if value.strip() and not _is_number(value):
+                message = f"`{name}` is `{value.strip()[:40]}`, which is not a number"
+                raise RecordingFault("recording-value", message, line=line) from None
+        raise
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _read_npz(path: Path, limits: SizeLimits) -> Table:
+    """Read the arrays of an NPZ without pickles. The headers say how large they are before they are unpacked."""
+    columns: dict[str, Series] = {}
+    total = 0
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for entry in archive.infolist():
+                if not entry.filename.endswith(".npy"):
+                    continue
+                shape, dtype = _npy_header(archive, entry)
+                name = entry.filename.removesuffix(".npy")
+                if dtype.hasobject or dtype.kind not in "fiub":
+                    message = f"`{name}` has values of the type {dtype}, not numbers"
+                    raise RecordingFault("recording-value", message, "store arrays of floats")
+                if len(shape) != 1:
+                    help = "store one array for each joint: `qpos NAME`"
+                    raise RecordingFault(_CODE, f"`{name}` has {len(shape)} dimensions, not 1", help)
+                total += shape[0]
+                if total > limits.numbers:
+                    raise _too_large("numbers", total, limits.numbers)
+                with archive.open(entry) as file:
+                    columns[name] = np.lib.format.read_array(file, allow_pickle=False).astype(float)
+    except (zipfile.BadZipFile, ValueError, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+        raise RecordingFault("recording-kind", f"it is not an NPZ file: {error}") from None
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        shortest = min(lengths, key=lengths.__getitem__)
+        longest = max(lengths, key=lengths.__getitem__)
+        message = f"`{shortest}` has {lengths[shortest]} values, and `{longest}` has {lengths[longest]}"
+        raise RecordingFault("recording-value", message, "store arrays of one length, with the same times")
+    return _with_clock(columns)
+
+
+def _npy_header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    with archive.open(entry) as file:
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, _, dtype = read(file)
+    return shape, dtype
+
+
+READERS: Mapping[str, Callable[[Path, SizeLimits], Table]] = {".csv": _read_csv, ".npz": _read_npz}
+"""The readers by the end of a file's name."""

@@ -1,0 +1,201 @@
+"""The unknown numbers of a fit, and the models that have other values of them. Runs in MuJoCo's process."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mjcompose.base.dataclass import Struct
+from mjcompose.mujoco.settable import DerivedValues, resolve_addresses
+from mjcompose.tools.identify.tables import RecordingFault, Series
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
+
+DELAY = "delay"
+ZERO = "zero"
+_WITHOUT_CONSTANTS = ("dof_damping", "dof_frictionloss", "actuator_gainprm", "actuator_biasprm", "geom_friction")
+"""Arrays on which nothing depends that MuJoCo computes once; `dof_armature` scales the softness of friction."""
+
+
+class Place(Struct):
+    """A number of mjModel: `sign` is that of the attribute, and a number that `follows` changes in proportion."""
+
+    array: str
+    index: int
+    sign: float = 1.0
+    follows: bool = False
+
+
+class Unknown(Struct):
+    """A number to fit: its words, the number of the recipe, and its range, in MuJoCo's units.
+
+    `places` has the places of its number in mjModel; a delay has none. `is_scaled` says that it is tried by factors.
+    """
+
+    field: str
+    kind: str
+    names: tuple[str, ...]
+    attribute: str
+    nominal: float
+    low: float
+    high: float
+    places: tuple[Place, ...] = ()
+
+    @property
+    def word(self) -> str:
+        return f"{self.kind} {self.names[0]} {self.attribute}"
+
+    @property
+    def prior(self) -> float:
+        """The standard deviation of a number that is anywhere in the range."""
+        return (self.high - self.low) / math.sqrt(12)
+
+    @property
+    def is_scaled(self) -> bool:
+        return self.low == 0 or (self.low > 0 and self.high > 5 * self.low)
+
+
+def unknowns_of(mujoco: Any, model: MjModel, fields: Iterable[dict[str, Any]]) -> list[Unknown]:
+    """Return the unknowns of the fields, element by element. Raises RecordingFault for a field that cannot be fitted.
+
+    Each field has `name`, `kind`, `groups` of elements with `name` and `tag`, `attribute`, and `bounds`: the word and
+    two numbers.
+    """
+    found: list[Unknown] = []
+    for field in fields:
+        found += [_unknown(mujoco, model, field, group) for group in field["groups"]]
+    taken: dict[tuple[str, str, str], Unknown] = {}
+    for unknown in found:
+        for name in unknown.names:
+            first = taken.setdefault((unknown.kind, name, unknown.attribute), unknown)
+            if first is not unknown:
+                message = f"field `{first.field}` has {unknown.attribute} of {unknown.kind} `{name}`, too"
+                raise RecordingFault("name-clash", message, "let one of them select less", field=unknown.field)
+    order = {owner: index for index, owner in enumerate(dict.fromkeys((each.kind, each.names) for each in found))}
+    return sorted(found, key=lambda each: order[each.kind, each.names])
+
+
+def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dict[str, str]]) -> Unknown:
+    kind = field["kind"]
+    attribute = field["attribute"]
+    names = tuple(element["name"] for element in group)
+    places: list[Place] = []
+    if attribute == ZERO:
+        nominal = 0.0
+        places = [_zero_place(mujoco, model, name, field) for name in names]
+    elif attribute == DELAY:
+        nominal = float(model.actuator_delay[model.actuator(names[0]).id]) if hasattr(model, "actuator_delay") else 0.0
+    else:
+        for element in group:
+            places += _places(mujoco, model, element, field)
+        lead = places[0]
+        nominal = float(getattr(model, lead.array).reshape(-1)[lead.index]) * lead.sign
+    low, high = _bounds(field, nominal, f"{attribute} of {kind} `{names[0]}`")
+    _check_moves(model, kind, names, attribute, field)
+    return Unknown(field["name"], kind, names, attribute, nominal, low, high, tuple(places))
+
+
+def _zero_place(mujoco: Any, model: MjModel, name: str, field: dict[str, Any]) -> Place:
+    joint = model.joint(name)
+    if joint.type[0] not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+        message = f"`{name}` is neither a hinge nor a slide, so it has no zero"
+        raise RecordingFault("not-identifiable", message, "select hinges and slides", field=field["name"])
+    return Place("jnt", int(joint.id))
+
+
+def _places(mujoco: Any, model: MjModel, element: dict[str, str], field: dict[str, Any]) -> list[Place]:
+    base, _, index = field["attribute"].partition("[")
+    question = {"tag": element["tag"], "family": field["kind"], "name": element["name"], "place": None}
+    start = int(index[:-1]) if index else 0
+    asked = {**question, "attribute": base, "start": start, "count": 1}
+    (answer,) = resolve_addresses(mujoco, model, [asked])
+    if "error" in answer:
+        help = "only numbers of the compiled model can be fitted"
+        raise RecordingFault("not-identifiable", answer["error"], help, field=field["name"])
+    places = []
+    for target in answer["targets"][0]:
+        array = getattr(model, target["array"])
+        flat = int(np.ravel_multi_index(target["index"], array.shape))
+        places.append(Place(target["array"], flat, target.get("sign", 1), bool(target.get("follows"))))
+    return places
+
+
+def _bounds(field: dict[str, Any], nominal: float, what: str) -> tuple[float, float]:
+    word, first, second = field["bounds"]
+    low, high = {
+        "range": (first, second),
+        "scale": tuple(sorted((nominal * first, nominal * second))),
+        "offset": (nominal + first, nominal + second),
+    }[word]
+    name = field["name"]
+    if not low < high:
+        help = "a `scale` of a number that is 0 is 0: write `range`" if word == "scale" else "write a wider range"
+        raise RecordingFault("out-of-range", f"{what} cannot be between {low:g} and {high:g}", help, field=name)
+    if not low <= nominal <= high:
+        message = f"{what} is {nominal:g} in the recipe, outside of [{low:g}, {high:g}]"
+        help = "the recipe's number is the best guess before the recording: widen the range, or `edit` the number"
+        raise RecordingFault("out-of-range", message, help, field=name)
+    return low, high
+
+
+def _check_moves(model: MjModel, kind: str, names: Sequence[str], attribute: str, field: dict[str, Any]) -> None:
+    for name in names:
+        if kind == "body" and attribute == "mass" and model.body_weldid[model.body(name).id] == 0:
+            message = f"body `{name}` is fixed to the world, so its inertia moves nothing"
+            raise RecordingFault("not-identifiable", message, "select a body that a joint moves", field=field["name"])
+
+
+class ModelPool:
+    """Copies of a model, each with its own values of the unknowns."""
+
+    def __init__(self, mujoco: Any, model: MjModel, unknowns: Sequence[Unknown]) -> None:
+        self._mujoco = mujoco
+        self.nominal = model
+        self.unknowns = unknowns
+        self._copies: list[tuple[MjModel, DerivedValues]] = []
+        arrays = {place.array for unknown in unknowns for place in unknown.places}
+        self._derives = not arrays <= set(_WITHOUT_CONSTANTS)
+
+    def write(self, values: Series, slot: int) -> MjModel:
+        """Return the copy with this number, with these values of the unknowns."""
+        model, derived = self._copy(slot)
+        for unknown, value in zip(self.unknowns, values, strict=True):
+            if unknown.attribute == ZERO:
+                for place in unknown.places:
+                    self._move_zero(model, place.index, float(value))
+            else:
+                self._put(model, unknown, float(value))
+        if self._derives:
+            derived.settle()
+        return model
+
+    def _copy(self, slot: int) -> tuple[MjModel, DerivedValues]:
+        while len(self._copies) <= slot:
+            model = copy.copy(self.nominal)
+            self._copies.append((model, DerivedValues(self._mujoco, model, self._mujoco.MjData(model))))
+        return self._copies[slot]
+
+    def _put(self, model: MjModel, unknown: Unknown, value: float) -> None:
+        ratio = 1.0
+        for place in unknown.places:
+            numbers = getattr(model, place.array).reshape(-1)
+            before = float(getattr(self.nominal, place.array).reshape(-1)[place.index])
+            if place.follows:
+                numbers[place.index] = before * ratio
+            else:
+                numbers[place.index] = place.sign * value
+                ratio = value / (place.sign * before) if before else 1.0
+
+    def _move_zero(self, model: MjModel, joint: int, zero: float) -> None:
+        """Move the reference, the spring and the range of a joint together, as the verb `calibrate` does."""
+        address = model.jnt_qposadr[joint]
+        model.qpos0[address] = self.nominal.qpos0[address] + zero
+        has_spring = bool(np.any(self.nominal.jnt_stiffness[joint]))
+        model.qpos_spring[address] = self.nominal.qpos_spring[address] + (zero if has_spring else 0.0)
+        if self.nominal.jnt_limited[joint]:
+            model.jnt_range[joint] = self.nominal.jnt_range[joint] + zero

@@ -1,0 +1,223 @@
+"""Recordings are data from anyone: what is wrong with one is said, with its line and what to do."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from mjcompose.tools.identify.recording import Recording, Signal, read_recording
+from mjcompose.tools.identify.tables import RecordingFault, SizeLimits
+from tools.identify import robots
+
+Columns = dict[str, np.ndarray]
+KEYS: dict[str, Any] = {
+    "factors": dict.fromkeys(("qpos", "qvel", "ctrl", "sensor", "time"), 1.0),
+    "sign": {},
+    "names": {},
+    "ignore": [],
+    "hold": False,
+}
+LIMITS = SizeLimits(10_000_000, 100_000)
+ROBOT = robots.model()
+GOOD = robots.recorded(ROBOT, 1.0)
+
+
+def read(path: Path, **keys: Any) -> Recording:
+    return read_recording(mujoco, ROBOT, path, path.name, {**KEYS, **keys}, LIMITS)
+
+
+def good() -> Columns:
+    return {name: values.copy() for name, values in GOOD.items()}
+
+
+def fault(path: Path, **keys: Any) -> RecordingFault:
+    with pytest.raises(RecordingFault) as raised:
+        read(path, **keys)
+    assert raised.value.file == path.name
+    return raised.value
+
+
+def renamed(old: str, new: str) -> Callable[[Columns], Columns]:
+    return lambda columns: {new if name == old else name: values for name, values in columns.items()}
+
+
+def without(name: str) -> Callable[[Columns], Columns]:
+    return lambda columns: {each: values for each, values in columns.items() if each != name}
+
+
+def changed(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Callable[[Columns], Columns]:
+    return lambda columns: {each: change(values) if each == name else values for each, values in columns.items()}
+
+
+def with_nan(values: np.ndarray) -> np.ndarray:
+    values[17] = np.nan
+    return values
+
+
+def going_back(times: np.ndarray) -> np.ndarray:
+    times[100] = times[98]
+    return times
+
+
+def with_gap(times: np.ndarray) -> np.ndarray:
+    times[150:] += 0.6
+    return times
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "message", "help"),
+    [
+        (renamed("qpos elbow", "qpos elbw"), "recording-column", "`qpos elbw` names no joint", "did you mean `elbow`?"),
+        (renamed("qpos elbow", "elbow"), "recording-column", "column `elbow` begins with none of", "`qpos arm/elbow`"),
+        (renamed("time", "clock"), "recording-column", "it has no column `time`", "name the column"),
+        (
+            changed("qpos elbow", with_nan),
+            "recording-value",
+            "has no number in 1 row, first at 0.068 s",
+            "remove these",
+        ),
+        (changed("time", going_back), "recording-time", "the time goes back or stands still", "sort the rows"),
+        (
+            changed("time", lambda t: t * 1e6),
+            "recording-time",
+            "4000 s pass between",
+            "`recording: {units: {time: ms}}`",
+        ),
+        (
+            changed("time", with_gap),
+            "recording-time",
+            "nothing for 0.60 s from 0.596 s on, 151 usual",
+            "cut the recording",
+        ),
+        (changed("time", lambda t: t / 1e3), "recording-time", "it is 1 ms long", "record some seconds"),
+        (changed("qpos elbow", lambda q: np.degrees(q) + 150), "recording-unit", "reaches", "units: {qpos: deg}"),
+        (changed("ctrl elbow", lambda q: np.degrees(q) + 150), "recording-unit", "reaches", "units: {ctrl: deg}"),
+        (
+            changed("qpos elbow", lambda q: -q),
+            "recording-sign",
+            "moves against its command",
+            'sign: {"qpos elbow": -1}',
+        ),
+        (
+            without("ctrl elbow"),
+            "recording-column",
+            "it has no commands of actuator `elbow`",
+            "`recording: {hold: true}`",
+        ),
+        (
+            lambda columns: {name: each for name, each in columns.items() if not name.startswith("qpos")},
+            "recording-column",
+            "it has no column that the model could be compared with",
+            "record `qpos JOINT`",
+        ),
+    ],
+)
+@pytest.mark.parametrize("write", [robots.write_csv, robots.write_npz])
+def test_a_wrong_recording(
+    change: Callable[[Columns], Columns], code: str, message: str, help: str, write: Any, tmp_path: Path
+) -> None:
+    suffix = ".csv" if write is robots.write_csv else ".npz"
+    found = fault(write(tmp_path / f"bad{suffix}", change(good())))
+    assert (found.code, found.field) == (code, None)
+    assert message in found.message
+    assert help in str(found.help)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line"),
+    [
+        ("", "recording-column", None),
+        ("time,qpos elbow\n", "recording-time", None),
+        ("time,qpos elbow,qpos elbow\n0,1,2\n", "recording-column", 1),
+        ("time,qpos elbow\n0,1\n0.1,1,2\n", "recording-value", 3),
+        ("time,qpos elbow\n0,1\n\n0.1,up\n", "recording-value", 4),
+        ("time,qpos elbow\n0,1\n0.1,2\n0.05,3\n", "recording-time", 4),
+        ('time,qpos elbow\n0,"1\n', "recording-time", None),
+        ("\0\0\0", "recording-column", None),
+    ],
+)
+def test_a_text_that_is_no_table(text: str, code: str, line: int | None, tmp_path: Path) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text, encoding="utf-8")
+    found = fault(path)
+    assert (found.code, found.line) == (code, line)
+
+
+def test_files_that_are_no_recordings(tmp_path: Path) -> None:
+    assert fault(tmp_path / "none.csv").code == "file-not-found"
+    (tmp_path / "run.bag").write_text("")
+    assert fault(tmp_path / "run.bag").code == "recording-kind"
+    (tmp_path / "run.npz").write_text("not a zip")
+    assert fault(tmp_path / "run.npz").code == "recording-kind"
+    (tmp_path / "folder.csv").mkdir()
+    assert fault(tmp_path / "folder.csv").code == "file-unreadable"
+
+
+def test_an_npz_runs_no_code_and_unpacks_no_bomb(tmp_path: Path) -> None:
+    path = tmp_path / "pickled.npz"
+    np.savez(path, time=np.array([object()], dtype=object))
+    assert (fault(path).code, "not numbers" in fault(path).message) == ("recording-value", True)
+    bomb = tmp_path / "bomb.npz"
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("time.npy", "w") as file:
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (10_000_000_000,)})
+        file.write(bytes(1_000_000))
+    assert fault(bomb).code == "limit-exceeded"
+
+
+def test_a_recording_within_the_limits(tmp_path: Path) -> None:
+    path = robots.write_csv(tmp_path / "run.csv", GOOD)
+    with pytest.raises(RecordingFault, match="numbers; 100 are allowed"):
+        read_recording(mujoco, ROBOT, path, "run.csv", KEYS, SizeLimits(10_000_000, 100))
+    with pytest.raises(RecordingFault, match="bytes; 100 are allowed"):
+        read_recording(mujoco, ROBOT, path, "run.csv", KEYS, SizeLimits(100, 100_000))
+
+
+def test_formats_are_equal(tmp_path: Path) -> None:
+    from_csv = read(robots.write_csv(tmp_path / "run.csv", GOOD))
+    from_npz = read(robots.write_npz(tmp_path / "run.npz", GOOD))
+    assert from_csv.signals.keys() == from_npz.signals.keys() == {Signal("qpos", "shoulder"), Signal("qpos", "elbow")}
+    for signal, values in from_csv.signals.items():
+        assert np.abs(values - from_npz.signals[signal]).max() < 1e-8
+    for name, command in from_csv.commands.items():
+        assert np.abs(command.values - from_npz.commands[name].values).max() < 1e-8
+
+
+def test_units_signs_and_names(tmp_path: Path) -> None:
+    columns = good()
+    columns = {
+        "t": columns["time"] * 1e3,
+        "qpos j2": -np.degrees(columns["qpos elbow"]),
+        "qpos shoulder": np.degrees(columns["qpos shoulder"]),
+        "qpos gripper": columns["time"],
+        "ctrl elbow": columns["ctrl elbow"],
+        "ctrl shoulder": columns["ctrl shoulder"],
+    }
+    path = robots.write_csv(tmp_path / "run.csv", columns)
+    factors = {**KEYS["factors"], "qpos": np.pi / 180, "time": 1e-3}
+    signs = {"qpos elbow": -1, "shoulder": 1}
+    found = read(path, factors=factors, names={"j2": "elbow"}, ignore=["grip*"], sign=signs)
+    assert np.abs(found.signals[Signal("qpos", "elbow")] - GOOD["qpos elbow"]).max() < 1e-8
+    assert np.abs(found.commands["elbow"].values - GOOD["ctrl elbow"]).max() < 1e-8
+    assert found.seconds == pytest.approx(0.996)
+
+
+def test_a_name_alone_turns_positions_and_commands(tmp_path: Path) -> None:
+    columns = good()
+    columns["qpos elbow"] *= -1
+    columns["ctrl elbow"] *= -1
+    found = read(robots.write_csv(tmp_path / "run.csv", columns), sign={"elbow": -1})
+    assert np.abs(found.signals[Signal("qpos", "elbow")] - GOOD["qpos elbow"]).max() < 1e-8
+    assert np.abs(found.commands["elbow"].values - GOOD["ctrl elbow"]).max() < 1e-8
+
+
+def test_a_sign_can_be_right_although_it_looks_wrong(tmp_path: Path) -> None:
+    columns = good()
+    columns["qpos elbow"] *= -1
+    path = robots.write_csv(tmp_path / "run.csv", columns)
+    assert fault(path).code == "recording-sign"
+    assert read(path, sign={"elbow": 1}).seconds > 0.9
