@@ -8,12 +8,14 @@ from __future__ import annotations
 from copy import deepcopy
 from pathlib import Path
 
+import pytest
 from mjcompose.base.sink import Sink
 from mjcompose.compose.compose import Composer
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.trace.trace import TAG, AttributeChange, Life, Trace
-from mjcompose.trace.traced import Traced, trace
+from mjcompose.tools.explain.explain import Traced, trace
+from mjcompose.tools.explain.trace import TAG, AttributeChange, Life, Trace
+from mjcompose.tree import journal
 from mjcompose.tree.parse import parse_text
 from mjcompose.tree.unit import nobody
 from mjcompose.tree.xml_text import write
@@ -208,18 +210,35 @@ def test_an_equal_element_in_the_place_of_another_is_another() -> None:
     text = b'<mujoco><worldbody><geom name="a" size="1"/><geom name="b" size="1"/></worldbody></mujoco>'
     unit = parse_text(text, Sink(), file="model.xml", directory=Path(), label="model")
     assert unit is not None
-    trace = Trace()
-    trace([unit], "read")
-    world = unit.root[0]
-    old = world[0]
-    world.replace(old, new := deepcopy(old))
-    trace([unit], "replaced")
-    trace([unit], "left alone")
-    assert [life.node for life in trace.gone] == [old] and trace.life(new).born.done == "replaced"
-    assert trace.life(world[1]).changes == []
-    world.append(world[0])
-    trace([unit], "moved")  # nothing has changed in the element, and its parent is the same
-    assert trace.life(new).changes == []
-    world[0].set("size", "2")
-    trace([unit], "set")
-    assert [each.cause.done for each in trace.life(world[0]).of("size")] == ["set"]
+    watch = Trace()
+    with watch.recording():
+        watch([unit], "read")
+        world = unit.root[0]
+        old = world[0]
+        journal.exchange(old, new := deepcopy(old))
+        watch([unit], "replaced")
+        watch([unit], "left alone")
+        assert [life.node for life in watch.gone] == [old] and watch.life(new).born.done == "replaced"
+        assert watch.life(world[1]).changes == []
+        journal.place(world, world[0])
+        watch([unit], "moved")  # nothing has changed in the element, and its parent is the same
+        assert watch.life(new).changes == []
+        journal.write(world[0], "size", "2")
+        watch([unit], "set")
+        assert [each.cause.done for each in watch.life(world[0]).of("size")] == ["set"]
+        journal.remove(new)
+        watch([unit], "removed")
+        assert watch.life(new).gone is not None
+        journal.place(world, new)
+        watch([unit], "put back")
+        assert watch.life(new).gone is None and [life.node for life in watch.gone] == [old]
+
+
+def test_an_onlooker_does_not_look_at_what_it_did_not_record() -> None:
+    text = b'<mujoco><worldbody><geom name="a" size="1"/></worldbody></mujoco>'
+    unit = parse_text(text, Sink(), file="model.xml", directory=Path(), label="model")
+    assert unit is not None
+    watch = Trace()
+    watch([unit], "read")
+    with pytest.raises(RuntimeError, match="recording"):
+        watch([unit], "changed")

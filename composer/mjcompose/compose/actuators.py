@@ -21,6 +21,7 @@ from mjcompose.compose.lengths import why_a_length
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, ModelMeasure
 from mjcompose.link.unit_keys import without_keys
+from mjcompose.tree import journal
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.grammar import GRAMMAR, Attribute
 from mjcompose.tree.select import kind_of
@@ -186,21 +187,22 @@ def models_in(unit: Unit, measure: ModelMeasure, found: list[Node]) -> dict[Node
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
     everything = unit.root.findall("actuator/*")
     users = {node: node.get("user") for node in everything}
-    # MuJoCo 4.0 refuses a mark that is wider than `nuser_actuator`: "user has more values than nuser_actuator".
-    sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
-    try:
-        for node in everything:
-            node.set("user", marks[node][1] if node in marks else "0")
-        with without_keys(unit.root):
-            arrays = measure(unit, _ARRAYS)
-    finally:
-        for node, user in users.items():
-            node.attrib.pop("user", "")
-            if user is not None:
-                node.set("user", user)
-        for size, room in sizes:
-            if room:
-                size.set("nuser_actuator", room)
+    with journal.unrecorded():
+        # MuJoCo 4.0 refuses a mark that is wider than `nuser_actuator`: "user has more values than nuser_actuator".
+        sizes = [(size, journal.drop(size, "nuser_actuator")) for size in unit.root.iterchildren("size")]
+        try:
+            for node in everything:
+                journal.write(node, "user", marks[node][1] if node in marks else "0")
+            with without_keys(unit.root):
+                arrays = measure(unit, _ARRAYS)
+        finally:
+            for node, user in users.items():
+                journal.drop(node, "user")
+                if user is not None:
+                    journal.write(node, "user", user)
+            for size, room in sizes:
+                if room:
+                    journal.write(size, "nuser_actuator", room)
     if not arrays:
         return None
     models: dict[Node, ActuatorModel] = {}

@@ -19,6 +19,7 @@ from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import keys_of
 from mjcompose.plan.plan import AttachPart
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, childclass_of, own, written
 from mjcompose.tree.edit import resolves, unresolved
 from mjcompose.tree.files import SourceSettings
@@ -202,7 +203,7 @@ def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
     if node.get(attribute) != MAIN:
         return False
     if linking.base_class is not None:
-        node.set(attribute, linking.base_class)
+        journal.write(node, attribute, linking.base_class)
     return True
 
 

@@ -7,7 +7,6 @@ from contextlib import nullcontext
 from itertools import product
 from typing import Any
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
@@ -22,6 +21,7 @@ from mjcompose.plan.plan import PlacedModel, Plan
 from mjcompose.plan.steps import SetCollisions
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of, own
 from mjcompose.tree.pattern import fitter
 
@@ -192,7 +192,9 @@ class _CollisionWriter(Struct):
             if frozenset(pair) in known or not all(pair):
                 continue
             known.add(frozenset(pair))
-            node = etree.SubElement(base.section("contact"), tag, dict(zip(keys, pair, strict=True)))
+            section = base.section("contact")
+            node = section.makeelement(tag, dict(zip(keys, pair, strict=True)))
+            journal.place(section, node)
             self.making.origins.own(node, step.span)
             written.append(node)
         self.linking.watch(self.linking.units, step)

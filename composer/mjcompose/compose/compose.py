@@ -80,6 +80,7 @@ from mjcompose.plan.steps import AddElement, AppendElement, SetDefault, SetSingl
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import check_size, written
 from mjcompose.tree.merged_settings import Adopted
@@ -338,7 +339,7 @@ class Composer:
         # `finish` lays out keys after edits have reshaped elements, MuJoCo measures poses and contacts on the finished
         # model, and edits of keys act on their final rows.
         before = self.context.sink.error_count
-        base.root.set("model", plan.name)
+        journal.write(base.root, "model", plan.name)
         if plan.base_keys == "none" and BASE not in plan.key_sources:
             remove_keys(base.root)
         self.watch([base, *units], plan)

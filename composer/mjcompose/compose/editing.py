@@ -33,6 +33,7 @@ from mjcompose.link.submodels import add_named_file
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ELEMENT, PARAMETERS, ExpressionError, Value, Variable
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import Classes, text_in_effect
 from mjcompose.tree.edit import changing, names_in
 from mjcompose.tree.files import written_path
@@ -289,7 +290,7 @@ def take_files(editing: Editing) -> None:
         except Refused as refused:
             refused.report(editing.sink, file.span)
             continue
-        node.set(attribute, path.as_posix())
+        journal.write(node, attribute, path.as_posix())
         unit.contents = {**unit.contents, written_path(unit.settings, node, path.as_posix()): path}
     making.files.clear()
 

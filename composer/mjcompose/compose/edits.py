@@ -35,6 +35,7 @@ from mjcompose.link.unit_keys import keys_of, layouts, remove_keys
 from mjcompose.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan
 from mjcompose.plan.steps import DrawValues, EditElements
 from mjcompose.text.node import is_template, locate, texts
+from mjcompose.tree import journal
 from mjcompose.tree.pattern import paths_of
 from mjcompose.tree.select import section_of
 from mjcompose.tree.unit import KeyValues, PartKeys, Unit
@@ -70,7 +71,7 @@ def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[D
             gone += remove(editing, found, cascade=True, at=path)
     for section in list(editing.root.iterchildren("*")):
         if section.tag != "worldbody" and not len(section) and not section.attrib:
-            editing.root.remove(section)
+            journal.remove(section)
     return gone
 
 
@@ -245,8 +246,7 @@ class ModelEdits(Struct):
             own = [key for key in keys_of(self.linking.base) if key.get("name") in names]
             places: list[tuple[Node, Node]] = [(key, etree.Comment("")) for key in own]
             for key, place in places:
-                if (section := key.getparent()) is not None:
-                    section.replace(key, place)
+                journal.exchange(key, place)
             self.edit(of_keys=True)
             self._put_back(places)
         self.draw(of_keys=True)
@@ -317,15 +317,15 @@ class ModelEdits(Struct):
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
         """Carry out an edit on a model with the keys that are replaced later. Return the keys that are left."""
         names = [str(key.get("name")) for key in keys]
-        self.linking.base.section("keyframe").extend(keys)
+        journal.place_all(self.linking.base.section("keyframe"), keys)
         for key in keys:
             editing.note(key)
         _carry_out(step, editing, self.plan, composer=self.composer)
         left = []
         for key, name in zip(keys, names, strict=True):
-            if (section := key.getparent()) is not None and key.get("name") == name:
+            if key.getparent() is not None and key.get("name") == name:
                 editing.forget(key)
-                section.remove(key)
+                journal.remove(key)
                 left.append(key)
         return left
 
@@ -334,9 +334,9 @@ class ModelEdits(Struct):
         others = {key.get("name"): key for key in keys_of(base)}
         for key, place in places:
             if (section := place.getparent()) is not None and section.getparent() is base.root:
-                section.replace(place, key)
+                journal.exchange(place, key)
             else:
-                base.section("keyframe").append(key)
+                journal.place(base.section("keyframe"), key)
             if (other := others.get(key.get("name"))) is not None:
                 message = f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name"
                 span = base.origins.span(other, base.file, "name")

@@ -27,6 +27,7 @@ from mjcompose.plan.steps import AngleContext, AngleSettings, AppendElement, Set
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import Mapping as Located, Scalar, find, locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.edit import unresolved
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
@@ -171,7 +172,7 @@ def make_node(element: RecipeElement, kind: ElementType, making: ElementBuilder)
         parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
         node = etree.fromstring(element.xml, parser)
         for name, value in element.attributes.items():
-            node.set(name, to_text(kind.attributes[name], value))
+            journal.write(node, name, to_text(kind.attributes[name], value))
         scalar = find(making.document, (*element.at, "xml"))
         line = scalar.span.line if isinstance(scalar, Scalar) else 0
         _read_fragment(node, element, kind, making=making, line=line)
@@ -181,7 +182,7 @@ def make_node(element: RecipeElement, kind: ElementType, making: ElementBuilder)
     _set_attributes(node, element, kind, making=making)
     for child in element.children:
         if child.tag in kind.children:
-            node.append(make_node(child, kind.children[child.tag], making))
+            journal.place(node, make_node(child, kind.children[child.tag], making))
     return node
 
 
@@ -206,7 +207,7 @@ def update_node(node: Node, element: RecipeElement, kind: ElementType, making: E
         child_kind = kind.children[child.tag]
         if (existing := next(node.iterchildren(child.tag), None)) is None:
             made = make_node(child, child_kind, making)
-            node.append(made)
+            journal.place(node, made)
             making.place(made)
         else:
             update_node(existing, child, child_kind, making=making)
@@ -223,7 +224,7 @@ def _set_attribute(
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
         inner = turned(angle, making.angle_settings_of(element, name), making.model_angle)
-        node.set(name, numbers.text([*map(float, axis), inner]))
+        journal.write(node, name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
         # The `range` of a hinge is an angle, the `range` of a slide a length: in degrees MuJoCo 4.0 compiles
         # `range="0 90"` to 0 1.5708 and to 0 90.
@@ -235,7 +236,7 @@ def _set_attribute(
         in_degrees = is_in_degrees(str(node.tag), name)
         if not in_degrees and (angle := first_angle(value)) is not None:
             making.of_targets.append((node, attribute, angle, making.span(element, name)))
-        node.set(name, to_text(attribute, _plain(value, "degree" if in_degrees else "radian")))
+        journal.write(node, name, to_text(attribute, _plain(value, "degree" if in_degrees else "radian")))
 
 
 def _set_euler(node: Node, element: RecipeElement, name: str, value: object, making: ElementBuilder) -> None:
@@ -244,11 +245,12 @@ def _set_euler(node: Node, element: RecipeElement, name: str, value: object, mak
     angles = [turned(angle, settings, making.model_angle) for angle in value]
     # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
     if settings.eulerseq == making.model_eulerseq:
-        node.set(name, numbers.text(angles))
+        journal.write(node, name, numbers.text(angles))
     elif node.tag != "replicate":
-        node.set("quat", numbers.text(quat_from_euler([turned(angle, settings) for angle in value], settings.eulerseq)))
+        radians = [turned(angle, settings) for angle in value]
+        journal.write(node, "quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
     elif (moved := in_sequence(angles, settings.eulerseq, making.model_eulerseq)) is not None:
-        node.set(name, numbers.text(moved))
+        journal.write(node, name, numbers.text(moved))
     else:
         sequences = f"in the sequence `{settings.eulerseq}`, the model reads `{making.model_eulerseq}`"
         message = f"`{name}` of a `replicate` turns about several axes {sequences}"
@@ -268,7 +270,7 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         settings = making.angle_settings_of(element, name)
         as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
         as_angle = numbers.text([turned(v, settings, unit, radians=radians) for v in values])
-        node.set(name, as_angle if angular else as_length)
+        journal.write(node, name, as_angle if angular else as_length)
         angles = [v for v in values if isinstance(v, Angle)]
         in_class = next(node.iterancestors("default"), None) is not None
         if in_class and (as_angle != as_length or angles):
@@ -351,7 +353,7 @@ def _read_fragment(node: Node, element: RecipeElement, kind: ElementType, making
     making.fragments[node] = line + (line_of(node) or 1)
     for name, value in values.items():
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
-            del node.attrib[name]
+            journal.drop(node, name)
         _set_attribute(node, own, kind.attributes[name], value=value, making=making)
     for name in written:
         if kind.attributes[name].is_interval:
@@ -379,7 +381,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
             span = making.span(step.element, "parent")
             making.sink.add(unresolved(linking, "default", str(step.parent), span=span, written="parent: {}"))
         else:
-            parent.append(node)
+            journal.place(parent, node)
         linking.names.declared.setdefault("default", {})[name] = node
         making.origins.own(node, step.span)
     elif step.parent is not None:
@@ -394,7 +396,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
         if (existing := next(node.iterchildren(child.tag), None)) is None:
             # A class's own settings come before the classes nested in it.
             setting = make_node(child, kind, making)
-            node.insert(len(node) - len(list(node.iterchildren("default"))), setting)
+            journal.place(node, setting, len(node) - len(list(node.iterchildren("default"))))
             making.register(setting, "default")
         else:
             update_node(existing, child, kind, making=making)
@@ -416,14 +418,14 @@ def append_element(step: AppendElement, linking: Linking, making: ElementBuilder
         # All instances of a plugin are in one element, whichever part declares them.
         existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
         if existing is not None:
-            existing.extend(list(node))
+            journal.place_all(existing, node)
             for instance in existing:
                 if instance in making.made:
                     making.register(instance, step.section)
             return
     if linking.base_class is not None and node.get("class") is None and _has_class(child, linking):
-        node.set("class", linking.base_class)
-    section.append(node)
+        journal.write(node, "class", linking.base_class)
+    journal.place(section, node)
     making.register(node, step.section)
 
 

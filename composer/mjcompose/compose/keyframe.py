@@ -33,6 +33,7 @@ from mjcompose.plan.steps import WriteKeyframe
 from mjcompose.sources.context import Context
 from mjcompose.text.expression import Angle
 from mjcompose.text.node import find, locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import through_frames
 from mjcompose.tree.names import may_be_generated, word
 from mjcompose.tree.pattern import BadPattern, is_pattern
@@ -661,7 +662,7 @@ class _PoseHolder(Struct):
             self.making.sink.warning("not-held", message, self.span(), help=help)
 
     def _set(self, vector: str, row: list[Number]) -> None:
-        self.key.set(vector, " ".join(texts(row)))
+        journal.write(self.key, vector, " ".join(texts(row)))
         record = self.linking.base.origins.keys.get(self.key)
         if record is not None:
             record.numbers[vector] = row

@@ -36,6 +36,7 @@ from mjcompose.sources.context import Context
 from mjcompose.sources.reference import CompilerSettings, Source
 from mjcompose.sources.ros import UrdfChoices
 from mjcompose.text.node import Mapping as Located, locate
+from mjcompose.tree import journal
 from mjcompose.tree.files import file_attributes, join, written_path
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.parse import all_admitted, parse_file
@@ -336,7 +337,7 @@ class InnerModels(Struct, frozen=False):
             file = str(inner.get("file") or "")
             start = file.removesuffix(".xml") + "/"
             taken.update({path: data for path, data in sub.contents.items() if path == file or path.startswith(start)})
-            inner.set("file", f"{label}/{file}")
+            journal.write(inner, "file", f"{label}/{file}")
         for each, attribute, name in list(file_attributes(sub.root)):
             written = written_path(sub.settings, each, name)
             source = sub.contents.get(written)
@@ -353,10 +354,10 @@ class InnerModels(Struct, frozen=False):
             set_path(each, attribute, f"{label}/{path}", name)
         for compiler in sub.root.iterchildren("compiler"):
             for name in (*FOLDERS, "strippath"):
-                compiler.attrib.pop(name, "")
+                journal.drop(compiler, name)
         contents.update({f"{folder}/{path}": data for path, data in taken.items()})
         contents[f"{folder}.xml"] = write(sub.root)
         if not element.get("name"):  # MuJoCo reads it from the file
-            element.set("name", sub.model)
-        element.set("file", f"{folder}.xml")
+            journal.write(element, "name", sub.model)
+        journal.write(element, "file", f"{folder}.xml")
         unit.origins.texts.update(sub.origins.texts)

@@ -12,7 +12,6 @@ from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Path, Span
@@ -28,6 +27,7 @@ from mjcompose.plan.plan import AttachPart, Plan, part_name
 from mjcompose.plan.steps import DrawValues, EditElements, SetCollisions, Step, WriteKeyframe
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of
 
 if TYPE_CHECKING:
@@ -80,7 +80,8 @@ def mirror_keys(
         for key, rows in zip(keys_of(other), answer.value["keys"], strict=True):
             kept = {name: str(key.get(name)) for name in ("name", "time") if key.get(name)}
             kept |= {vector: text(rows[vector]) for vector in VECTORS if key.get(vector)}
-            twin = etree.SubElement(section, "key", kept)
+            twin = section.makeelement("key", kept)
+            journal.place(section, twin)
             unit.origins.own(twin, span)
             _carry_holds(other, key, unit, twin, span)
         notes.note_source(unit)
@@ -151,7 +152,7 @@ def scattered(
     compiler = model.section("compiler")
     for name in ("boundmass", "boundinertia"):  # a free body needs a mass
         if not compiler.get(name):
-            compiler.set(name, "1e-9")
+            journal.write(compiler, name, "1e-9")
     with nullcontext(session) if session else engine.Session() as own:
         if not keep_finished(model, context, own):
             return None

@@ -25,6 +25,7 @@ from mjcompose.link.files import ASSETS
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import FileUse
 from mjcompose.link.numbers import read_pose
+from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS, childclass_of, own
 from mjcompose.tree.edit import assign, changing, referrers
 from mjcompose.tree.files import written_path
@@ -54,21 +55,21 @@ def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping
     unit = editing.linking.base
     content = to_obj(shape)
     for attribute in (*_NEUTRAL, "content_type", "vertex", "normal", "texcoord", "face", "builtin", "params"):
-        mesh.attrib.pop(attribute, "")
+        journal.drop(mesh, attribute)
     for attribute, neutral in _NEUTRAL.items():
         if (editing.effective(mesh, attribute) or neutral).split() != neutral.split():
-            mesh.set(attribute, neutral)
+            journal.write(mesh, attribute, neutral)
     linking.files = [use for use in linking.files if use.element is not mesh]
     # The key makes the name differ from every file that the model has.
     if editing.own:
         file = portable_step(f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj")
-        mesh.set("file", file)
+        journal.write(mesh, "file", file)
         unit.contents = {**unit.contents, written_path(unit.settings, mesh, file): content}
         return
     *names, last = [_FILE_NAME.sub("_", each) for each in name.split("/")]
     folders = filter(None, (each.strip(".") for each in names))
     path = portable_path("/".join([ASSETS, *folders, f"{last}.{key[:8]}.obj"]))
-    mesh.set("file", path)
+    journal.write(mesh, "file", path)
     linking.files.append(FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content))
 
 
@@ -157,7 +158,7 @@ def _collision_result(
         suffix = _SUFFIXES.get(job.method, shape["type"])
         end = f"_{suffix}{number:0{len(str(len(shapes) - 1))}d}" if many else f"_{suffix}"
         geom = node.makeelement("geom")
-        geom.set("name", _free(editing, "geom", f"{name_of(node) or mesh_name}{end}"))
+        journal.write(geom, "name", _free(editing, "geom", f"{name_of(node) or mesh_name}{end}"))
         if shape["type"] == "mesh":
             if (known := meshes.get((job.key, number))) is None:
                 known = meshes[job.key, number] = _new_mesh(editing, job, f"{mesh_name}{end}", shape=shape, at=at)
@@ -170,7 +171,7 @@ def _collision_result(
     parent = node.getparent()
     assert parent is not None
     for index, geom in enumerate(geoms, parent.index(node) + 1):
-        parent.insert(index, geom)
+        journal.place(parent, geom, index)
         _leave_out(editing, geom)
         editing.making.origins.own(geom, editing.span(at))
         editing.note(geom)
@@ -184,21 +185,20 @@ def _collision_result(
 def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
     """Write the attributes of a new geom, except for those that depend on its class."""
     if old.get("class"):
-        geom.set("class", str(old.get("class")))
-    for name, text in given.items():
-        geom.set(name, text)
+        journal.write(geom, "class", str(old.get("class")))
+    journal.write_all(geom, given)
     if pose.pos != ORIGIN:
-        geom.set("pos", numbers.text(pose.pos))
+        journal.write(geom, "pos", numbers.text(pose.pos))
     if pose.quat != IDENTITY_QUAT:
-        geom.set("quat", numbers.text(pose.quat))
+        journal.write(geom, "quat", numbers.text(pose.quat))
     contype, conaffinity = (int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity"))
     if not contype and not conaffinity:
         contype = conaffinity = 1  # the old geom was only visible; the new geoms collide as MuJoCo's geoms do
-    geom.set("contype", str(contype))
-    geom.set("conaffinity", str(conaffinity))
-    geom.set("group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
-    geom.set("mass", "0")
-    geom.attrib.update({name: str(old.get(name)) for name in _TAKEN if old.get(name)})
+    journal.write(geom, "contype", str(contype))
+    journal.write(geom, "conaffinity", str(conaffinity))
+    journal.write(geom, "group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
+    journal.write(geom, "mass", "0")
+    journal.write_all(geom, {name: str(old.get(name)) for name in _TAKEN if old.get(name)})
 
 
 def _leave_out(editing: Editing, geom: Node) -> None:
@@ -206,15 +206,15 @@ def _leave_out(editing: Editing, geom: Node) -> None:
     classes = editing.classes
     childclass = childclass_of(geom)
     if geom.get("pos") is None and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3:
-        geom.set("pos", "0 0 0")
+        journal.write(geom, "pos", "0 0 0")
     if geom.get("quat") is None and _orientation(editing, geom) is not None:
-        geom.set("quat", "1 0 0 0")
+        journal.write(geom, "quat", "1 0 0 0")
     if (editing.effective(geom, "fluidshape") or "none") != "none":
-        geom.set("fluidshape", "none")
+        journal.write(geom, "fluidshape", "none")
     for name in ("contype", "conaffinity"):
-        text = geom.attrib.pop(name)
-        if int(float(editing.effective(geom, name) or 1)) != int(str(text)):
-            geom.set(name, text)
+        text = str(journal.drop(geom, name))
+        if int(float(editing.effective(geom, name) or 1)) != int(text):
+            journal.write(geom, name, text)
 
 
 def _pose(editing: Editing, node: Node) -> Pose:
@@ -240,10 +240,10 @@ def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any
     section = job.node.getparent()
     assert section is not None
     mesh = section.makeelement("mesh", {"name": free})
-    section.append(mesh)
+    journal.place(section, mesh)
     write_file(editing, mesh, free, key=job.key, shape=shape)
     # A thin piece has too little volume for MuJoCo's inertia; the geoms have no mass anyway.
-    mesh.set("inertia", "shell")
+    journal.write(mesh, "inertia", "shell")
     editing.making.origins.own(mesh, editing.span(at))
     editing.note(mesh)
     return free
@@ -318,7 +318,7 @@ def _simplify_result(editing: Editing, job: MeshJob, result: Mapping[str, Any], 
     if len(shape["faces"]) < result["mesh"]["faces"]:
         with changing(editing, mesh):
             if not mesh.get("name"):
-                mesh.set("name", name)
+                journal.write(mesh, "name", name)
             write_file(editing, mesh, name, key=job.key, shape=shape)
         editing.write(mesh, {"file": at})
     return MeshResult(mesh, mesh, (), about=about)

@@ -36,6 +36,7 @@ from mjcompose.text.expression import (
     written as as_written,
 )
 from mjcompose.text.node import Scalar, find, is_template, locate
+from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of, own
 from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import Attribute
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 
 def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
     """Report the fault with the place of the element, `it`, and raise `UnusableValue`, which ends the entry."""
-    notes = fault.all_notes()
+    notes: list[Note] = fault.all_notes()
     if fault.code != "bare-angle":  # the place of the element does not matter for a number without a unit
         notes.append(Note(f"{it or editing.called(node)} is written here", editing.span_of(node)))
     span = editing.span(fault.at, key=fault.key)
@@ -472,7 +473,7 @@ class Masses:
         # The moments follow the mass, as if the same body were of another material.
         for name in _OF_INERTIAL:
             if text := inertial.get(name):
-                inertial.set(name, numbers.text(factor * each for each in numbers.read(str(text))))
+                journal.write(inertial, name, numbers.text(factor * each for each in numbers.read(str(text))))
         self.editing.write(inertial, dict.fromkeys(_OF_INERTIAL, at))
 
     def _scale_geom(self, geom: Node, factor: float, at: Path) -> None:
@@ -487,7 +488,7 @@ class Masses:
             density = classes.effective(geom, childclass, "density")
             name = "density"
             value = _DENSITY if density is None else numbers.read(density)[0]
-        geom.set(name, numbers.text([factor * value]))
+        journal.write(geom, name, numbers.text([factor * value]))
         self.editing.write(geom, {name: at})
 
     def _report_no_mass(self, body: Node, at: Path) -> NoReturn:

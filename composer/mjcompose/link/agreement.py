@@ -17,6 +17,7 @@ from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking, Part, shown_name
 from mjcompose.link.settings import merge_sizes, model_autolimits
+from mjcompose.tree import journal
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.files import file_attributes
 from mjcompose.tree.grammar import GRAMMAR
@@ -117,9 +118,9 @@ def set_value(unit: Unit, path: str, value: str) -> Node:
         child = next(element.iterchildren(tag), None)
         if child is None:
             child = element.makeelement(tag)
-            element.append(child)
+            journal.place(element, child)
         element = child
-    element.set(name, value)
+    journal.write(element, name, value)
     return element
 
 
@@ -400,9 +401,9 @@ def passthrough(linking: Linking) -> None:
         help = "set it in all of them, or in none"
         linking.sink.error("compiler-setting", message, linking.span(unit, compiler, _NAME), notes=notes, help=help)
     for compiler in linking.base.root.iterchildren("compiler"):
-        compiler.attrib.pop(_NAME, "")
+        journal.drop(compiler, _NAME)
     if asking:
-        linking.base.section("compiler").set(_NAME, "textures")
+        journal.write(linking.base.section("compiler"), _NAME, "textures")
 
 
 def _wants_passthrough(unit: Unit) -> bool:

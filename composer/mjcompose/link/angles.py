@@ -25,6 +25,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import normalize, quat_from_euler
 from mjcompose.link import numbers
 from mjcompose.link.linking import Flex, Linking
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
 from mjcompose.tree.grammar import GRAMMAR, to_text
 from mjcompose.tree.unit import Unit
@@ -61,15 +62,15 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
                 _replicate(linking, unit, element, values=values, sequence=sequence, to_radians=to_radians)
             elif own != sequence:
                 radians = [numbers.orientation_radians(v) for v in values] if degrees else values
-                del element.attrib["euler"]
-                element.set("quat", numbers.text(quat_from_euler(radians, own)))
+                journal.drop(element, "euler")
+                journal.write(element, "quat", numbers.text(quat_from_euler(radians, own)))
             elif to_radians:
-                element.set("euler", numbers.text(map(numbers.orientation_radians, values)))
+                journal.write(element, "euler", numbers.text(map(numbers.orientation_radians, values)))
         axisangle = element.get("axisangle")
         if to_radians and axisangle is not None and axisangle.strip():
             *axis, angle = axisangle.split()
             turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
-            element.set("axisangle", " ".join([*axis, turned]))
+            journal.write(element, "axisangle", " ".join([*axis, turned]))
 
 
 def _replicate(
@@ -89,7 +90,7 @@ def _replicate(
             linking.sink.error("compiler-setting", message, linking.span(unit, element), help=help)
             return
         values = moved
-    element.set("euler", numbers.text(values))
+    journal.write(element, "euler", numbers.text(values))
 
 
 def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float] | None:
@@ -125,7 +126,7 @@ def _joints(unit: Unit) -> None:
     for element, attribute in angles:
         value = str(element.get(attribute) or "")
         if value.strip():
-            element.set(attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
+            journal.write(element, attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
 
 
 _Place: TypeAlias = tuple[Node, str]
@@ -185,7 +186,7 @@ def _settle_classes(users: _Users) -> list[_Place]:
             continue
         for joint, is_angle in takers:
             if is_angle:
-                joint.set(attribute, str(writer.get(attribute)))
+                journal.write(joint, attribute, str(writer.get(attribute)))
                 angles.append((joint, attribute))
     return angles
 
@@ -252,11 +253,11 @@ def keep_in_main(linking: Linking, top: Node) -> None:
         joint = next(wrapped.iterchildren("joint"), None)
         if joint is None:
             joint = wrapped.makeelement("joint")
-            wrapped.insert(0, joint)
+            journal.place(wrapped, joint, 0)
         for name, value in undo_settings(kept).items():
             if written(joint, name) is None:
-                joint.set(name, value)
-    top.insert(0, top.makeelement("joint", linking.notes.main_joint))
+                journal.write(joint, name, value)
+    journal.place(top, top.makeelement("joint", linking.notes.main_joint), 0)
 
 
 def undo_settings(given: Mapping[str, str]) -> dict[str, str]:

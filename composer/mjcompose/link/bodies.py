@@ -20,6 +20,7 @@ from mjcompose.link.linking import Linking, Part, SensorBody
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import original_of
 from mjcompose.link.settings import is_leaf
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.edit import attached_notes
@@ -134,7 +135,7 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
     world = linking.base.section("worldbody")
     hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
     if hung != sorted(hung, key={node: at for at, node in enumerate(world)}.__getitem__):
-        world.extend(hung)
+        journal.place_all(world, hung)
 
 
 def _report_ring(linking: Linking, waiting: list[Part]) -> None:
@@ -257,10 +258,10 @@ class _PartAttachment:
         frame = self.parent.makeelement("frame", {**self.pose, "childclass": part.top_class})
         self._move_world(frame)
         if next(frame.iterchildren("*"), None) is not None:
-            self.parent.append(frame)
+            journal.place(self.parent, frame)
             part.content = frame
         else:
-            self.parent.extend(list(frame))  # comments of a part without bodies
+            journal.place_all(self.parent, frame)  # comments of a part without bodies
             part.content = self.parent
         if moves:
             _bound_mass(self.linking, self.parent)
@@ -331,7 +332,7 @@ class _PartAttachment:
         """Create an element. `written` has the places of its attributes in the recipe."""
         origins = self.linking.base.origins
         child = self.parent.makeelement(tag, dict(attributes))
-        self.parent.append(child)
+        journal.place(self.parent, child)
         if self.part.span is not None:
             origins.own(child, self.part.span)
         if written:
@@ -343,9 +344,9 @@ class _PartAttachment:
         part = self.part
         body = self._enter("body", {"name": part.prefix} if part.prefix else {})
         if part.mocap:
-            body.set("mocap", "true")
+            journal.write(body, "mocap", "true")
         if any(flex.part is part for flex in linking.notes.flexes):
-            body.set("childclass", part.top_class)
+            journal.write(body, "childclass", part.top_class)
         for joint in part.joints:
             undone = undo_settings(linking.notes.main_joint) if joint.tag == "joint" else {}
             added = self._add(joint.tag, {**undone, **joint.attributes}, joint.written)
@@ -363,14 +364,14 @@ class _PartAttachment:
         site = self._add("site", {"name": sense.name})
         # The classes of the place are for other sites.
         if self.linking.base.classes.give("site", *_GIVEN):
-            site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
+            journal.write_all(site, {"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
         made = [("body", sense.name, body), ("site", sense.name, site)]
         section = unit.section("sensor")
         for tag, name in reversed(sense.sensors):
             sensor = section.makeelement(tag, {"name": name, "site": sense.name})
             if sense.cutoff:
-                sensor.set("cutoff", sense.cutoff)
-            section.insert(0, sensor)
+                journal.write(sensor, "cutoff", sense.cutoff)
+            journal.place(section, sensor, 0)
             unit.origins.own(sensor, sense.span)
             made.append(("sensor", name, sensor))
         for kind, name, node in made:
@@ -395,13 +396,14 @@ class _PartAttachment:
             if owner is not None:  # it was included from another file
                 for child in worldbody:
                     unit.origins.owners.setdefault(child, owner)
-            frame.extend([*above(worldbody, unit.header), *worldbody])
-            unit.root.remove(worldbody)
+            journal.place_all(frame, [*above(worldbody, unit.header), *worldbody])
+            journal.remove(worldbody)
+            journal.note_source(self.linking.base.section("worldbody"), worldbody)
         # The comments at the top of a file are written once, above the first part that is made of it.
         first = next(each for each in self.linking.parts if each.unit.file == unit.file)
         if unit.header and first is self.part:
             for comment in reversed(unit.header):
-                frame.insert(0, comment)
+                journal.place(frame, comment, 0)
 
 
 def _bound_mass(linking: Linking, body: Node) -> None:
@@ -410,7 +412,7 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     moment = linking.base.settings.boundinertia
     if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
-        body.insert(0, body.makeelement("inertial", inertial))
+        journal.place(body, body.makeelement("inertial", inertial), 0)
 
 
 def _aligned_by(linking: Linking, mount: Node) -> Node | None:

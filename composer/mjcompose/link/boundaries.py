@@ -18,6 +18,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note
 from mjcompose.link.expansion import Crossing, Expansion, Name, OutsideElement, names_of_copies
 from mjcompose.link.linking import Linking, shown_name
+from mjcompose.tree import journal
 from mjcompose.tree.names import WORLD, declaration, own_references, word
 from mjcompose.tree.unit import Unit
 
@@ -108,7 +109,7 @@ def _write_out(linking: Linking, element: Node, rows: list[OutsideElement]) -> N
     holder = element.getparent()
     assert holder is not None
     at = holder.index(element)
-    holder.remove(element)
+    journal.remove(element)
     namespace, name = declaration(element, rows[0].section) or ("", "")
     declared = linking.names.declared.setdefault(namespace, {}) if name else {}
     declared.pop(name, None)
@@ -117,15 +118,16 @@ def _write_out(linking: Linking, element: Node, rows: list[OutsideElement]) -> N
         for old, new in zip(element.iter("*"), made.iter("*"), strict=True):
             if (owner := base.origins.owners.get(old)) is not None:
                 base.origins.owners[new] = owner
+            journal.note_source(new, old)
             _refer_to_copies(new, row)
         if row.name:
-            made.set("name", row.name)
+            journal.write(made, "name", row.name)
             declared[row.name] = made
-        holder.insert(at + number, made)
+        journal.place(holder, made, at + number)
 
 
 def _refer_to_copies(node: Node, row: OutsideElement) -> None:
     for attribute, namespace, name, _ in own_references(node, row.section):
         copied: Name | None = row.references.get((namespace, name))
         if copied is not None:
-            node.set(attribute, copied[1])
+            journal.write(node, attribute, copied[1])

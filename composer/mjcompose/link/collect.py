@@ -14,7 +14,7 @@ from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
 from mjcompose.link.linking import FileUse
-from mjcompose.tree import xml_faults
+from mjcompose.tree import journal, xml_faults
 from mjcompose.tree.files import NAMED_AFTER_FILE, in_archive, stem
 from mjcompose.tree.unit import Unit
 
@@ -47,8 +47,8 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
         if (path := paths[use.path]) is None or path == use.path:
             continue
         if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
-            use.element.set("name", stem(use.path))
-        use.element.set(use.attribute, path)
+            journal.write(use.element, "name", stem(use.path))
+        journal.write(use.element, use.attribute, path)
     return files
 
 

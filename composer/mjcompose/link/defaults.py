@@ -23,6 +23,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.link.angles import in_world, keep_in_main
 from mjcompose.link.expansion import actuators_in_order, element_of
 from mjcompose.link.linking import Linking, shown_name
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, Classes, DefaultClass, says_something
 from mjcompose.tree.grammar import GRAMMAR
 from mjcompose.tree.parse import above
@@ -60,9 +61,9 @@ def defaults(linking: Linking) -> None:
         _claim_sections(part.unit, part.top_class, own)
         for section in list(part.unit.root.iterchildren("default")):
             for wrapped in list(section):
-                top.append(wrapped)
+                journal.place(top, wrapped)
                 linking.base.origins.own(wrapped, part.unit.origins.owner(section, part.unit.file))
-            part.unit.root.remove(section)
+            journal.remove(section)
     keep_in_main(linking, top)
     base.forget_classes()
 
@@ -113,18 +114,18 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
     for at, section in enumerate(sections):
         last = at == len(sections) - 1
         wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
-        wrapped.extend([*(above(section, unit.header) if unit is not linking.base else ()), *section])
+        journal.place_all(wrapped, [*(above(section, unit.header) if unit is not linking.base else ()), *section])
         # The top class can only be called `main` ("cannot be renamed" in MuJoCo 4.0), and a nested one has to have a
         # name ("empty class name").
-        section.attrib.pop("class", "")
+        journal.drop(section, "class")
         if outer is None:
-            section.append(wrapped)
+            journal.place(section, wrapped)
         else:
             # The settings of a later section do not reach the classes of an earlier one: MuJoCo 4.0 copies the parent
             # when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
             # <default><geom size=".2"/></default>` the class `c` has size 0.1.
-            outer.append(wrapped)
-            root.remove(section)
+            journal.place(outer, wrapped)
+            journal.remove(section)
         outer = wrapped
     assert outer is not None
     linking.names.declared.setdefault("default", {}).setdefault(name, outer)
@@ -144,7 +145,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
                 continue
             for element in section.iterchildren(*tags):
                 if element.get("class") is None:
-                    element.set("class", name)
+                    journal.write(element, "class", name)
 
 
 def _claim_world(unit: Unit, name: str) -> None:
@@ -155,9 +156,9 @@ def _claim_world(unit: Unit, name: str) -> None:
             tag = element.tag
             if tag in NESTED:
                 if not element.get("childclass"):
-                    element.set("childclass", name)
+                    journal.write(element, "childclass", name)
             elif tag in _TREE and element.get("class") is None:
-                element.set("class", name)
+                journal.write(element, "class", name)
 
 
 # All tags of actuators share one row of a class in MuJoCo 4.0: after `<default><position kp="50"/></default>` a
@@ -203,8 +204,8 @@ def top_level_defaults(linking: Linking) -> None:
                 there = _gains(linking, unit, wrap=True)
                 suspects = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
                 for suspect in suspects:
-                    suspect.actuator.attrib.clear()
-                    suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
+                    journal.drop_all(suspect.actuator)
+                    journal.write_all(suspect.actuator, suspect.written)
                 if not suspects:
                     break
         for actuator, _, kind, later in suspects:
@@ -294,7 +295,7 @@ def _write(unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, st
         settings = [None if level is None else level.lookup(tag, name) for level in (alone, there)]
         value, other = (default_text(attribute) if setting is None else setting[0] for setting in settings)
         if value is not None and value != other:
-            actuator.set(name, value)
+            journal.write(actuator, name, value)
 
 
 def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:

@@ -8,6 +8,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking
+from mjcompose.tree import journal
 
 _STEP = 0.002
 """MuJoCo's default time step, in seconds."""
@@ -40,5 +41,5 @@ def delays(linking: Linking) -> None:
         if actuator.getroottree().getroot() is not unit.root or actuator.get("nsample") != text or not delay:
             continue
         samples = str(samples_in(numbers.read(str(delay))[0], step)) if step > 0 else text
-        actuator.set("nsample", samples)
+        journal.write(actuator, "nsample", samples)
         unit.origins.delays[actuator] = samples

@@ -15,7 +15,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.naming import portable_path, portable_step
-from mjcompose.link.linking import FileUse, Linking, detach
+from mjcompose.link.linking import FileUse, Linking
+from mjcompose.tree import journal
 from mjcompose.tree.edit import BadSkin, rename_bones
 from mjcompose.tree.files import (
     NAMED_AFTER_FILE,
@@ -78,7 +79,7 @@ def _merge(
     merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
     meanings = _Meanings(model, uses, merged, reads_files=copies is None)
     lengths = sorted({len(prefix) for prefix in prefixes}, reverse=True)
-    gone: set[Node] = set()
+    gone: dict[Node, None] = {}
     for kind in filter(kinds.__contains__, KINDS):
         kept: dict[Hashable, list[_KeptElement]] = {}
         for element in model.root.findall(f"asset/{kind}"):
@@ -99,11 +100,11 @@ def _merge(
             found = next((each for each in free if each.local == name.removeprefix(part)), free[0])
             found.parts.add(part)
             merged[kind][name] = found.name
-            gone.add(element)
+            gone[element] = None
     if gone:
         _redirect(model.root, merged)
     for element in gone:
-        detach(element)
+        journal.remove(element)
     names = {kind: names for kind, names in merged.items() if names}
     return names, tuple(use for use in uses if use.element not in gone)
 
@@ -194,7 +195,7 @@ def _redirect(root: Node, merged: Merged) -> None:
                         each = value.split() if kind == LISTS else [value]
                         new = " ".join(names.get(name, name) for name in each)
                         if new != value:
-                            element.set(key, new)
+                            journal.write(element, key, new)
 
 
 ASSETS = "assets"
@@ -233,7 +234,7 @@ def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Nod
                 continue
             alone: tuple[str, bytes | None] = (source, None)
             if taken.setdefault(path.lower(), alone) == alone:
-                element.set(attribute, path)
+                journal.write(element, attribute, path)
                 use(FileUse(element, attribute, path, source=source, content=None))
                 continue
         written = written_path(unit.settings, element, name)
@@ -256,8 +257,8 @@ def set_path(element: Node, attribute: str, path: str, written: str) -> None:
     """Give an element the new path of a file; an asset that MuJoCo names after the `written` path keeps that name."""
     is_named_after_file = element.tag in NAMED_AFTER_FILE and attribute == "file" and not element.get("name")
     if is_named_after_file and stem(written) != stem(path):
-        element.set("name", stem(written))
-    element.set(attribute, path)
+        journal.write(element, "name", stem(written))
+    journal.write(element, attribute, path)
 
 
 def readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:

@@ -20,9 +20,10 @@ from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import JOINTS
-from mjcompose.link.linking import Linking, Part, detach
+from mjcompose.link.linking import Linking, Part
 from mjcompose.link.measure import BODIES, GEOMS, NAMED, KeptSettings, Survey
 from mjcompose.link.numbers import pose_below
+from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own, through_frames, walk_bodies
 from mjcompose.tree.files import SourceSettings, stem
 from mjcompose.tree.grammar import GRAMMAR
@@ -62,7 +63,7 @@ def inertia(linking: Linking) -> None:
                         _write_no_mass(linking, unit, body)
                 elif inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
                     for inertial in inertials:
-                        detach(inertial)
+                        journal.remove(inertial)
 
 
 def _bodies(unit: Unit) -> list[Node]:
@@ -77,7 +78,7 @@ def _exclude_groups(unit: Unit, low: int, high: int) -> None:
             # The geom keeps its collisions and its looks: only a mass of 0 excludes it from the inertia. In MuJoCo 4.0
             # `inertiagrouprange="1 2"` leaves of two unit spheres in groups 0 and 1 the mass of one, 4188.79.
             if not low <= group <= high:
-                element.set("mass", "0")
+                journal.write(element, "mass", "0")
 
 
 def has_mass(geom: Node, classes: Classes) -> bool:
@@ -93,11 +94,12 @@ def has_mass(geom: Node, classes: Classes) -> bool:
 def _write_no_mass(linking: Linking, unit: Unit, body: Node) -> None:
     for geom in own(body, "geom"):
         if has_mass(geom, unit.classes):
-            geom.set("mass", "0")
+            journal.write(geom, "mass", "0")
     # For an inertia that is not set MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler
     # inertiafromgeom="false"/>` the `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
     pose = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
-    body.insert(0, body.makeelement("inertial", {"pos": "0 0 0", **pose, "mass": "0", "diaginertia": "0 0 0"}))
+    inertial = body.makeelement("inertial", {"pos": "0 0 0", **pose, "mass": "0", "diaginertia": "0 0 0"})
+    journal.place(body, inertial, 0)
     linking.notes.inertia_written.add(body)
 
 
@@ -131,14 +133,17 @@ def _write_measured(kept: KeptSettings, bodies: Iterable[Node], found: Survey) -
             return False
         written = own(body, "inertial")
         for inertial in written:
-            detach(inertial)
+            journal.remove(inertial)
         if not written:
             kept.linking.notes.inertia_written.add(body)
         # A body without mass and geoms needs no inertial. In a body with geoms, the inertial replaces theirs, as it
         # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
         if any(mass) or any(moments) or written or own(body, "geom"):
             values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
-            body.insert(0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()}))
+            inertial = body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()})
+            journal.place(body, inertial, 0)
+            for replaced in written:
+                journal.note_source(inertial, replaced)
     return True
 
 
@@ -181,14 +186,14 @@ def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> 
     if not frame.is_identity:
         pose = frame.inverse() @ pose
     for name in ("mesh", "fitscale", "fromto", *ORIENTATIONS):
-        geom.attrib.pop(name, "")
+        journal.drop(geom, name)
     # An empty text reverts the class: with `<default><geom mesh="m" type="mesh"/></default>` MuJoCo 4.0
     # compiles `<geom mesh="" type="sphere" size="1"/>` to a sphere without a mesh.
     if unit.classes.effective(geom, childclass_of(geom), "mesh"):
-        geom.set("mesh", "")
-    geom.set("size", numbers.text(size[:sizes]))
-    geom.set("pos", numbers.text(pose.pos))
-    geom.set("quat", numbers.text(pose.quat))
+        journal.write(geom, "mesh", "")
+    journal.write(geom, "size", numbers.text(size[:sizes]))
+    journal.write(geom, "pos", numbers.text(pose.pos))
+    journal.write(geom, "quat", numbers.text(pose.quat))
 
 
 def lengthranges(linking: Linking) -> None:
@@ -221,7 +226,7 @@ def lengthranges(linking: Linking) -> None:
                 limits = measured[2 * at : 2 * at + 2]
                 # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
                 if any(limits):
-                    actuator.set("lengthrange", numbers.text(limits))
+                    journal.write(actuator, "lengthrange", numbers.text(limits))
                 elif rules and _is_muscle(actuator):
                     why = "it leaves a muscle without a range"
                     message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {why}"
@@ -232,7 +237,7 @@ def lengthranges(linking: Linking) -> None:
                     )
                     break
             for rule in rules:
-                detach(rule)
+                journal.remove(rule)
 
 
 _MUSCLE_LAWS = (("gainprm", "gaintype"), ("biasprm", "biastype"))
@@ -278,9 +283,9 @@ def _write_force(actuator: Node, row: int, arrays: Mapping[str, list[float]]) ->
             continue
         parameters[_FORCE] = parameters[_SCALE] / acceleration
         if actuator.tag == "muscle":
-            actuator.set("force", numbers.text([parameters[_FORCE]]))
+            journal.write(actuator, "force", numbers.text([parameters[_FORCE]]))
         else:
-            actuator.set(name, numbers.text(parameters))
+            journal.write(actuator, name, numbers.text(parameters))
 
 
 def _is_muscle(actuator: Node) -> bool:
@@ -315,7 +320,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
             body = next((each for each in geom.iterancestors("body") if not found.is_gone(each)), None)
             if body is not None:
                 changed.add(body)
-            detach(geom)
+            journal.remove(geom)
     # With `discardvisual` MuJoCo 4.0 leaves out every material, also those of geoms that stay: `nmat` is 0 for
     # `<material name="m"/>` and `<geom size=".1" material="m"/>`.
     for section in unit.root.iterchildren("*"):
@@ -324,7 +329,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
     for section in unit.root.iterchildren("asset"):
         for asset in list(section.iterchildren(*_ASSETS)):
             if (asset.get("name") or stem(str(asset.get("file") or ""))) not in left[str(asset.tag)]:
-                detach(asset)
+                journal.remove(asset)
     return changed
 
 
@@ -334,11 +339,11 @@ def _remove_colors(section: Node) -> None:
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
             if kind in (REFERS, LISTS) and namespace in ("material", "texture") and name in element.attrib:
-                del element.attrib[name]
+                journal.drop(element, name)
                 if section.tag == "default" and not element.attrib:
-                    detach(element)
+                    journal.remove(element)
     for layer in list(section.iter("layer")):
-        detach(layer)
+        journal.remove(layer)
 
 
 def static_bodies(unit: Unit) -> list[Node]:
@@ -376,16 +381,16 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
 def _make_frame(body: Node, frames: set[str]) -> None:
     """Turn a body into a frame, which keeps its name if it is free, so parts can still be attached there."""
     for child in own(body, "inertial", "plugin"):
-        detach(child)
-    body.tag = "frame"
+        journal.remove(child)
+    journal.retag(body, "frame")
     known = GRAMMAR.element("frame").attributes
     for name in list(body.attrib):
         if name not in known:
-            del body.attrib[name]
+            journal.drop(body, name)
     name = str(body.get("name") or "")
     # A frame may have the name of a body. Two frames of one name are "repeated name" in MuJoCo 4.0.
     if name in frames:
-        del body.attrib["name"]
+        journal.drop(body, "name")
     elif name:
         frames.add(name)
 
@@ -408,11 +413,11 @@ def _own_elements_first(unit: Unit, parent: Node, fused: Collection[Node]) -> li
                 # The elements except the bodies get a frame of their own with the same pose.
                 attributes = {str(name): str(value) for name, value in child.items() if name != "name"}
                 other = child.makeelement("frame", attributes)
-                other.extend([each for each in child if each not in behind])
+                journal.place_all(other, [each for each in child if each not in behind])
                 if child in unit.origins.owners:
                     unit.origins.own(other, unit.origins.owners[child])
                 first.append(other)
-    parent.extend([*first, *inner])
+    journal.place_all(parent, [*first, *inner])
     return inner
 
 
@@ -443,7 +448,7 @@ def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -
     for body in bodies:
         weighty = [geom for geom in own(body, "geom") if has_mass(geom, unit.classes)]
         for geom in weighty:
-            geom.set("mass", "0")
+            journal.write(geom, "mass", "0")
         if weighty or own(body, "inertial"):
             heavy.append(body)
     if heavy:

@@ -14,9 +14,10 @@ from mjcompose.base.words import element_text
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy
 from mjcompose.link.key_layout import BLOCK, Holder, KeyLayout, Slot
-from mjcompose.link.linking import Linking, Part, detach, shown_name
+from mjcompose.link.linking import Linking, Part, shown_name
 from mjcompose.link.measure import KeyFiller
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
+from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.unit import (
     KeyRecord,
@@ -229,34 +230,36 @@ def keyframes(linking: Linking) -> None:
         return
     _check_kept(linking)
     for element in keys_of(linking.base):
-        detach(element)
+        journal.remove(element)
     if keys:
         measure_references_again(linking, final)
     reference = KeyFiller(linking)
     for key in keys.values():
-        linking.base.section("keyframe").append(_element(linking, key, final, reference=reference))
+        journal.place(linking.base.section("keyframe"), _element(linking, key, final, reference=reference))
 
 
 def _element(linking: Linking, key: KeyValues, final: KeyLayout, reference: KeyFiller) -> Node:
     element = linking.base.root.makeelement("key")
     if key.name:
-        element.set("name", key.name)
+        journal.write(element, "name", key.name)
     # Numbers that the recipe writes are newer than its edits. For those that it copies with `from`, see `keyframe.py`.
     is_newer = any(key is each for each in linking.keys.written)
     void = frozenset(reshaped_flexes(linking) | (set() if is_newer else linking.keys.void_keys))
     record = KeyRecord((key.element, *key.others), void=void)
     if key.time is not None:
-        element.set("time", key.time.text)
+        journal.write(element, "time", key.time.text)
         record.numbers["time"] = [key.time]
     # A row is written whole. MuJoCo 4.0 fills up a short one: of joints with `ref="1"` and `ref="2"`, `qpos="7"` means
     # 7 and the 2 degrees of the second, and a short `ctrl` ends in 0.
     for vector in VECTORS:
         if vector in key.values and (row := reference.row(vector, final, key.values[vector], void)):
-            element.set(vector, " ".join(texts(row)))
+            journal.write(element, vector, " ".join(texts(row)))
             record.numbers[vector] = row
     _check_copies(linking, key, reference)
     _warn_of_lost(linking, key, reference)
     linking.base.origins.keys[element] = record
+    for source in (key.element, *key.others):
+        journal.note_source(element, source)
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
     return element

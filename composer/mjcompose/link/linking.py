@@ -282,11 +282,6 @@ class FileUse(NamedTuple):
     shared: bool = True
 
 
-def detach(element: Node) -> None:
-    if (parent := element.getparent()) is not None:
-        parent.remove(element)
-
-
 def shown_name(element: Node) -> str:
     return f"`{element.get('name')}`" if element.get("name") else "without a name"
 

@@ -13,6 +13,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.suggest import unknown_name
 from mjcompose.link.linking import Linking, Part
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.names import (
@@ -101,7 +102,7 @@ class _UnitRenaming:
             if name not in own and not may_be_generated(name, unit.root):
                 self._report_dangling("key", name, element=element, own=own)
             elif name not in own or policy == "prefix":  # the former is of a model that MuJoCo attaches
-                element.set("objname", self.prefix + name)
+                journal.write(element, "objname", self.prefix + name)
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
                 message = f"a tuple refers to the key `{name}`, which `drop: [key]` drops"
                 help = "drop the tuple, too: `drop: [tuple]`"
@@ -188,11 +189,11 @@ class UnitNames:
                         self._rename_special(element, key, value, action=(kind, namespace))
                         continue
                     if kind == REFERS and value in outward:
-                        element.set(key, outward[value])
+                        journal.write(element, key, outward[value])
                         continue
                     if prefix:
                         value = prefix + value
-                        element.set(key, value)
+                        journal.write(element, key, value)
                     if kind == DECLARES:
                         self.declare(namespace, value, element)
                     else:
@@ -209,7 +210,7 @@ class UnitNames:
             if not element.get("name"):
                 name = self.prefix + stem(value)
                 if self.prefix:
-                    element.set("name", name)
+                    journal.write(element, "name", name)
                 self.declare(str(element.tag), name, element)
             return
         if kind == LISTS:
@@ -228,7 +229,7 @@ class UnitNames:
             elif target:
                 self.referred[target].setdefault(name, element)
         if name != value:
-            element.set(key, name)
+            journal.write(element, key, name)
 
 
 _NAMED_BY_FILE = -1
@@ -256,7 +257,7 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
     if prefix:
         for composite in unit.root.iter("composite"):
             if "prefix" not in composite.attrib:
-                composite.set("prefix", prefix)
+                journal.write(composite, "prefix", prefix)
     # No element declares these two. `world` is always the whole model's, and nothing else may have the name: `<body
     # name="world"/>` is a repeated name in MuJoCo 4.0. `main` is the unit's top class, which is wrapped.
     for namespace, reserved, final in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
@@ -264,5 +265,5 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
         if names.referred[namespace].pop(name, None) is not None and name != final:
             for section in unit.root.iterchildren("*"):
                 for element, key in users(section, namespace, name):
-                    element.set(key, final)
+                    journal.write(element, key, final)
     return names

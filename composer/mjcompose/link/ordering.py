@@ -19,6 +19,7 @@ from mjcompose.base.words import element_text
 from mjcompose.link.expansion import element_of, in_order, name_of_holder
 from mjcompose.link.key_layout import BLOCKS, JOINTS, joint_type, joints_in_order
 from mjcompose.link.unit_keys import keys_of
+from mjcompose.tree import journal
 from mjcompose.tree.classes import Classes
 from mjcompose.tree.unit import Unit
 
@@ -85,9 +86,7 @@ def _permute(nodes: Sequence[Node], ranks: Mapping[Node, float]) -> None:
         return
     marks = [etree.Comment("") for _ in nodes]
     for old, new in (*zip(nodes, marks, strict=True), *zip(marks, ordered, strict=True)):
-        parent = old.getparent()
-        assert parent is not None
-        parent.replace(old, new)
+        journal.exchange(old, new)
 
 
 def why_before(unit: Unit, kind: str, first: str, second: str) -> str:

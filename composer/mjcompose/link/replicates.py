@@ -24,6 +24,7 @@ from mjcompose.link.expansion import Name, copied_names, inner_first, names_of_c
 from mjcompose.link.key_layout import BLOCKS
 from mjcompose.link.linking import Linking, shown_name
 from mjcompose.link.numbers import orientation_radians
+from mjcompose.tree import journal
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.names import WORLD, NameIndex, declaration, naming_table
@@ -307,19 +308,21 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
             if (owner := unit.origins.owners.get(old)) is not None:
                 unit.origins.owners[new] = owner
             linking.notes.copied[new] = (old, (replicate, number))
-        made.tag = "frame"
-        made.attrib.clear()
+            if new is not made:
+                journal.note_source(new, old)
+        journal.retag(made, "frame")
+        journal.drop_all(made)
         if not pose.is_identity:
             # As a quaternion, since the model may read `euler` in another sequence, or in radians.
-            made.set("pos", numbers.text(pose.pos))
-            made.set("quat", numbers.text(pose.quat))
+            journal.write(made, "pos", numbers.text(pose.pos))
+            journal.write(made, "quat", numbers.text(pose.quat))
         # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for its contents, as of a `<frame>`.
         if replicate.get("childclass"):
-            made.set("childclass", str(replicate.get("childclass")))
+            journal.write(made, "childclass", str(replicate.get("childclass")))
         for node in made.iterdescendants("*"):
             for attribute, (_, namespace) in table.get(str(node.tag), {}).items():
                 name = node.get(attribute)
                 if name and (namespace, str(name)) in declared:
-                    node.set(attribute, f"{name}{end}")
-        holder.insert(at + number, made)
-    holder.remove(replicate)
+                    journal.write(node, attribute, f"{name}{end}")
+        journal.place(holder, made, at + number)
+    journal.remove(replicate)

@@ -18,7 +18,8 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.link.inertia import MEASURED
-from mjcompose.link.linking import Linking, MemoryRequest, detach
+from mjcompose.link.linking import Linking, MemoryRequest
+from mjcompose.tree import journal
 from mjcompose.tree.classes import through_frames, walk_bodies
 from mjcompose.tree.unit import Unit, line_of, set_line
 from mjcompose.tree.values import parse_int
@@ -44,15 +45,15 @@ def alignment(linking: Linking) -> None:
             continue
         for joint in unit.root.iter("freejoint"):
             if joint.get("align") in (None, "", "auto"):
-                joint.set("align", str(wanted).lower())
+                journal.write(joint, "align", str(wanted).lower())
         for joint, plain in list(_free_joints(unit)):
             # MuJoCo 4.0 knows `align` on `<freejoint>` only: `<joint type="free" align="true"/>` violates the schema.
             # But a `<freejoint/>` takes no joint defaults: its armature is 0 whatever they say.
             if plain:
-                joint.tag = "freejoint"
-                for name in set(joint.keys()) - {"name", "group"}:
-                    del joint.attrib[name]
-                joint.set("align", str(wanted).lower())
+                journal.retag(joint, "freejoint")
+                for name in [str(name) for name, _ in joint.items() if name not in ("name", "group")]:
+                    journal.drop(joint, name)
+                journal.write(joint, "align", str(wanted).lower())
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
     # The joints of attachments are in no tree yet.
@@ -124,7 +125,7 @@ def compiler(linking: Linking) -> None:
     line = next(map(line_of, settings), None)
     owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
     for element in settings:
-        root.remove(element)
+        journal.remove(element)
     _settle(written, linking)
     if not written and not children:
         return
@@ -133,10 +134,12 @@ def compiler(linking: Linking) -> None:
     if owner is not None:
         linking.base.origins.own(element, owner)
         set_line(element, line)
+    for replaced in settings:
+        journal.note_source(element, replaced)
     if at is None:
         linking.base.insert(element)
     else:
-        root.insert(at, element)
+        journal.place(root, element, at)
 
 
 def _settle(written: dict[str, str], linking: Linking) -> None:
@@ -158,9 +161,9 @@ def _append_once(element: Node, children: Iterable[Node]) -> None:
     for child in children:
         same = element.find(str(child.tag)) if isinstance(child.tag, str) else None
         if same is None:
-            element.append(child)
+            journal.place(element, child)
         else:
-            same.attrib.update(child.attrib)
+            journal.write_all(same, dict(child.items()))
 
 
 def model_autolimits(linking: Linking) -> str:
@@ -198,7 +201,7 @@ def _widen(linking: Linking, size: Node) -> None:
         if width >= 0:
             holders = (holder for unit in linking.units for holder in _with_user(unit, name))
             widths = (len(str(holder.get("user") or "").split()) for holder in holders)
-            size.set(name, str(max([width, *widths])))
+            journal.write(size, name, str(max([width, *widths])))
 
 
 def _remove_all_but_memory(linking: Linking, size: Node) -> None:
@@ -208,7 +211,7 @@ def _remove_all_but_memory(linking: Linking, size: Node) -> None:
         if own is None:
             continue
         span = linking.span(linking.base, size, name)
-        del size.attrib[name]
+        journal.drop(size, name)
         for part in linking.parts:
             for section in part.unit.root.iterchildren("size"):
                 if section.get(name) == own:
@@ -221,11 +224,11 @@ def _enlarge(linking: Linking, name: str, value: str) -> None:
     have = [str(size.get(name)) for size in linking.base.root.iterchildren("size") if size.get(name)]
     if name == "memory":
         if not have or bytes_of(value) > bytes_of(have[-1]):
-            linking.base.section("size").set(name, value)
+            journal.write(linking.base.section("size"), name, value)
     elif name in _LARGEST or name.startswith("nuser_"):
         largest = max(map(_count, (value, *have)))
         if largest >= 0:
-            linking.base.section("size").set(name, str(largest))
+            journal.write(linking.base.section("size"), name, str(largest))
 
 
 def _count(value: str) -> int:
@@ -284,15 +287,15 @@ def memory_size(linking: Linking) -> None:
     kept = [(size, dict(size.attrib)) for size in sizes]
     for size in sizes:
         for name in ROOM:
-            size.attrib.pop(name, "")
+            journal.drop(size, name)
     own = _measured(linking, unit)
     if written is None or own is None or own <= written:
         for size, attributes in kept:
-            size.attrib.update(attributes)
+            journal.write_all(size, attributes)
         return
     for size in sizes:
         if not size.attrib and not len(size):
-            detach(size)
+            journal.remove(size)
     first, *others = linking.notes.memory
     amount = f"{round(own / 2**20)}M"
     why = f"is {first.value}, which is too little for the whole model"

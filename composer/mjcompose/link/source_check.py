@@ -24,9 +24,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
-from mjcompose.link.linking import detach
 from mjcompose.link.settings import ROOM
 from mjcompose.mujoco.messages import unknown_attribute, unknown_element, version_of
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, version_key
 from mjcompose.tree.unit import Unit
@@ -75,12 +75,12 @@ class _Fault(Struct):
 
     def repair(self) -> None:
         if self.repaired is None:
-            detach(self.node)
+            journal.remove(self.node)
         for name, value in (self.repaired or {}).items():
             if value is None:
-                del self.node.attrib[name]
+                journal.drop(self.node, name)
             else:
-                self.node.set(name, value)
+                journal.write(self.node, name, value)
 
     @property
     def unknown(self) -> tuple[Node, str | None]:

@@ -31,6 +31,7 @@ from mjcompose.link.files import ASSETS, NamedFile, add_file, path_in_assets, re
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.link.unit_keys import remove_keys
+from mjcompose.tree import journal
 from mjcompose.tree.cost import NOTHING, Weight, expanded
 from mjcompose.tree.files import FromFolder, file_attributes, is_recipe, join, written_path
 from mjcompose.tree.mesh_cost import file_points, mesh_points
@@ -203,7 +204,7 @@ class _Bundler(Struct):
         # MuJoCo names a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
         # when the file gets another path.
         if not element.get("name"):
-            element.set("name", sub.model)
+            journal.write(element, "name", sub.model)
         path = self._free(f"{folder}/{portable_step(sub.label)}" + ("" if self.keyed else "-without-keys"), source)
         if not self.keyed:
             remove_keys(sub.root)
@@ -211,7 +212,7 @@ class _Bundler(Struct):
         self.linking.notes.attached[element] = sub.root
         sub.origins.own(sub.root, shown)
         unit.origins.adopt(sub.origins)  # to report a missing file at the element that names it
-        element.set("file", f"{path}.xml")
+        journal.write(element, "file", f"{path}.xml")
         use = FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
         self.linking.files.append(use)
 
@@ -244,7 +245,7 @@ class _Bundler(Struct):
             for each in chain([folder], (f"{folder}-{number}" for number in count(2)))
             if all(_same_bytes(taken.get(each + path, content), content) for path, content in files.items())
         )
-        element.set("file", free + file.removeprefix(folder))
+        journal.write(element, "file", free + file.removeprefix(folder))
         kept = files[file.removeprefix(folder)]
         if isinstance(kept, bytes) and (again := parse_held(unit, file, kept, sink=Sink())) is not None:
             self.linking.notes.attached[element] = again.root
@@ -283,11 +284,11 @@ class _Bundler(Struct):
             model_file = nested.get("file")
             if model_file:
                 self.bundle(sub, nested, model_file, folder=f"{path}/models", above=above)
-                nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
+                journal.write(nested, "file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
         # Its files are already named from its present place: MuJoCo would put the folders in front of that once more.
         for compiler in sub.root.iterchildren("compiler"):
             for name in FOLDERS:
-                compiler.attrib.pop(name, "")
+                journal.drop(compiler, name)
 
 
 def _without_keys(path: str, content: bytes | Path) -> bytes | Path:

@@ -17,8 +17,9 @@ from mjcompose.link.expansion import element_of
 from mjcompose.link.inertia import MEASURED, write_inertias
 from mjcompose.link.key_layout import Holder
 from mjcompose.link.keyframes import cut_row
-from mjcompose.link.linking import Linking, ModelMeasure, detach
+from mjcompose.link.linking import Linking, ModelMeasure
 from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
+from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of
 from mjcompose.tree.edit import attached_notes, bones, is_rod, twisted_by
 from mjcompose.tree.files import written_path
@@ -39,7 +40,7 @@ def drop_unneeded(unit: Unit) -> list[Name]:
     ]
     dropped = [(name, node) for name, node in supporting if node not in needed]
     for _, node in dropped:
-        detach(node)
+        journal.remove(node)
     _remove_empty_sections(unit, _SUPPORT)
     return [name for name, _ in dropped]
 
@@ -47,7 +48,7 @@ def drop_unneeded(unit: Unit) -> list[Name]:
 def _remove_empty_sections(unit: Unit, tags: Iterable[str]) -> None:
     for section in list(unit.root.iterchildren(*tags)):
         if next(section.iterchildren("*"), None) is None:
-            unit.root.remove(section)
+            journal.remove(section)
 
 
 def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
@@ -368,7 +369,7 @@ def _settle_mass(linking: Linking) -> None:
     write_inertias(linking, unit)
     for compiler in unit.root.iterchildren("compiler"):
         for setting in (*MEASURED, "inertiafromgeom", "inertiagrouprange"):
-            compiler.attrib.pop(setting, "")
+            journal.drop(compiler, setting)
     unit.forget_settings()
 
 
@@ -391,7 +392,7 @@ def _cut_in_the_tree(sides: SideFinder, unit: Unit, inside: list[Node]) -> Itera
             if side.outside and not side.inside:
                 yield _dropped(unit, element, "worldbody", lacks=side.lacks)
                 sides.leave(element)
-                detach(element)
+                journal.remove(element)
 
 
 def _dropped(unit: Unit, element: Node, section: str, lacks: str | None) -> DroppedElement:
@@ -411,23 +412,23 @@ def _make_root(unit: Unit, body: Node) -> None:
     # With the bodies and frames around it, the class in force goes.
     inherited = childclass_of(body)
     if inherited and not body.get("childclass"):
-        body.set("childclass", inherited)
+        journal.write(body, "childclass", inherited)
     owner = unit.origins.owner(body, unit.file)
     top = body
     while (frame := top.getparent()) is not None and frame.tag == "frame":
         for other in list(frame):
             if other is not top:
-                frame.remove(other)
+                journal.remove(other)
         top = frame
     worldbodies = list(unit.root.iterchildren("worldbody"))
     world = next(top.iterancestors("worldbody"))
     for other in worldbodies:
         if other is not world:
-            unit.root.remove(other)
-    detach(top)
+            journal.remove(other)
+    journal.remove(top)
     for other in list(world):
-        world.remove(other)
-    world.append(top)
+        journal.remove(other)
+    journal.place(world, top)
     unit.origins.own(top, owner)
 
 
@@ -452,7 +453,7 @@ def _drop_from_sections(unit: Unit, sides: SideFinder) -> Iterator[DroppedElemen
     needed = sides.needed_by(staying)
     for element, dropped in going:  # only now: the side of an element may depend on others
         if element not in needed:
-            detach(element)
+            journal.remove(element)
             yield dropped
     _remove_empty_sections(unit, SECTIONS)
 
@@ -463,19 +464,19 @@ def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:
     tag = str(section.tag)
     assert root is not None
     if section.attrib:
-        section.attrib.clear()
+        journal.drop_all(section)
         yield DroppedElement("setting", tag)
     for child in list(section):
         near = child.get("znear") if looks and child.tag == "map" else None
         if near is not None:  # the element itself, which knows its line
-            child.attrib.clear()
-            child.set("znear", near)
+            journal.drop_all(child)
+            journal.write(child, "znear", near)
             continue
-        section.remove(child)
+        journal.remove(child)
         if isinstance(child.tag, str):
             yield DroppedElement("setting", f"{tag}/{child.tag}")
     if not len(section):
-        root.remove(section)
+        journal.remove(section)
 
 
 _Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
@@ -484,9 +485,9 @@ _Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
     unit = linking.base
     for size in list(unit.root.iterchildren("size")):
-        size.attrib.pop("nkey", "")  # keys that say nothing
+        journal.drop(size, "nkey")  # keys that say nothing
         if not size.attrib:
-            unit.root.remove(size)
+            journal.remove(size)
     if policy == "none":
         remove_keys(unit.root)
     keys = keys_of(unit)
@@ -507,12 +508,12 @@ def _drop_from_keys(unit: Unit, rows: _Rows) -> Iterator[DroppedElement]:
         for vector, columns in vectors.items():
             row = [number for holder, numbers in columns.items() if element_of(holder) in staying for number in numbers]
             if row:
-                key.set(vector, " ".join(texts(row)))
+                journal.write(key, vector, " ".join(texts(row)))
                 record.numbers[vector] = row
             else:
-                del key.attrib[vector]
+                journal.drop(key, vector)
         unit.origins.keys[key] = record
         if not record.numbers:
-            detach(key)
+            journal.remove(key)
             yield DroppedElement("key", str(key.get("name") or ""))
     _remove_empty_sections(unit, ("keyframe",))

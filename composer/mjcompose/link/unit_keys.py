@@ -25,6 +25,7 @@ from mjcompose.link.expansion import Copy, element_of, ends_of_copies
 from mjcompose.link.key_layout import KeyLayout, Slot, Unknown, lay_out
 from mjcompose.link.linking import Linking, WrittenKey
 from mjcompose.link.measure import attached_slots, flexible_widths, is_expanded, is_measured, strip
+from mjcompose.tree import journal
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
 
@@ -276,8 +277,8 @@ def layouts(linking: Linking) -> None:
     if linking.parts:
         for unit in linking.units:
             for size in unit.root.iterchildren("size"):
-                for _ in range(len(keys_of(unit)), int(str(size.attrib.pop("nkey", "-1")))):
-                    unit.section("keyframe").append(unit.root.makeelement("key"))
+                for _ in range(len(keys_of(unit)), int(journal.drop(size, "nkey") or "-1")):
+                    journal.place(unit.section("keyframe"), unit.root.makeelement("key"))
     for part in linking.parts:
         if part.keyframes != "none":
             linking.keys.attached += [
@@ -301,7 +302,7 @@ def remove_keys(root: Node) -> list[Node]:
     """Remove the sections of keys, and return them."""
     sections = root.findall("keyframe")
     for section in sections:
-        root.remove(section)
+        journal.remove(section)
     return sections
 
 
@@ -357,7 +358,7 @@ def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) 
     for at, text in enumerate(whole, start):
         is_own = at < len(written) and numbers.read(written[at].text) == numbers.read(text)
         row.append(written[at] if is_own else Number(text, source, at))
-    key.set(vector, " ".join(texts(row)))
+    journal.write(key, vector, " ".join(texts(row)))
     record = record or KeyRecord()
     unit.origins.keys[key] = replace(record, numbers={**record.numbers, vector: row})
 
@@ -425,7 +426,7 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
         report_not_laid_out(linking, linking.base, unknown or still)
         return None
     finally:
-        unit.root.extend(sections)
+        journal.place_all(unit.root, sections)
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
@@ -455,9 +456,9 @@ def without_keys(root: Node) -> Iterator[None]:
     # length 0".
     sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]
     for _, section in sections:
-        root.remove(section)
+        journal.remove(section)
     try:
         yield
     finally:
         for at, section in sections:
-            root.insert(at, section)
+            journal.place(root, section, at)

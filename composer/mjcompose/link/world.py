@@ -13,9 +13,10 @@ from mjcompose.base.rotation import Pose, Quat, multiply, normalize, rotate
 from mjcompose.base.words import after_noun
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
-from mjcompose.link.linking import Floating, Linking, Part, detach
+from mjcompose.link.linking import Floating, Linking, Part
 from mjcompose.link.numbers import pose_below, pose_in_world
 from mjcompose.link.subtree import side_of_world
+from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of, text_in_effect, through_frames
 from mjcompose.tree.edit import whole
 from mjcompose.tree.grammar import GRAMMAR
@@ -38,7 +39,7 @@ def roots(linking: Linking) -> None:
                 if joint_type(joint, part.unit.classes) != "free":
                     continue
                 if part.weld:
-                    detach(joint)
+                    journal.remove(joint)
                 else:
                     linking.notes.floating.append(Floating(part, body, joint, called=called, alone=all_free))
             if body.get("mocap") == "true":
@@ -216,7 +217,7 @@ def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
                 _carry_constraint(element, side, hung)
             if hung.name != WORLD:
                 for node, attribute in named:
-                    node.set(attribute, hung.name)
+                    journal.write(node, attribute, hung.name)
     if refused:
         _refuse(linking, hung, refused)
 
@@ -243,10 +244,10 @@ def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
 def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
     """Move the anchors of a `connect` or a `weld` from the part's world into the frame of the part's parent."""
     pose = hung.pose
-    element.set(side, hung.name)
+    journal.write(element, side, hung.name)
     if element.tag == "connect":
         if side == "body1":  # the anchor is in the frame of the first body
-            element.set("anchor", _moved_pose(element, pose))
+            journal.write(element, "anchor", _moved_pose(element, pose))
         return
     relative = numbers.read(str(element.get("relpose") or "")) or [0.0] * 7
     point = (relative[0], relative[1], relative[2])
@@ -260,9 +261,9 @@ def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
             if side == "body1"
             else (point, multiply(quat, pose.inverse().quat))
         )
-        element.set("relpose", numbers.text([*point, *quat]))
+        journal.write(element, "relpose", numbers.text([*point, *quat]))
     if side == "body2":
-        element.set("anchor", _moved_pose(element, pose))
+        journal.write(element, "anchor", _moved_pose(element, pose))
 
 
 def _moved_pose(element: Node, pose: Pose) -> str:
@@ -302,7 +303,7 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
         if element.get("target") != WORLD:
             continue
         if hung.name:
-            element.set("target", hung.name)
+            journal.write(element, "target", hung.name)
         if hung.pose.pos != (0.0, 0.0, 0.0) or not hung.name:
             at = "the origin of the world" if hung.name in ("", WORLD) else f"the body `{hung.name}`"
             _warn(
@@ -387,7 +388,7 @@ def sections(linking: Linking) -> None:
                 target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
                 linking.base.origins.own_all(elements, part.unit.origins.owner(section, part.unit.file))
-                target.extend(elements)
+                journal.place_all(target, elements)
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:
@@ -396,10 +397,10 @@ def _extension(linking: Linking, part: Part, section: Node) -> None:
     for plugin in list(section.iterchildren("*")):
         existing = known.get(plugin.get("plugin"))
         if existing is None:
-            target.append(plugin)
+            journal.place(target, plugin)
             linking.base.origins.own(plugin, part.unit.file)
             known[plugin.get("plugin")] = plugin
             continue
         for instance in list(plugin):
-            existing.append(instance)
+            journal.place(existing, instance)
             linking.base.origins.own(instance, part.unit.file)

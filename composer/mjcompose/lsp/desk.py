@@ -169,7 +169,7 @@ class Workspace:
         if self._latest is None or self._latest[0] is not analysis:
             watch = Trace()
             again = None
-            with unsaved(model.texts), suppress(TooManyFaults):
+            with unsaved(model.texts), suppress(TooManyFaults), watch.recording():
                 again = self._composed(model.plan, _offline(self.folder), dict(model.library), watch)
             whole = analysis
             if again is not None:

@@ -16,11 +16,11 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, call_site
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.base.words import tag_text
-from mjcompose.link.linking import detach
 from mjcompose.mjcf.asset import Asset, Skins, add_files, place_asset, skins_after_renaming
 from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
 from mjcompose.mjcf.model import AttachedModel, ModelState, ReferencedNode
 from mjcompose.mjcf.value import BadValue, describe, encode, is_here, is_reference, name_for, namespace_of, plain_text
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, ORIENTATIONS
 from mjcompose.tree.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
@@ -65,7 +65,7 @@ def _take_out(model: ModelState, node: Node) -> None:
             node.remove(child)
         return
     discard(model, node)
-    detach(node)
+    journal.remove(node)
 
 
 def release(model: ModelState, prefix: str) -> None:

@@ -176,11 +176,12 @@ def load_cell(
         return None
     measure = measure_with(context, session=session)
     options = ComposeOptions(checks_sources=True)
-    composed = Composer(context, measure, session, watch=watch, library=library, options=options).compose(plan)
-    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
-    if composed is None or bundle is None:
-        return None
-    watch([composed.model], collect)
+    with watch.recording():
+        composed = Composer(context, measure, session, watch=watch, library=library, options=options).compose(plan)
+        bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
+        if composed is None or bundle is None:
+            return None
+        watch([composed.model], collect)
     compiled = compile_and_report(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
     acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:

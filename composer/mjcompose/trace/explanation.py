@@ -124,13 +124,37 @@ class AttributeExplained(Struct):
     notes: tuple[str, ...]
 
 
-Explained = ElementExplained | AttributeExplained | tuple[ListedElement, ...]
+class Absence(Struct):
+    """An element or attribute that the model does not have: its last text, where it was written, and what removed it.
+
+    `now` is the element of the model that says the same, if there is one. `instead` says what counts without the
+    attribute.
+    """
+
+    label: str
+    text: str
+    written: tuple[Reason, ...]
+    reason: Reason
+    now: str | None = None
+    instead: str = ""
+
+
+class AbsenceExplained(Struct):
+    """What a query names and the model does not have: several elements if several had that name."""
+
+    query: str
+    found: tuple[Absence, ...]
+
+
+Explained = ElementExplained | AttributeExplained | AbsenceExplained | tuple[ListedElement, ...]
 
 
 def as_data(explained: Explained) -> dict[str, Any]:
-    """Return the explanation as JSON data; `explains` says which of the three kinds it is."""
+    """Return the explanation as JSON data; `explains` says which of the four kinds it is."""
     if isinstance(explained, tuple):
         return {"explains": "list", "found": [plain_data(each) for each in explained]}
+    if isinstance(explained, AbsenceExplained):
+        return {"explains": "absence", **plain_data(explained)}
     kind = "element" if isinstance(explained, ElementExplained) else "attribute"
     return {"explains": kind, **plain_data(explained)}
 
@@ -153,6 +177,8 @@ def render(explained: Explained, read_source: ReadSource | None = None, color: b
         lines = _list(explained)
     elif isinstance(explained, ElementExplained):
         lines = _element(explained, read_source, paint)
+    elif isinstance(explained, AbsenceExplained):
+        lines = _absence(explained, read_source, paint)
     else:
         lines = _attribute(explained, read_source, paint)
     return as_lines(line.rstrip() for line in lines)
@@ -187,6 +213,22 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
         if it.in_force is not None:
             yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
         yield from _classes(it)
+
+
+def _absence(it: AbsenceExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
+    for number, absence in enumerate(it.found):
+        yield from [""] if number else []
+        where = f": it is `{absence.now}` now" if absence.now else ""
+        yield paint("bold", f"{absence.label} is not in the model{where}")
+        yield from textwrap.wrap(absence.text, _WIDE, initial_indent="  ", subsequent_indent="      ")
+        for reason in absence.written:
+            comma = "" if reason.words == "read from" or not reason.span else ","
+            yield f"  {reason.words}{comma}{_at(reason.span, ' ')}"
+        yield from ("", paint("bold", "why"))
+        yield f"  {_placed(absence.reason)}"
+        yield from _source(absence.reason.span, None, read_source, paint=paint)
+        if absence.instead:
+            yield f"  instead, {absence.instead}"
 
 
 def with_count(names: Sequence[str]) -> str:
@@ -277,7 +319,10 @@ def _changes(changes: Iterable[ChangeExplained], name: bool = True) -> Iterator[
         width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
         for each in rows:
             called = f"{each.attribute:<{width}}  " if name else ""
-            yield f"      {called}{_value(each.before)} → {_value(each.after)}"
+            change = f"{_value(each.before)} → {_value(each.after)}"
+            if each.before == each.after:
+                change = f"{_value(each.after)}, as before"
+            yield f"      {called}{change}"
 
 
 def _value(text: str | None) -> str:

@@ -1,11 +1,12 @@
 """The history of every element and key during composition.
 
-Elements are compared by identity after each pass and step.
+It comes from the journal: every pass and step records what it changes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import field, replace
 from itertools import pairwise
 from types import FunctionType
@@ -21,12 +22,12 @@ from mjcompose.link.key_layout import KeyLayout, Unknown, lay_out
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
 from mjcompose.plan.steps import DrawValues, EditElements
+from mjcompose.tree import journal
+from mjcompose.tree.journal import PARENT, SOURCE, TAG as TAG, Why
 from mjcompose.tree.unit import KeySource, Number, Origins, Place, Unit, line_of
-from mjcompose.tree.xml_text import as_it_is
 
 Owner = str | Span | Place
 Function = Callable[..., object]
-TAG = "<tag>"
 
 
 class TracedOperation(Struct):
@@ -55,6 +56,7 @@ class AttributeChange(Struct):
     after: str | None
     cause: TracedOperation
     owner: Owner
+    why: Why | None = None
 
 
 class ParentChange(Struct):
@@ -63,6 +65,7 @@ class ParentChange(Struct):
     before: Node | None
     after: Node | None
     cause: TracedOperation
+    why: Why | None = None
 
 
 class Life(Struct, frozen=False, eq=False):
@@ -70,7 +73,8 @@ class Life(Struct, frozen=False, eq=False):
 
     `born` is the cause after which it was first seen. `made_by` is the same cause, or None for an element that was read
     from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs to, the
-    innermost first; `sources` are the elements that it replaces.
+    innermost first; `sources` are the elements that it replaces. `whys` has the recorded reasons of an element that was
+    made: for its place under `PARENT`, and for its attributes; `why_gone` is the reason of its end.
     """
 
     node: Node
@@ -87,6 +91,8 @@ class Life(Struct, frozen=False, eq=False):
     parts: list[Part] = field(default_factory=list)
     sources: list[Life] = field(default_factory=list)
     gone: TracedOperation | None = None
+    whys: dict[str, Why | None] = field(default_factory=dict)
+    why_gone: Why | None = None
     items: list[tuple[str, str]] = field(default_factory=list)
     last_tag: str = ""
     last_parent: Node | None = None
@@ -108,33 +114,82 @@ class Life(Struct, frozen=False, eq=False):
         return [each for each in self.changes if isinstance(each, AttributeChange) and each.attribute == attribute]
 
 
+class NetChange(NamedTuple):
+    """The first value before and the last value after of what was changed, maybe several times."""
+
+    before: str | Node | None
+    after: str | Node | None
+    why: Why | None
+
+    @property
+    def is_other(self) -> bool:
+        return self.before is not self.after and self.before != self.after
+
+
+class RecordSummary:
+    """What a record comes to: changes by element and attribute, `TAG` or `PARENT`, and the sources of new elements."""
+
+    def __init__(self, record: Iterable[journal.TreeChange]) -> None:
+        self.changes: dict[Node, dict[str, NetChange]] = {}
+        self.sources: dict[Node, list[Node]] = {}
+        for change in record:
+            if not isinstance(change.node.tag, str):  # a comment
+                continue
+            if change.what == SOURCE:
+                assert change.after is not None and not isinstance(change.after, str)
+                self.sources.setdefault(change.node, []).append(change.after)
+                continue
+            rows = self.changes.setdefault(change.node, {})
+            known = rows.get(change.what)
+            before = change.before if known is None else known.before
+            rows[change.what] = NetChange(before, change.after, change.why or (known and known.why))
+
+
+def top_of(node: Node) -> Node:
+    """Return the root of the tree that an element is in now."""
+    # lxml's `getroottree` of an element that was removed still answers with the tree that it was in.
+    while (holder := node.getparent()) is not None:
+        node = holder
+    return node
+
+
+def as_text(value: str | Node | None) -> str | None:
+    assert value is None or isinstance(value, str)
+    return value
+
+
 class Trace:
-    """A `Watch` that records. It keeps a reference to every node, so identities stay valid."""
+    """A `Watch` that reads the journal. It keeps a reference to every node, so identities stay valid.
+
+    Compose the model in a block `with trace.recording():`.
+    """
 
     def __init__(self) -> None:
         self.lives: dict[Node, Life] = {}
         self.gone: list[Life] = []
-        self._members: dict[Node, list[Node]] = {}
-        self._texts: dict[Node, bytes] = {}
+        self._record: list[journal.TreeChange] = []
+        self._roots: set[Node] = set()
         self._linkings: dict[Node, Linking] = {}
         self._parts: dict[Node, Part] = {}
         self._indexed: tuple[Linking, _Carriers] | None = None
+
+    def recording(self) -> AbstractContextManager[None]:
+        """Record the changes of the models that are composed in the block."""
+        return journal.recording(self._record)
 
     def __call__(self, units: Iterable[Unit], done: object) -> None:
         units = list(units)
         self._indexed = None
         if isinstance(done, Linking):
             self._note_parts(done)
-        changed = [unit for unit in units if self._looks_other(unit.root)]
-        if not changed:
-            return
         linking = self._linkings.get(units[0].root)
-        causes = {unit.root: TracedOperation(done, unit, self._parts.get(unit.root), linking=linking) for unit in units}
-        before = [node for unit in changed for node in self._members.get(unit.root, ())]
-        born = [life for unit in changed for life in self._note_members(unit, causes)]
-        now = {node for unit in changed for node in self._members[unit.root]}
-        lost = [self.lives[node] for node in dict.fromkeys(before) if node not in now]
-        self._note_ends(lost, born, causes)
+        causes = {each.root: TracedOperation(done, each, self._parts.get(each.root), linking=linking) for each in units}
+        record = tuple(self._record)
+        self._record.clear()
+        born = {life.node: life for unit in units for life in self._read(unit, causes[unit.root])}
+        summary = RecordSummary(record)
+        if summary.changes:
+            self._take(summary, causes, born)
 
     def _note_parts(self, linking: Linking) -> None:
         self._linkings[linking.base.root] = linking
@@ -143,38 +198,88 @@ class Trace:
             for node in part.unit.root.iter("*"):
                 self.lives[node].parts.append(part)
 
-    def _note_members(self, unit: Unit, causes: Mapping[Node, TracedOperation]) -> list[Life]:
-        """Compare the elements of a unit with their lives until now. Return the lives that begin."""
-        cause = causes[unit.root]
-        members = self._members[unit.root] = list(unit.root.iter("*"))
-        born: list[Life] = []
-        for node in members:
-            life = self.lives.get(node)
-            if life is None:
-                born.append(self._born(node, cause))
+    def _read(self, unit: Unit, cause: TracedOperation) -> list[Life]:
+        """Note the elements of a unit that is seen for the first time."""
+        if unit.root in self._roots:
+            if not journal.is_recording(self._record):
+                raise RuntimeError("a model was composed outside the block `with trace.recording():`")
+            return []
+        self._roots.add(unit.root)
+        return [self._born(node, cause) for node in unit.root.iter("*") if node not in self.lives]
+
+    def _take(self, summary: RecordSummary, causes: Mapping[Node, TracedOperation], born: dict[Node, Life]) -> None:
+        """Note what a pass or step has changed."""
+        tops = {node: top_of(node) for node, rows in summary.changes.items() if PARENT in rows}
+        for node, top in tops.items():
+            if top in causes:
+                born |= {life.node: life for life in self._appear(node, causes[top], summary)}
             else:
-                self._compare(life, causes.get(life.home, cause), unit)
-                life.home = unit.root
-        return born
+                self._end(node, causes, summary.changes[node][PARENT].why)
+        lives = {node: self.lives[node] for node in summary.changes if node in self.lives and node not in born}
+        present = {node: life for node, life in lives.items() if life.gone is None}
+        any_cause = next(iter(causes.values()))
+        causes_of = {node: causes.get(life.home, any_cause) for node, life in present.items()}
+        for node, life in present.items():
+            self._note_attributes(life, summary.changes[node], causes_of[node], causes)
+        for node in tops:
+            if node in present:
+                self._note_move(present[node], summary.changes[node][PARENT], causes_of[node], tops[node])
+        for node, life in born.items():
+            self._note_sources(life, summary.sources.get(node, []))
 
-    def _note_ends(self, lost: Iterable[Life], born: Iterable[Life], causes: Mapping[Node, TracedOperation]) -> None:
-        """Note the operation that removed each lost element. A new one of the same name may go on with its life."""
-        lost_by_name: dict[tuple[str, str | None], list[Life]] = {}
-        for life in lost:
-            life.gone = causes.get(life.home)
-            if life.gone is not None:
+    def _appear(self, node: Node, cause: TracedOperation, summary: RecordSummary) -> Iterator[Life]:
+        """Note the elements in a tree that are new, or there again."""
+        for each in node.iter("*"):
+            life = self.lives.get(each)
+            if life is None:
+                life = self._born(each, cause)
+                life.whys = {what: change.why for what, change in summary.changes.get(each, {}).items()}
+                around = (summary.changes.get(above, {}) for above in (each, *each.iterancestors()))
+                life.whys[PARENT] = next(rows[PARENT].why for rows in around if PARENT in rows)
+                yield life
+            elif life.gone is not None:
+                life.gone = None
+                self.gone.remove(life)
+
+    def _end(self, node: Node, causes: Mapping[Node, TracedOperation], why: Why | None) -> None:
+        """Note the elements that left the model."""
+        for each in node.iter("*"):
+            life = self.lives.get(each)
+            if life is not None and life.gone is None:
+                life.gone = causes.get(life.home, next(iter(causes.values())))
+                life.why_gone = why
                 self.gone.append(life)
-            lost_by_name.setdefault((life.tag, dict(life.items).get("name")), []).append(life)
-        for life in born:
-            if life.made_by is not None and life.made_by.is_pass and life.tag != "default":
-                self._succeed(life, lost_by_name.get((life.tag, life.name), []))
 
-    def _looks_other(self, root: Node) -> bool:
-        """Return whether a tree has changed. Writing it takes a tenth of the time of comparing its elements."""
-        text = as_it_is(root)
-        same = self._texts.get(root) == text and self._members[root] == list(root.iter("*"))
-        self._texts[root] = text
-        return not same
+    def _note_attributes(
+        self, life: Life, rows: Mapping[str, NetChange], cause: TracedOperation, causes: Mapping[Node, TracedOperation]
+    ) -> None:
+        items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]  # of a parsed tree
+        unit = causes.get(top_of(life.node), cause).unit
+        owner = unit.origins.owner(life.node, unit.file)
+        for what in dict.fromkeys((TAG, *(name for name, _ in (*life.items, *items)))):
+            # A step writes what the recipe says, even where the element says it already.
+            if what in rows and (rows[what].is_other or not cause.is_pass):
+                before, after, why = rows[what]
+                life.changes.append(AttributeChange(what, as_text(before), as_text(after), cause, owner, why))
+        life.items = items
+        life.last_tag = str(life.node.tag)
+
+    def _note_move(self, life: Life, change: NetChange, cause: TracedOperation, top: Node) -> None:
+        parent = life.node.getparent()
+        if parent is not life.last_parent:
+            life.changes.append(ParentChange(life.last_parent, parent, cause, change.why))
+            life.last_parent = parent
+        if life.home is not top:
+            for each in life.node.iter("*"):
+                self.lives[each].home = top
+
+    def _note_sources(self, life: Life, sources: list[Node]) -> None:
+        """Link an element that a pass wrote again to the elements that it replaces."""
+        if life.made_by is None or not life.made_by.is_pass:
+            return
+        life.sources += [self.lives[source] for source in sources if source in self.lives]
+        if len(life.sources) == 1:
+            life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
     def life(self, node: Node) -> Life:
         return self.lives[node]
@@ -218,31 +323,6 @@ class Trace:
         if self._indexed is None or self._indexed[0] is not linking:
             self._indexed = linking, _Carriers(linking.parts)
         return self._indexed[1]
-
-    def _compare(self, life: Life, cause: TracedOperation, unit: Unit) -> None:
-        items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
-        tag = life.node.tag
-        if items != life.items or tag != life.last_tag:
-            before = {TAG: life.last_tag, **dict(life.items)}
-            after = {TAG: str(tag), **dict(items)}
-            life.changes += _differences(before, after, cause, owner=unit.origins.owner(life.node, unit.file))
-            life.items = items
-            life.last_tag = str(tag)
-        parent = life.node.getparent()
-        if parent is not life.last_parent:
-            life.changes.append(ParentChange(life.last_parent, parent, cause))
-            life.last_parent = parent
-
-    def _succeed(self, life: Life, replaced: list[Life]) -> None:
-        """Link an element that a pass wrote again to the removed elements with its tag and name, which it replaces."""
-        assert life.made_by is not None
-        record = life.made_by.unit.origins.keys.get(life.node)
-        if record is not None:
-            life.sources += [self.lives[key] for key in record.keys if key in self.lives]
-        else:
-            life.sources += replaced
-        if len(life.sources) == 1:
-            life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
 
 
 def _differences(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
@@ -119,7 +119,7 @@ class Traced:
         holders = (self.labels[each] for each in node.iterancestors() if each.tag == "worldbody" or query.name_of(each))
         return ElementExplained(
             label=self.labels[node],
-            text=_start_tag(node),
+            text=start_tag(str(node.tag), node.items(), closed=not len(node)),
             holder=next(holders, None),
             shared=self._shared_with(node),
             end_line=life.line if isinstance(life.owner, str) else None,
@@ -225,14 +225,15 @@ class Traced:
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
             cause = self.causes.made(life)
-            yield Reason(cause.words, cause.span or (None if life.sources else self._span(life)))
-            yield from (Reason("read from", self._span(source)) for source in life.sources)
+            yield Reason(cause.words, cause.span or (None if life.sources else self.place_of(life)))
+            yield from (Reason("read from", self.place_of(source)) for source in life.sources)
         elif life.line is None and isinstance(life.owner, str):
             yield Reason(f"started by the recipe `{life.owner}`, which has no base")
         else:
-            yield Reason("read from", self._span(life))
+            yield Reason("read from", self.place_of(life))
 
-    def _span(self, life: Life, attribute: str | None = None) -> Span | None:
+    def place_of(self, life: Life, attribute: str | None = None) -> Span | None:
+        """Return where an element was first written; None for what stands in no file."""
         if isinstance(life.owner, str) and life.line is None:
             return None
         return life.span(self.model.origins, attribute)
@@ -242,7 +243,7 @@ class Traced:
 
     def on_line(self, file: str, line: int) -> list[Node]:
         def is_there(life: Life) -> bool:
-            span = self._span(life)
+            span = self.place_of(life)
             last = life.line if isinstance(life.owner, str) else None
             is_in_file = span is not None and (span.file == file or span.file.endswith(f"/{file}"))
             return span is not None and is_in_file and span.line <= line <= (last or span.line)
@@ -336,10 +337,10 @@ class Traced:
         """Return the place of an attribute that was read from a file or from the recipe."""
         if attribute not in life.attributes:
             written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
-            return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
+            return Reason("", self.place_of(life)) if written is None else self.causes.change(written, life)
         if life.line is None and isinstance(life.owner, str):
             return Reason(f"the name of the recipe `{life.owner}`", None)
-        span = self._span(life, attribute)
+        span = self.place_of(life, attribute)
         text = life.attributes[attribute]
         if getattr(life.born.done, "format", None) == "urdf":
             return Reason("" if self.recipe_lines.has(span, text) else _URDF, span)
@@ -359,7 +360,7 @@ class Traced:
         life = self.watch.life(node)
         read = life.sources[0] if len(life.sources) == 1 else life
         is_made = read is life and life.made_by is not None and life.made_by.is_pass
-        found = [self.causes.made(life).span if is_made else self._span(read, attribute)]
+        found = [self.causes.made(life).span if is_made else self.place_of(read, attribute)]
         changes = (each for each in life.of(attribute) if not trace_words.rewrites(each.cause))
         found += [self.causes.change(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]
@@ -388,13 +389,14 @@ class Traced:
                 called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
                 if asked.name in called | {"".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))}:
                     cause = self.causes.gone(life)
-                    yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
+                    yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self.place_of(life))
 
 
-def _start_tag(node: Node) -> str:
+def start_tag(tag: str, items: Iterable[tuple[object, object]], closed: bool = True) -> str:
+    """Return the start tag of an element as XML; `closed`, it has nothing inside."""
     escapes = str.maketrans({"&": "&amp;", "<": "&lt;", '"': "&quot;"})
-    attributes = "".join(f' {name!s}="{str(text).translate(escapes)}"' for name, text in node.items())
-    return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
+    attributes = "".join(f' {name!s}="{str(text).translate(escapes)}"' for name, text in items)
+    return f"<{tag}{attributes}{'/' if closed else ''}>"
 
 
 def explain(
@@ -427,12 +429,13 @@ def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | 
     plan = make_plan(path, context, given, sample=sample)
     if plan is None or not check_sample(plan, sample, context.sink):
         return None
-    composed = Composer(context, measure_with(context), watch=watch).compose(plan)
-    acknowledge(plan, context.sink, context.shown, whole=False)
-    if composed is None:
-        return None
-    collect(composed.model, composed.files, context.sink, shown=context.shown)
-    watch([composed.model], collect)
+    with watch.recording():
+        composed = Composer(context, measure_with(context), watch=watch).compose(plan)
+        acknowledge(plan, context.sink, context.shown, whole=False)
+        if composed is None:
+            return None
+        collect(composed.model, composed.files, context.sink, shown=context.shown)
+        watch([composed.model], collect)
     return Traced(composed.model, watch, plan.separator, folder=context.folder, merged=composed.merged)
 
 

@@ -16,6 +16,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.suggest import renaming, unknown_name
+from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS
 from mjcompose.tree.files import read_settings, written_path
 from mjcompose.tree.grammar import GRAMMAR
@@ -316,9 +317,9 @@ def replace(node: Node, texts: Mapping[str, str | None]) -> None:
     for name, text in texts.items():
         gone = ORIENTATIONS if name in ORIENTATIONS and text is not None else (name,) if text is None else ()
         for each in gone:
-            node.attrib.pop(each, "")
+            journal.drop(node, each)
         if text is not None:
-            node.set(name, text)
+            journal.write(node, name, text)
 
 
 class NewName(NamedTuple, Generic[M]):

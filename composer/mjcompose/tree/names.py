@@ -13,6 +13,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.words import with_article
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
 from mjcompose.tree.grammar import GRAMMAR
@@ -256,11 +257,11 @@ class NameIndex(Names, frozen=False):
         for old, users in moved.items():
             for node, attribute in users:
                 if node.get(attribute) == old:
-                    node.set(attribute, names[old])
+                    journal.write(node, attribute, names[old])
                 else:
                     lists[node, attribute] = None
         for node, attribute in lists:
-            node.set(attribute, " ".join(names.get(each, each) for each in str(node.get(attribute)).split()))
+            journal.write(node, attribute, " ".join(names.get(each, each) for each in str(node.get(attribute)).split()))
         for old, users in moved.items():
             uses.setdefault(names[old], {}).update(users)
 

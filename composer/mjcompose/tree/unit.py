@@ -18,6 +18,7 @@ from mjcompose.base.access import NOTHING, Door
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import TooLarge, read_regular
+from mjcompose.tree import journal
 from mjcompose.tree.classes import Classes
 from mjcompose.tree.files import SourceSettings, join, read_settings
 from mjcompose.tree.merged_settings import Adopted, ReadRow
@@ -395,7 +396,7 @@ class Unit:
         """Remove compiler settings from the unit in favor of MuJoCo's defaults, and read the others again."""
         for compiler in self.root.iterchildren("compiler"):
             for name in names:
-                compiler.attrib.pop(name, "")
+                journal.drop(compiler, name)
         self.__dict__.pop("settings", None)
 
     @property
@@ -428,7 +429,7 @@ class Unit:
     def insert(self, section: Node) -> None:
         """Insert a new section in its conventional place, below the header."""
         at = self.root.index(self.header[-1]) + 1 if self.header else 0
-        self.root.insert(max(at, place_of(self.root, str(section.tag))), section)
+        journal.place(self.root, section, max(at, place_of(self.root, str(section.tag))))
 
 
 class Watch(Protocol):

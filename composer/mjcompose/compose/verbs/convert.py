@@ -19,7 +19,7 @@ from mjcompose.language.verbs.convert import FROM, Convert
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
 from mjcompose.link.keyframes import part_keys
-from mjcompose.link.linking import detach
+from mjcompose.tree import journal
 from mjcompose.tree.classes import levels
 from mjcompose.tree.edit import unused_instances
 from mjcompose.tree.grammar import GRAMMAR, Attribute, to_text
@@ -189,7 +189,10 @@ def _converted(
 ) -> list[str]:
     old = str(node.tag)
     kind = GRAMMAR.element(f"actuator/{to}")
-    made, lost = ({}, []) if old == to else _written_for(editing, node, to, model=model, given=given, at=at)
+    made: dict[str, str] = {}
+    lost: list[str] = []
+    if old != to:
+        made, lost = _written_for(editing, node, to, model=model, given=given, at=at)
     before = after = model.control
     if old != to or "input" in given:
         after = _control_of(to, model, {**made, **given})
@@ -204,7 +207,7 @@ def _converted(
         # The range goes, but a class may still limit the control: with `ctrllimited="true"` and no range, MuJoCo 4.0
         # says "invalid control range for actuator".
         limits = {"ctrllimited": "false"}
-        node.attrib.pop("ctrlrange", "")
+        journal.drop(node, "ctrlrange")
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
     if "body" in wrong or "orientation" in wrong:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
@@ -262,15 +265,15 @@ def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], 
     """Change the actuator to the new kind with these attributes, without attributes that this kind cannot have."""
     editing.forget(node)
     instance = node.get("instance")
-    for name in {*wrong, *_replaced(written)}:
-        node.attrib.pop(name, "")
+    for name in dict.fromkeys((*wrong, *_replaced(written))):
+        journal.drop(node, name)
     if node.tag == PLUGIN:
-        del node[:]  # its `<config>`
+        for child in list(node):  # its `<config>`
+            journal.remove(child)
         for each in unused_instances(editing.root, [str(instance)] if instance else []):
-            detach(each)
-    node.tag = to
-    for name, text in written.items():
-        node.set(name, text)
+            journal.remove(each)
+    journal.retag(node, to)
+    journal.write_all(node, written)
     editing.note(node)
 
 
@@ -320,7 +323,7 @@ def _written_for(
     """Return the attributes that give the new kind the same model, and its losses in words."""
     if to == "general":
         return _general(editing, node, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
-    lost = _lost_with(to, model)
+    lost: list[str] = _lost_with(to, model)
     if to == "motor":
         return {}, [*lost, *_lost_by_motor(model)]
     if to in ("position", "pid"):
@@ -473,10 +476,10 @@ def _limits(
         return _unlimited(editing, node, to, limited=limited)
     if not keeps:
         return None
-    node.attrib.pop("inheritrange", "")
+    journal.drop(node, "inheritrange")
     if by_input:
         for name in ("ctrlrange", "ctrllimited"):
-            node.attrib.pop(name, "")
+            journal.drop(node, name)
         # With no range of its own MuJoCo refuses a `ctrllimited` of a class, and `velrange` limits in any case.
         by_class = {"ctrllimited": "false"} if editing.effective(node, "ctrllimited") == "true" else {}
         return of_range | by_class | {f"{inputs[0]}range": numbers.text(model.ctrlrange)}
@@ -497,7 +500,7 @@ def _limited_anew(editing: Editing, node: Node, written: Mapping[str, str], of_r
     """Return the attributes that let the limits of the entry hold, and remove the older limit."""
     limits = {} if "inheritrange" in written else of_range
     if "ctrlrange" not in written:
-        node.attrib.pop("ctrlrange", "")
+        journal.drop(node, "ctrlrange")
     # In MuJoCo 4.0, `<position joint="j" inheritrange="1" ctrllimited="false"/>` has a range and no limit.
     return limits | ({} if is_limited_by_range(editing, node, "ctrllimited") else {"ctrllimited": "true"})
 
@@ -507,12 +510,12 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
     found: dict[str, str] = {}
     inherits = editing.effective(node, "inheritrange")
     if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
-        node.attrib.pop("inheritrange", "")
+        journal.drop(node, "inheritrange")
         found |= {"inheritrange": "0"} if _in_classes(editing) else {}
     # MuJoCo takes `inheritrange` for limits of the control as well: of a joint with `range="0 90"` in degrees,
     # `inheritrange="1"` gives a `ctrlrange` of 0 1.5708 in 4.0.
     if limited != "false" and editing.effective(node, "ctrlrange"):
-        node.attrib.pop("ctrlrange", "")
+        journal.drop(node, "ctrlrange")
         found |= {"ctrllimited": "false"} if _in_classes(editing) else {}
     return found
 

@@ -17,6 +17,7 @@ from mjcompose.link.inertia import INERTIA_RULES
 from mjcompose.link.linking import Linking
 from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
+from mjcompose.tree import journal
 from mjcompose.tree.classes import own, walk_bodies
 from mjcompose.tree.edit import replace
 
@@ -51,11 +52,11 @@ def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], 
     kept = inertials[-1] if inertials else None
     if kept is None or kept.getparent() is not body:  # in a frame the numbers would mean another pose
         kept = body.makeelement("inertial")
-        body.insert(0, kept)
+        journal.place(body, kept, 0)
         editing.making.origins.own(kept, editing.span(entry))
     for other in inertials:
-        if other is not kept and (holder := other.getparent()) is not None:
-            holder.remove(other)
+        if other is not kept:
+            journal.remove(other)
     replace(kept, {"fullinertia": None, **{name: numbers.text(each) for name, each in values.items()}})
     editing.write(kept, dict.fromkeys(values, entry))
 
@@ -132,12 +133,10 @@ def _measured(
 
 def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
     for inertial in own(body, "inertial"):
-        holder = inertial.getparent()
-        assert holder is not None
-        holder.remove(inertial)
+        journal.remove(inertial)
     for geom in own(body, "geom"):
         # `mass="nan"` takes back the mass that a class gives: then the density counts.
         counts = geom in geoms
-        geom.set("mass", "nan" if counts else "0")
+        journal.write(geom, "mass", "nan" if counts else "0")
         if counts:
-            geom.set("density", numbers.text([density]))
+            journal.write(geom, "density", numbers.text([density]))

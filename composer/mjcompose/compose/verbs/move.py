@@ -11,6 +11,7 @@ from mjcompose.compose.verbs.values import SET, Entry, ValueChange
 from mjcompose.language.placing import Frame
 from mjcompose.language.verbs.move import Move
 from mjcompose.link.key_layout import JOINTS
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, childclass_of, through_frames
 from mjcompose.tree.cost import all_scaled_above
 from mjcompose.tree.edit import assign, unresolved
@@ -45,7 +46,7 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
     owner = origins.owner(node, editing.making.base_file)
     for joint in node.iter(*JOINTS):
         editing.linking.keys.reshaped.add(joint)
-    target.append(node)
+    journal.place(target, node)
     origins.owners.setdefault(node, owner)
 
 

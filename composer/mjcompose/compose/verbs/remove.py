@@ -9,6 +9,7 @@ from mjcompose.compose.editing import Editing
 from mjcompose.compose.verbs.values import Entry
 from mjcompose.language.verbs.remove import Remove
 from mjcompose.link.subtree import DroppedElement
+from mjcompose.tree import journal
 from mjcompose.tree.edit import Removal, is_section, unused_instances, whole
 from mjcompose.tree.names import declaration, is_list, word
 from mjcompose.tree.select import kind_of, naming_attribute, section_of
@@ -55,7 +56,7 @@ def _take_out(editing: Editing, node: Node) -> None:
         editing.reshaped(node)
     parent = node.getparent()
     assert parent is not None
-    parent.remove(node)
+    journal.remove(node)
     if parent.tag == "flexcomp":  # without its pins or its elasticity it has other joints
         editing.reshaped(parent)
     editing.linking.base.forget_classes()

@@ -14,6 +14,7 @@ from mjcompose.compose.values import EntryValues, UnusableValue
 from mjcompose.compose.verbs.values import Entry
 from mjcompose.language.verbs.rename import Rename
 from mjcompose.text.node import locate
+from mjcompose.tree import journal
 from mjcompose.tree.edit import BadBone, NewName, Renaming, is_rod, renamed_skin, skins, twisted_by, unlistable_message
 from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.names import MAY_REPEAT, WORLD, own_name
@@ -68,7 +69,7 @@ def carry_out(verb: Rename, entry: Entry, at: Path) -> None:
         # You ask `explain` for the final name of an element, and it shows how the element got it.
         if old := own_name(node, naming.name):
             editing.making.origins.renamed.setdefault(node, []).append((old, name))
-        node.set(naming.name, name)
+        journal.write(node, naming.name, name)
     for node in new:
         editing.note(node)
     renaming.carry_out()

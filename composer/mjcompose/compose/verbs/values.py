@@ -30,6 +30,7 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.subtree import DroppedElement
 from mjcompose.text.expression import Angle
+from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, levels
 from mjcompose.tree.edit import changing, replace, resolves, unresolved
 from mjcompose.tree.grammar import Attribute, to_text
@@ -315,7 +316,7 @@ class ValueChange(Struct):
         if (child := next(node.iterchildren(tag, reversed=True), None)) is None:
             child = node.makeelement(tag)
             # A class's own settings come before the classes nested in it.
-            node.insert(len(node) - len(list(node.iterchildren("default"))), child)
+            journal.place(node, child, len(node) - len(list(node.iterchildren("default"))))
             editing.making.origins.own(child, editing.span(at, key=True))
             editing.linking.base.forget_classes()
         self.carry_out(child, index, written, at=at)
