@@ -13,8 +13,8 @@ from mjcompose.base.sink import Sink
 from mjcompose.compose.compose import Composer
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.explain.explain import Traced, trace
-from mjcompose.tools.explain.trace import TAG, AttributeChange, Life, Trace
+from mjcompose.trace.trace import TAG, AttributeChange, Life, Trace
+from mjcompose.trace.traced import Traced, trace
 from mjcompose.tree import journal
 from mjcompose.tree.parse import parse_text
 from mjcompose.tree.unit import nobody

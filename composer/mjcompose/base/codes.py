@@ -117,6 +117,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
     },
     "Model files": {
         "not-mjcf": "an XML file is not an MJCF model",
+        "not-missing": "`explain --why-not` names something that the model has",
         "not-supported": "valid MJCF or a valid recipe that mjcompose cannot handle yet",
         "unknown-attribute": "an element has no attribute of that name",
         "unknown-element": "MJCF has no element of that name in that place",

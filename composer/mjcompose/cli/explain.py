@@ -29,6 +29,9 @@ class ExplainOptions(ModelOptions):
     )
     query: str | None = argument(required=False, shell_complete=completion.elements)
     attribute: str | None = argument(required=False, shell_complete=completion.attributes)
+    why_not: str | None = option(
+        "--why-not", metavar="QUERY", help="Say why an element or attribute is not in the model, and what removed it."
+    )
     codes: bool = flag("--codes", help="List all error codes.")
 
 
@@ -60,21 +63,26 @@ def explain(options: ExplainOptions, run: Run) -> Answer:
         return Answer("\n".join(f"{code:{width}}  {summary}" for code, summary in CODES.items()), dict(CODES))
     if model is None:
         raise click.UsageError("Missing argument 'MODEL|CODE'.")
-    if query is None:
+    if query is None and options.why_not is None:
         return _page(model)
+    if query is not None and options.why_not is not None:
+        raise click.UsageError("Give QUERY or --why-not QUERY, not both.")
     _check_model(model)
+    from mjcompose.trace.absence import explain_absence
     from mjcompose.trace.explanation import as_data, render
     from mjcompose.trace.query import read
     from mjcompose.trace.traced import explain
 
     context = run.context
-    selection = read(query, options.attribute, context.sink)
+    text = str(options.why_not) if query is None else query
+    selection = read(text, options.attribute, context.sink)
     if selection is None:
         raise Stop(USAGE)
     given = options.choices.given(run)
     options.cell.check(model, is_recipe=model.suffix.lower() not in MJCF_FILES)
     given, sample = options.cell.values(model, given, run=run, verb="explain")
-    explained = explain(model, selection, context, sample=sample, given=given)
+    answer = explain if options.why_not is None else explain_absence
+    explained = answer(model, selection, context, sample=sample, given=given)
     if explained is None:
         raise Stop(run.code_of_failure(model))
     source = source_reader(context.folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from mjcompose.link.linking import AddedElement, Linking, PlaceName
+from mjcompose.tree import journal
 from mjcompose.tree.classes import NESTED
 
 _TAKING_CLASS = ("geom", "site", "camera", "light")
@@ -43,10 +44,10 @@ def hang(linking: Linking, addition: AddedElement, holder: Node) -> None:
         # attributes".
         if node.tag in NESTED:
             if node.get("childclass") is None:
-                node.set("childclass", linking.base_class)
+                journal.write(node, "childclass", linking.base_class)
         elif node.tag in _TAKING_CLASS and node.get("class") is None:
-            node.set("class", linking.base_class)
-    holder.append(node)
+            journal.write(node, "class", linking.base_class)
+    journal.place(holder, node)
     declare(linking, node)
 
 

@@ -101,6 +101,13 @@ class WrittenElements(Struct):
             attached=next(root.iter("attach"), None) is not None,
         )
 
+    @staticmethod
+    def dropped_by(root: Node, kind: str) -> tuple[Node, str] | None:
+        """Return the `<compiler>` by which MuJoCo leaves out elements of a kind, and the name of its setting."""
+        settings = (name for name, kinds in _DROPPED_BY.items() if kind in kinds)
+        compilers = list(root.iterchildren("compiler"))
+        return next(((each, name) for name in settings for each in compilers if each.get(name) == "true"), None)
+
     def faults(self, compiled: Mapping[str, Sequence[str]]) -> Iterator[ExistenceFault]:
         """Yield the differences from the names in a compiled model, which are by kind."""
         for kind, names in compiled.items():

@@ -61,6 +61,19 @@ def measure_with(
     return measure
 
 
+def compiled_names(unit: Unit, context: Context) -> Mapping[str, Sequence[str]] | None:
+    """Return the names of the compiled unit by kind, or None after a refusal, which is reported."""
+    if not check_meshes(unit, 0, context.sink):
+        return None
+    text = write(unit.root)
+    with folder_of(unit) as folder:
+        measured = engine.measure(folder, arrays=(), text=text.decode())
+    if not measured.compiled.ok:
+        _rejected(measured.compiled, unit, text, context=context)
+        return None
+    return measured.names
+
+
 @contextmanager
 def folder_of(unit: Unit) -> Iterator[Path]:
     """Yield the folder with the unit's files: its own folder, or a temporary one with files in memory."""

@@ -354,7 +354,7 @@ def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) 
     record = unit.origins.keys.get(key)
     written = numbers_of(record, key, vector)
     source = KeySource("mujoco", vector, key)
-    row = written[:start]
+    row: list[Number] = written[:start]
     for at, text in enumerate(whole, start):
         is_own = at < len(written) and numbers.read(written[at].text) == numbers.read(text)
         row.append(written[at] if is_own else Number(text, source, at))

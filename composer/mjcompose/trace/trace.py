@@ -171,6 +171,7 @@ class Trace:
         self._roots: set[Node] = set()
         self._linkings: dict[Node, Linking] = {}
         self._parts: dict[Node, Part] = {}
+        self._joined: dict[Node, Node] = {}
         self._indexed: tuple[Linking, _Carriers] | None = None
 
     def recording(self) -> AbstractContextManager[None]:
@@ -197,6 +198,12 @@ class Trace:
             self._parts[part.unit.root] = part
             for node in part.unit.root.iter("*"):
                 self.lives[node].parts.append(part)
+        by_root = {part.unit.root: part for part in linking.parts}
+        for life in self.gone:  # `drop`, `subtree` and edits of the part have removed them before
+            if (part_of_it := by_root.get(self._joined.get(life.home, life.home))) is not None:
+                life.parts.append(part_of_it)
+        self._joined |= {root: linking.base.root for root, into in self._joined.items() if into in by_root}
+        self._joined |= dict.fromkeys(by_root, linking.base.root)
 
     def _read(self, unit: Unit, cause: TracedOperation) -> list[Life]:
         """Note the elements of a unit that is seen for the first time."""

@@ -366,6 +366,9 @@ class Causes:
 
     def gone(self, life: Life) -> Reason:
         assert life.gone is not None
+        if isinstance(life.gone.done, Subtree):
+            place = life.parts[0].span if life.parts else None
+            return Reason(f"not needed by `{life.gone.done.body}`, the subtree that the recipe takes", place)
         reason = self._worded(GONE, life, AttributeChange("", None, None, cause=life.gone, owner=life.owner))
         return reason or of_step(life.gone, None, None)
 
