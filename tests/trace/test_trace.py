@@ -5,6 +5,9 @@ What the onlooker sees is all that happens, and its looking changes nothing.
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from copy import deepcopy
 from pathlib import Path
 
@@ -242,3 +245,24 @@ def test_an_onlooker_does_not_look_at_what_it_did_not_record() -> None:
     watch([unit], "read")
     with pytest.raises(RuntimeError, match="recording"):
         watch([unit], "changed")
+
+
+def test_the_answer_is_the_same_in_every_process() -> None:
+    """Sets of texts have another order in each process, and so have sets of elements."""
+    program = (
+        "from pathlib import Path; from mjcompose.sources.context import Context; from mjcompose.trace.traced import trace\n"
+        "from mjcompose.trace.explanation import render\n"
+        "traced = trace(Path('recipe.yaml'), Context(environment={}, folder=Path('.')))\n"
+        "for node in traced.labels: print(render(traced.element(node)))\n"
+        "for life in traced.watch.gone: print(life.tag, life.items, traced.causes.gone(life))\n"
+    )
+    answers = set()
+    for seed in ("0", "1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        folder = Path(__file__).resolve().parents[1] / "golden" / "compiler_of_parts"
+        done = subprocess.run(
+            [sys.executable, "-c", program], cwd=folder, env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        answers.add(done.stdout)
+    assert len(answers) == 1
