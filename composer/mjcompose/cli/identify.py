@@ -27,10 +27,10 @@ class IdentifyOptions(Group):
         metavar="RECORDING",
         type=PATH,
         multiple=True,
-        help="Do not fit this recording: compare it with the result. Without this option, the last fifth of a single "
-        "RECORDING is held out.",
+        help="Do not fit this recording: compare it with the result. Without this option, the command holds out the "
+        "last fifth of a single RECORDING.",
     )
-    plan: bool = flag("--plan", help="Fit nothing: show what the recordings can tell of each number.")
+    plan: bool = flag("--plan", help="Fit nothing: show how well the recordings determine each number.")
     window: float | None = option(
         "--window",
         type=click.FloatRange(min=0.05),
@@ -47,14 +47,16 @@ class IdentifyOptions(Group):
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(IdentifyOptions)
-def identify(options: IdentifyOptions, run: Run) -> Answer:
-    """Fit the numbers of the section `identify` of RECIPE to each RECORDING of a robot: `.csv` or `.npz`.
+@command(
+    IdentifyOptions,
+    help="""Fit the numbers of the section `identify` of RECIPE to each RECORDING of a robot: `.csv` or `.npz`.
 
     The result is a file of measurements, which `measured: FILE` in a recipe uses. Columns are called `time`, `qpos
-    JOINT`, `qvel JOINT`, `ctrl ACTUATOR` and `sensor NAME`. Exit codes: 1 if a recording or a field is wrong, or if
-    the result follows a held-out recording worse than the recipe.
-    """
+    JOINT`, `qvel JOINT`, `ctrl ACTUATOR` and `sensor NAME`. Exit codes: 1 if a recording or a field is wrong, or if the
+    result follows a held-out recording worse than the recipe.
+    """,
+)
+def identify(options: IdentifyOptions, run: Run) -> Answer:
     from mjcompose.tools.identify.identify import FitRequest, identify, plan_fit
 
     name = options.name or (Path(options.out).stem if options.out else options.recipe.stem)

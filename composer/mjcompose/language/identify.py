@@ -45,13 +45,13 @@ class RecordingUnits(Model):
     example: ClassVar = "{qpos: deg, ctrl: deg}"
 
     qpos: _Unit | None = None
-    """of positions"""
+    """the unit of positions"""
     qvel: Literal["rad/s", "mrad/s", "deg/s", "m/s", "cm/s", "mm/s"] | None = None
-    """of speeds"""
+    """the unit of speeds"""
     ctrl: _Unit | None = None
-    """of commands"""
+    """the unit of commands"""
     time: Literal["s", "ms", "us", "ns"] | None = None
-    """of the time"""
+    """the unit of the time"""
 
     def factor(self, kind: str) -> float:
         """Return what turns a number of this kind of column into MuJoCo's unit."""
@@ -65,7 +65,7 @@ class RecordingKeys(Model):
 
     example: ClassVar = "{units: {qpos: deg}}"
 
-    units: RecordingUnits = Field(default_factory=RecordingUnits)
+    units: RecordingUnits = Field(default_factory=lambda: RecordingUnits())
     """the units, if they are not rad, m, rad/s and s"""
     sign: Annotated[dict[str, Literal[-1, 1]], Expects("a mapping from names to 1 or -1", "{elbow: -1}")] = Field({})
     """-1 for a joint that the recording counts the other way round, or for one column, `qpos elbow`; 1 if a direction
@@ -169,7 +169,7 @@ class Identify(Model):
     window: Annotated[float, Scaled(TIMES, gt=0)] | None = None
     """the length of the pieces in which recordings are compared; by default as long as an error of the start stays
     small"""
-    recording: RecordingKeys = Field(default_factory=RecordingKeys)
+    recording: RecordingKeys = Field(default_factory=lambda: RecordingKeys())
     """how to read the columns of the recordings"""
     fields: Annotated[
         dict[str, IdentifyField],

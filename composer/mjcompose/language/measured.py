@@ -22,7 +22,7 @@ ZERO = "zero"
 KINDS = ("joint", "actuator", "body", "geom", "tendon", "site", "equality", "pair")
 """The kinds of elements whose numbers a file can have."""
 TOPICS = ("links", "inertia", "friction", "actuators", "options")
-"""What measured numbers depend on; the file has a hash of each."""
+"""The topics that measured numbers depend on; the file has a hash of each."""
 
 Number = Annotated[float | Angle, Measure()]
 NotNegative = Annotated[float | Angle, Measure(ge=0)]
@@ -99,9 +99,9 @@ class MeasuredNumber(Model):
     one_sided: Text | None = None
     """the side to which other numbers explain the recordings as well"""
     at_its_bound: Text | None = None
-    """what is said of a number at an end of its range"""
+    """the advice for a number at an end of its range"""
     beside_a_jump: Text | None = None
-    """what is said of a number near which the errors jump, so its interval was widened"""
+    """the reason for a wider interval: the errors jump near the number"""
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         if self.range is None:

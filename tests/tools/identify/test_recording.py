@@ -81,7 +81,7 @@ def with_gap(times: np.ndarray) -> np.ndarray:
             "has no number in 1 row, first at 0.068 s",
             "remove these",
         ),
-        (changed("time", going_back), "recording-time", "the time goes back or stands still", "sort the rows"),
+        (changed("time", going_back), "recording-time", "the time goes back or does not pass", "sort the rows"),
         (
             changed("time", lambda t: t * 1e6),
             "recording-time",

@@ -117,7 +117,8 @@ def solve(problem: Problem, solution: Solution, most: int, words: str) -> Soluti
         return np.array(problem.residuals([column * scale for column in columns])).T
 
     def jacobian(point: Series, _: Series) -> Series:
-        return problem.jacobian(np.asarray(point, float).reshape(-1) * scale) * scale
+        scaled: Series = problem.jacobian(np.asarray(point, float).reshape(-1) * scale) * scale
+        return scaled
 
     point, log = minimize.least_squares(
         np.clip(begin / scale, bounds[0], bounds[1]),

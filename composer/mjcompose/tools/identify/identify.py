@@ -210,7 +210,7 @@ def _judge(data: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
         fitted = first["held_out"]["fitted"]
         message = (
             f"`{first['signal']}` of the held-out recording has an error of {fitted:.3g},"
-            f" {fitted / first['fitted']:.1f} times that of the fit"
+            f" {fitted / first['fitted']:.1f} times the error of the fit"
         )
         help = "some number fits one recording alone, as friction of contact often does: add recordings, or omit fields"
         sink.warning("held-out", message, span, help=help)

@@ -22,13 +22,13 @@ LITTLE = 0.75
 """Below this information, half of the standard deviation of the range is left: the number is not identified."""
 _PARTNER = 0.8
 _DISTANCES = (1.0, 2.0, 4.0)
-"""Standard deviations at which the cost is looked at."""
+"""The distances of the profile, in standard deviations."""
 _FLAT = 0.125
 """A rise of the cost below this share of a parabola's is flat."""
 _STEEP = 2.5
 """A rise on both sides of more than this many times a parabola's is a cliff."""
 _REFITS = (-12.0, -6.0, 6.0, 12.0)
-"""Standard deviations from which a number beside a cliff is fitted again."""
+"""The distances from which a number at a cliff is fitted again, in standard deviations."""
 _AS_GOOD = 4.0
 """A difference of the cost that noise explains: two standard deviations of one number."""
 
@@ -83,7 +83,7 @@ class _Weights(Struct, eq=False):
 
 
 def know(problem: Problem, solution: Solution, *, may_move: bool) -> tuple[Knowledge, Solution | None]:
-    """Return what a fit knows, or a better place beside the solution, from which to fit again, if it `may_move`."""
+    """Return the knowledge of a fit, or a better place from which it can begin again, if it `may_move`."""
     problem.settings.progress("how far each number may be off")
     times = correlation_times(problem, problem.errors(solution.values, solution.starts))
     weights = _Weights.of(problem, times)
@@ -131,7 +131,7 @@ def _profile(
 def _look_behind_cliffs(
     problem: Problem, solution: Solution, knowledge: Knowledge, whole: Series, weights: _Weights, *, cost: float
 ) -> Solution | None:
-    """Widen the intervals of numbers beside a cliff until they cover other places that explain the recordings as well.
+    """Widen the intervals of numbers at a cliff until they cover other places that explain the recordings as well.
 
     Return the best of these places if it is better.
     """
@@ -166,7 +166,7 @@ def _look_behind_cliffs(
 
 
 def verdicts(problem: Problem, solution: Solution, knowledge: Knowledge) -> list[Verdict]:
-    """Return for each number whether it is measured, or what is against it."""
+    """Return for each number whether it is measured, or the reason against it."""
     std = knowledge.std
     information = 1 - (std / problem.prior) ** 2
     correlation = knowledge.covariance / np.outer(std, std)

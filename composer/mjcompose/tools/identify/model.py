@@ -61,7 +61,7 @@ def open_model(recipe: Path, given: Given, context: Context, session: Session) -
     making = ElementBuilder.of(plan, composed.model, context, model_angle=composed.model.settings.angle)
     editing = Editing(linking, making, plan.scope, parts=composer.parts, cost=composer.cost)
     fields = list(_fields(plan.identify, plan, editing))
-    if context.sink.has_errors:
+    if context.sink.error_count:
         return None
     hinges = {
         name

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _SLOTS = 32
 """The most models that are simulated at once: each is a copy of the whole model."""
 _CLIP = 1e6
-"""The largest residual, in standard deviations: what falls over does not outweigh everything else."""
+"""The largest residual, in standard deviations: a robot that falls over does not outweigh everything else."""
 _STEP = 3e-4
 """The step of differences, relative to the range of an unknown; below it friction and contact are not smooth."""
 
@@ -108,7 +108,7 @@ class Problem:
 
     def start_data(self) -> MjData:
         """Return a state with the keyframe of the recipe, or else with the first one of the model."""
-        data = self.mujoco.MjData(self.model)
+        data: MjData = self.mujoco.MjData(self.model)
         key = 0
         if self.settings.start is not None:
             key = self.mujoco.mj_name2id(self.model, self.mujoco.mjtObj.mjOBJ_KEY, self.settings.start)
@@ -364,7 +364,7 @@ class Problem:
 
 
 def _batches(jobs: Sequence[Job], indices: Sequence[int]) -> Iterator[list[int]]:
-    """Yield jobs with at most so many different models."""
+    """Yield jobs in batches with few different models."""
     batch: list[int] = []
     models: set[int] = set()
     for index in indices:
@@ -388,7 +388,7 @@ def _intervals(seconds: float, window: float | None) -> list[tuple[float, float]
 
 
 def noise_of(runs: Sequence[Series]) -> float:
-    """Return the noise of a signal from its third differences; at least that of its resolution."""
+    """Return the noise of a signal from its third differences; at least the noise of its resolution."""
     found = []
     for values in runs:
         third = np.diff(values, 3)

@@ -45,7 +45,7 @@ class Signal(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What an actuator was commanded: each value holds from its time to the next."""
+    """The commands of an actuator: each value holds from its time to the next."""
 
     times: Series
     values: Series
@@ -112,7 +112,7 @@ class _Reader:
         return recording
 
     def _signal(self, column: str) -> Signal | None:
-        """Return what a column is about, or None for a column to ignore."""
+        """Return the signal of a column, or None for a column to ignore."""
         kind, _, written = column.partition(" ")
         if kind not in _KINDS or not written:
             if self._ignores(column):
@@ -135,7 +135,7 @@ class _Reader:
         raise RecordingFault(_CODE, message, help, line=1)
 
     def _sign(self, signal: Signal) -> int:
-        """Return the sign of a column: that of the column itself, or else that of its name."""
+        """Return the sign of a column: its own, or else the sign of its name."""
         signs: dict[str, int] = self.keys["sign"]
         return signs.get(f"{signal.kind} {signal.name}", signs.get(signal.name, 1))
 
@@ -245,7 +245,7 @@ def _check_clock(table: Table, times: Series, has_unit: bool) -> None:
     backward = np.flatnonzero(steps <= 0)
     if backward.size:
         row = int(backward[0]) + 1
-        message = f"the time goes back or stands still: {times[row]:.4f} s after {times[row - 1]:.4f} s"
+        message = f"the time goes back or does not pass: {times[row]:.4f} s after {times[row - 1]:.4f} s"
         help = "sort the rows; if the clock was set during the recording, cut it into two"
         raise RecordingFault(_TIME, message, help, line=table.line(row))
     usual = float(np.median(steps))

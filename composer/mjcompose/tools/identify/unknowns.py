@@ -23,7 +23,7 @@ _WITHOUT_CONSTANTS = ("dof_damping", "dof_frictionloss", "actuator_gainprm", "ac
 
 
 class Place(Struct):
-    """A number of mjModel: `sign` is that of the attribute, and a number that `follows` changes in proportion."""
+    """A number of mjModel: `sign` is the sign of the attribute, and a number that `follows` changes in proportion."""
 
     array: str
     index: int

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
 _MOST_FITS = 2
-"""How often a fit begins again from a better place beside its minimum."""
+"""How often a fit begins again from a better place near its minimum."""
 
 
 def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
 
 
 def plan_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
-    """Return what the recordings could tell of each number, from one Jacobian, or a `fault`."""
+    """Return the information of the recordings about each number, from one Jacobian, or a `fault`."""
     try:
         problem, _ = _opened(mujoco, model, asked)
     except RecordingFault as fault:
@@ -98,7 +98,7 @@ def follow_recording(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict
 
 
 def _opened(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> tuple[Problem, list[Recording]]:
-    """Return the problem and the recordings that are held out. Raises RecordingFault."""
+    """Return the problem and the held-out recordings. Raises RecordingFault."""
     unknowns = unknowns_of(mujoco, model, asked["fields"])
     limits = SizeLimits(asked["limits"]["size"], asked["limits"]["numbers"])
 
@@ -129,7 +129,7 @@ def _note(path: Path, text: str) -> None:
 
 
 def _split(recording: Recording) -> tuple[list[Recording], list[Recording]]:
-    """Return the first four fifths of a recording, and the rest, which is held out."""
+    """Return the first four fifths of a recording, and the held-out rest."""
     cut = int(0.8 * len(recording.times))
     if recording.seconds < 1.0:
         return [recording], []
