@@ -1,7 +1,7 @@
 """The modules with the effects of our own checks and verbs, by word. The language has their forms.
 
-Other packages register such rows as entry points. Some checks are in packages above the one that runs them, so their
-modules are named here. A recipe imports only the modules of the words that it has.
+Other packages register such rows as entry points. Some checks are in packages above `verify`, which runs
+them by this table. A recipe imports only the modules of the words that it has.
 """
 
 from __future__ import annotations

@@ -329,7 +329,7 @@ def _place_with_offset(step: AttachPart, unit: Unit, making: ElementBuilder) -> 
 
 
 def _floats_by_itself(step: AttachPart, unit: Unit) -> bool:
-    """Return whether the part has what the recipe wants between it and its place: a free joint, or a mocap body."""
+    """Return whether the part has the free joint of the recipe itself, or is a mocap body."""
     joint = step.attachment.joint
     if step.floats or joint not in ("free", "mocap"):
         return False
@@ -561,8 +561,8 @@ def later_places(plan: Plan) -> dict[PlaceName, LaterPlace]:
 def early_additions(plan: Plan, parts: Iterable[Part], making: ElementBuilder) -> dict[int, AddedElement]:
     """Make the elements with the places that parts may wait for, by the identities of their steps.
 
-    Each comes after the ones that it is added to. Comparing two steps compares everything in them, so they are told
-    apart by identity.
+    Each comes after the elements that it is added to. The keys are identities, since comparing two steps compares
+    everything in them.
     """
     places = plan.added_places
     steps: dict[int, AddElement] = {}

@@ -21,7 +21,7 @@ def waiting(linking: Linking, place: PlaceName) -> list[AddedElement]:
     """Return the additions that a place needs and that are not in the model yet, the outermost first."""
     needed = {place}
     chain: list[AddedElement] = []
-    for addition in reversed(linking.additions):  # each comes after the ones that it is added to
+    for addition in reversed(linking.additions):  # each comes after the elements that it is added to
         if not addition.is_hung and not needed.isdisjoint(addition.places):
             chain.append(addition)
             needed.add(addition.to)

@@ -311,7 +311,7 @@ class Linking:
     notes: Notes = field(default_factory=Notes)
     keys: KeyTable = field(default_factory=KeyTable)
     additions: tuple[AddedElement, ...] = ()
-    """The elements with places that parts may wait for, each after the ones that it is added to."""
+    """The elements with places that parts may wait for, each after the elements that it is added to."""
     later_places: Mapping[PlaceName, LaterPlace] = field(default_factory=dict)
     """All places that the recipe adds, for messages."""
 

@@ -230,7 +230,7 @@ check_rows("the rules with settings that composer/mjcompose/lint/check.py carrie
 
 
 def check(scope: Scope, lint: Lint) -> list[Fault]:
-    """Report what the selected rules find, each at the rule."""
+    """Report the findings of the selected rules, each at its rule."""
     findings: list[Fault] = []
     subject = subject_of(scope.facts.text, scope.mujoco, scope.model)
     ignored = lint.ignored

@@ -229,7 +229,7 @@ class ElementSelector(CheckPart):
 
     @cached_property
     def conditions(self) -> list[ExpectedValue]:
-        """What `where` says, attribute by attribute."""
+        """The conditions of `where`, attribute by attribute."""
         read = [_condition(self.tag, key, value) for key, value in (self.where or {}).items()]
         return [condition for condition in read if isinstance(condition, ExpectedValue)]
 

@@ -407,7 +407,7 @@ ALLOW = "allow"
 
 
 def _codes() -> list[str]:
-    """Return the codes of builds, without those of the linter's rules, which may be known, too."""
+    """Return the codes of builds, without the codes of the linter's rules, which a process may know, too."""
     return [code for code in CODES if code not in RULES]
 
 

@@ -97,7 +97,7 @@ class ShapeErrors(Struct):
 
 
 class RecipeFacts(Struct):
-    """What the compiled model does not say about its recipe and its files.
+    """Facts about the recipe and the files of a compiled model, which the model lacks.
 
     `angle` is the unit of numbers without one in the check, `size` the bytes of all files, and `text` the model.
     """
@@ -349,7 +349,7 @@ class Quantity(Struct):
 
 
 def values_of(scope: Scope, tag: str, index: int, attr: str, subscript: int | None) -> Any:
-    """Return the numbers of an attribute as a flat array, or the one that a subscript selects. Raises CheckEnds."""
+    """Return the numbers of an attribute as a flat array, or only the number of a subscript. Raises CheckEnds."""
     import numpy as np
 
     from mjcompose.mujoco.addresses import rows_of

@@ -109,7 +109,7 @@ def _fits(scope: Scope, index: int, select: ElementSelector) -> bool:
 
 
 def _differing(scope: Scope, expect: Expect, select: ElementSelector, elements: list[int]) -> list[Fault]:
-    """Report the elements whose values are not the expected ones, and first what cannot be looked up."""
+    """Report the elements that do not have the expected values, or an attribute that they lack."""
     assert expect.attribute is not None
     tag = select.tag
     attr, subscript = expect.attribute
@@ -144,7 +144,7 @@ def _key(expect: Expect) -> str:
 
 
 def _compared(expect: Expect, actual: Any, quantities: list[Quantity], own_unit: str, unit: str) -> tuple[bool, str]:
-    """Return whether numbers are the expected ones, and in words what is expected."""
+    """Return whether numbers are as expected, and the expected numbers in words."""
     if expect.equals is None:
         low, high = quantities
         holds = all(low.value <= number <= high.value for number in actual.tolist())

@@ -59,7 +59,7 @@ def check(scope: Scope, settles: Settles) -> list[Fault]:
 
 
 def _near(scope: Scope, data: MjData, near: Near, start: str | None) -> list[Fault]:
-    """Report joints that end far from their position in a keyframe, by default the one that was the start."""
+    """Report joints that end far from their position in a keyframe, by default the keyframe of the start."""
     import numpy as np
 
     key = near.key or start
