@@ -15,6 +15,7 @@ CHECKS = {
     "budget": "mjcompose.verify.checks.budget",
     "targets": "mjcompose.targets.check",
     "moves_alike": "mjcompose.targets.moves_alike",
+    "tracks": "mjcompose.tools.identify.check",
     "lint": "mjcompose.lint.check",
 }
 VERBS = {

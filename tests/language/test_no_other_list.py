@@ -22,7 +22,15 @@ PLACES: dict[tuple[Any, ...], type[Model]] = {(): Recipe}
 for _each in spots(Recipe):
     if isinstance(_each.kind, type) and issubclass(_each.kind, Model) and _each.kind.key_names():
         PLACES.setdefault(_each.at, _each.kind)
-NAMED = {("attach",), ("check",), ("keyframe",), ("params",), ("datasheets",), ("randomize", "fields")}
+NAMED = {
+    ("attach",),
+    ("check",),
+    ("keyframe",),
+    ("params",),
+    ("datasheets",),
+    ("randomize", "fields"),
+    ("identify", "fields"),
+}
 """Mappings from names; the items of the others are in lists."""
 BESIDE_ELEMENTS = {("contact", "exclude", "*")}
 """Where an element of MJCF can stand as well."""

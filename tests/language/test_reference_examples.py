@@ -135,6 +135,8 @@ def test_an_example_builds(name: str, number: int, tmp_path: Path) -> None:
     (tmp_path / "rail.yaml").write_text(RAIL, encoding="utf-8")
     (tmp_path / "box.urdf").write_text(BOX, encoding="utf-8")
     (tmp_path / "claw.xml").write_text(CLAW, encoding="utf-8")
+    rows = "".join(f"{index / 50},1.6,1.6\n" for index in range(20))
+    (tmp_path / "run.csv").write_text(f"time,qpos elbow,ctrl elbow\n{rows}", encoding="utf-8")
     (tmp_path / "A12.yaml").write_text(A12, encoding="utf-8")
     (tmp_path / "cloth.xml").write_text(CLOTH, encoding="utf-8")
     (tmp_path / "box_meshes").mkdir()

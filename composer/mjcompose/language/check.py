@@ -23,6 +23,7 @@ _OWN = (
     "budget",
     "targets",
     "moves_alike",
+    "tracks",
     "lint",
 )
 SEVERITY = "severity"
@@ -55,6 +56,11 @@ class Check(CheckPart):
     reads_text: ClassVar[bool] = False
     is_in_mujoco: ClassVar[bool] = True
     _written: Any = PrivateAttr(None)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that the check reads, relative to its recipe."""
+        return ()
 
     @property
     def name(self) -> str:

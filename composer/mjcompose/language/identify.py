@@ -53,11 +53,15 @@ class RecordingUnits(Model):
     time: Literal["s", "ms", "us", "ns"] | None = None
     """the unit of the time"""
 
-    def factor(self, kind: str) -> float:
-        """Return what turns a number of this kind of column into MuJoCo's unit."""
-        unit = getattr(self, kind, None)
-        table = CLOCKS if kind == "time" else SPEEDS
-        return 1.0 if unit is None else table[unit]
+    @property
+    def factors(self) -> dict[str, float]:
+        """The factors that turn numbers of each kind of column into MuJoCo's units."""
+        found = {"sensor": 1.0}
+        for kind in type(self).model_fields:
+            unit = getattr(self, kind)
+            table = CLOCKS if kind == "time" else SPEEDS
+            found[kind] = 1.0 if unit is None else table[unit]
+        return found
 
 
 class RecordingKeys(Model):
@@ -169,7 +173,7 @@ class Identify(Model):
     window: Annotated[float, Scaled(TIMES, gt=0)] | None = None
     """the length of the pieces in which recordings are compared; by default as long as an error of the start stays
     small"""
-    recording: RecordingKeys = Field(default_factory=lambda: RecordingKeys())
+    recording: RecordingKeys = Field(default_factory=lambda: RecordingKeys.model_validate({}))
     """how to read the columns of the recordings"""
     fields: Annotated[
         dict[str, IdentifyField],

@@ -450,6 +450,9 @@ def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
     folder = context.folder
     if plan.measured is not None:
         yield plan.measured.path
+    for check in plan.checks:
+        beside = folder_of(locate(plan.document, check.at), context)
+        yield from (beside / name for name in check.files if context.door_of_text(beside).sees(beside / name))
     for step in plan.steps:
         if isinstance(step, AddElement | AppendElement):
             for at, name in _named(step.element):

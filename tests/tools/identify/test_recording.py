@@ -21,6 +21,7 @@ KEYS: dict[str, Any] = {
     "names": {},
     "ignore": [],
     "hold": False,
+    "prefix": "",
 }
 LIMITS = SizeLimits(10_000_000, 100_000)
 ROBOT = robots.model()

@@ -145,7 +145,7 @@ def question_of(
         "window": identify.window,
         "limits": {"size": limits.recording_size, "numbers": limits.recording_numbers},
         "keys": {
-            "factors": {kind: keys.units.factor(kind) for kind in ("qpos", "qvel", "ctrl", "sensor", "time")},
+            "factors": keys.units.factors,
             "sign": dict(keys.sign),
             "names": dict(keys.names),
             "ignore": list(keys.ignore),

@@ -17,6 +17,7 @@ from mjcompose.tools.identify.fit import Solution, correlation_times, solve
 from mjcompose.tools.identify.problem import Problem
 from mjcompose.tools.identify.recording import Signal
 from mjcompose.tools.identify.tables import Series
+from mjcompose.tools.identify.unknowns import DELAY
 
 LITTLE = 0.75
 """Below this information, half of the standard deviation of the range is left: the number is not identified."""
@@ -90,11 +91,21 @@ def know(problem: Problem, solution: Solution, *, may_move: bool) -> tuple[Knowl
     whole = weights.covariance(problem.jacobian(solution.point, is_central=True))
     cost = weights.cost(problem.residual(solution.point))
     rises, better = _profile(problem, solution, whole, weights, cost=cost)
-    knowledge = Knowledge(whole[: problem.count, : problem.count], times, rises, {})
+    covariance = whole[: problem.count, : problem.count].copy()
+    _round_delays(problem, covariance)
+    knowledge = Knowledge(covariance, times, rises, {})
     if better is not None and may_move:
         return knowledge, better
     better = _look_behind_cliffs(problem, solution, knowledge, whole, weights, cost=cost)
     return knowledge, better if may_move else None
+
+
+def _round_delays(problem: Problem, covariance: Series) -> None:
+    """Add to the variance of delays: a command acts at whole steps of the simulation, however exact the fit is."""
+    step = float(problem.model.opt.timestep)
+    for index, unknown in enumerate(problem.unknowns):
+        if unknown.attribute == DELAY:
+            covariance[index, index] += step**2 / 12
 
 
 def _profile(

@@ -121,7 +121,7 @@ class _Reader:
             words = ", ".join(f"`{word}`" for word in _KINDS)
             raise RecordingFault(_CODE, f"column `{column}` begins with none of {words}", help, line=1)
         name, component = _without_index(written)
-        name = self.keys["names"].get(name, name)
+        name = self.keys["prefix"] + self.keys["names"].get(name, name)
         if name in self.known[_KINDS[kind]]:
             return Signal(kind, name, component)
         if self._ignores(name) or self._ignores(column):

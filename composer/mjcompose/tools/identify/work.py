@@ -102,11 +102,10 @@ def _opened(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> tuple[Problem
     unknowns = unknowns_of(mujoco, model, asked["fields"])
     limits = SizeLimits(asked["limits"]["size"], asked["limits"]["numbers"])
 
+    keys = {**asked["keys"], "prefix": asked.get("prefix", "")}
+
     def read(recordings: Sequence[Mapping[str, str]]) -> list[Recording]:
-        return [
-            read_recording(mujoco, model, Path(each["path"]), each["file"], asked["keys"], limits)
-            for each in recordings
-        ]
+        return [read_recording(mujoco, model, Path(each["path"]), each["file"], keys, limits) for each in recordings]
 
     recordings = read(asked["recordings"])
     held_out = read(asked["held_out"])
