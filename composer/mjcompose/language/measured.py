@@ -149,7 +149,7 @@ _Facts = Annotated[Any, WithJsonSchema({"type": "object"})]
 
 
 class MeasurementFile(Model):
-    """A file of measurements: what a recording of one robot says about its numbers."""
+    """A file of measurements: the numbers of one robot, from a recording or by hand."""
 
     owned: ClassVar = "a file of measurements"
 

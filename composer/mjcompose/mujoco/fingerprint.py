@@ -1,4 +1,4 @@
-"""Hashes of what measured numbers depend on, by topic: numbers of the moving parts that were not measured.
+"""Hashes of the numbers on which measured numbers depend, by topic: numbers of the moving parts that were not measured.
 
 Only the kinematic trees with a measured element count, from the first body that a joint moves. So a camera, a cube or
 another place of the robot changes no hash. The measured numbers themselves are left out, and all others are rounded to

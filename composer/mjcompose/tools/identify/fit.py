@@ -189,7 +189,7 @@ def screen(
     only: set[str] | None = None,
     seed: int = 0,
 ) -> Series:
-    """Return better unknowns by trials: each joint keeps those of the trial that its own signals like best.
+    """Return better unknowns by trials. Each joint keeps its numbers from the trial with the least errors of the joint.
 
     One trial changes all joints at once, so all trials cost less than one Jacobian. Numbers from 0 on are tried by
     factors, others by amounts.
@@ -218,7 +218,7 @@ def screen(
 
 
 def _owner(problem: Problem, index: int, joints: Sequence[str]) -> int:
-    """Return the joint whose signals judge an unknown, or -1 for all signals."""
+    """Return the joint whose signals decide about an unknown, or -1 for all signals."""
     unknown = problem.unknowns[index]
     name = unknown.names[0]
     model = problem.model

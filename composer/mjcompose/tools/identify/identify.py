@@ -39,7 +39,7 @@ Say = Callable[[str], None]
 class FitRequest(Struct):
     """A recipe with values of its parameters, recordings, and how to fit them.
 
-    `name` is the name of the robot. Without `held_out`, the last fifth of a single recording is held out.
+    `name` is the name of the robot. Without `held_out`, a fit holds out the last fifth of a single recording.
     """
 
     recipe: Path
@@ -59,7 +59,7 @@ class Fit(Struct):
 
 
 def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
-    """Return the fit, or None after reported errors. Warnings say what the fit does not explain."""
+    """Return the fit, or None after reported errors. Warnings name the signals that the fit does not explain."""
     with _asked(request, context, say) as asked:
         if asked is None:
             return None
@@ -72,7 +72,7 @@ def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
 
 
 def plan_fit(request: FitRequest, context: Context, say: Say) -> list[dict[str, Any]] | None:
-    """Return what recordings could tell of each number, or None after reported errors."""
+    """Return the information of the recordings about each number, or None after reported errors."""
     with _asked(request, context, say) as asked:
         if asked is None:
             return None
@@ -156,7 +156,7 @@ def question_of(
 
 @contextmanager
 def _progress(path: Path, say: Say) -> Iterator[None]:
-    """Say what MuJoCo's process notes in a file, while it works."""
+    """Say the lines that MuJoCo's process writes into a file, while it works."""
     done = threading.Event()
 
     def watch() -> None:
@@ -180,7 +180,7 @@ def _progress(path: Path, say: Say) -> Iterator[None]:
 
 
 def report_fault(fault: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
-    """Report what is wrong with a recording, or with a field, at its place."""
+    """Report a fault of a recording, or of a field, at its place."""
     file = fault["file"]
     if fault["field"] is not None:
         message = f"field `{fault['field']}` of `identify`: {fault['message']}"

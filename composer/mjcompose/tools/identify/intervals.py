@@ -1,6 +1,6 @@
 """How well a fit knows its numbers: covariance, profiles of the cost, and a verdict for each number.
 
-Dry friction makes cliffs in the cost. Beside a cliff, the curvature at the minimum says nothing about the width of the
+Dry friction makes cliffs in the cost. Near a cliff, the curvature at the minimum says nothing about the width of the
 valley, so each number is also moved by one, two and four standard deviations, where the others follow. Runs in MuJoCo's
 process.
 """
@@ -37,8 +37,8 @@ _AS_GOOD = 4.0
 class Knowledge(Struct, frozen=False):
     """The covariance of the unknowns, and over how many samples the errors of each signal are correlated.
 
-    `rises` is the rise of the cost relative to that of a parabola, `(unknowns, 2, distances)`: below and above. `jumps`
-    has the factor by which the interval of a number beside a cliff was widened.
+    `rises` is the rise of the cost relative to a parabola, `(unknowns, 2, distances)`: below and above. `jumps`
+    has the factor by which the interval of a number near a cliff was widened.
     """
 
     covariance: Series
@@ -52,7 +52,7 @@ class Knowledge(Struct, frozen=False):
 
 
 class Verdict(Struct):
-    """What is said of a number: `word` is a key of the file of measurements, or empty for a measured number."""
+    """The verdict on a number: `word` is a key of the file of measurements, or empty for a measured number."""
 
     word: str = ""
     reason: str = ""
