@@ -11,8 +11,8 @@ import numpy as np
 _HEAD = '''\
 """The arrays and sizes of a compiled model and of its state, for type checkers.
 
-MuJoCo's package has no types for them. `mypy` finds an array whose name is misspelt, and one whose number of axes is
-not what a function takes.
+MuJoCo's package has no types for them. With these, `mypy` finds a misspelt array, and an array with another number of
+axes than a function takes.
 
 Written by `make schemas` from MuJoCo {version}; do not edit. An older MuJoCo lacks some of them.
 """

@@ -83,7 +83,7 @@ def rule(
     usual: bool = True,
     profiles: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[[Subject], Found]], Callable[[Subject], Found]]:
-    """Return a decorator that makes a function the rule `code`; `summary` says what it finds.
+    """Return a decorator that makes a function the rule `code`; `summary` describes its findings.
 
     `profiles` quote the sources that require it.
     """

@@ -1,7 +1,7 @@
 """The arrays and sizes of a compiled model and of its state, for type checkers.
 
-MuJoCo's package has no types for them. `mypy` finds an array whose name is misspelt, and one whose number of axes is
-not what a function takes.
+MuJoCo's package has no types for them. With these, `mypy` finds a misspelt array, and an array with another number of
+axes than a function takes.
 
 Written by `make schemas` from MuJoCo 4.0.0; do not edit. An older MuJoCo lacks some of them.
 """
