@@ -38,7 +38,7 @@ class AuditedRecord(list[TreeChange]):
     def append(self, change: TreeChange, /) -> None:
         node = change.node
         if not isinstance(node.tag, str):  # a comment
-            return
+            return  # type: ignore[unreachable]  # of the stubs
         if change.what == PARENT and change.before is None:
             # An element may be built freely until it is placed.
             for each in node.iter("*"):
@@ -78,7 +78,7 @@ class Audit:
         self.record = AuditedRecord()
         self.unrecorded: list[str] = []
         self.changes = 0
-        self._roots: set[Node] = set()
+        self.roots: set[Node] = set()
 
     def recording(self) -> AbstractContextManager[None]:
         return journal.recording(self.record)
@@ -93,8 +93,8 @@ class Audit:
         for unit in units:
             nodes = list(unit.root.iter("*"))
             present.update(nodes)
-            if unit.root not in self._roots:
-                self._roots.add(unit.root)
+            if unit.root not in self.roots:
+                self.roots.add(unit.root)
                 states.update((node, State.of(node)) for node in nodes)
         for node in present:
             now = State.of(node)

@@ -74,7 +74,18 @@ class _Calls:
 
     audit: Audit
     blind: _Site | None = None
-    sites: set[_Site] = field(default_factory=set)
+    changed: dict[_Site, list[Node]] = field(default_factory=dict)
+
+    @property
+    def sites(self) -> list[_Site]:
+        """The calls that count: a change of an element that is removed later, before anybody looks, leaves no trace."""
+        return [site for site, nodes in self.changed.items() if any(map(self._counts, nodes))]
+
+    def _counts(self, node: Node) -> bool:
+        holder = node
+        while (above := holder.getparent()) is not None:
+            holder = above
+        return holder in self.audit.roots
 
     def replacing(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(node: Node, *arguments: Any, **named: Any) -> Any:
@@ -84,7 +95,9 @@ class _Calls:
                 frame = frame.f_back
             site = _Site(Path(frame.f_code.co_filename).stem, frame.f_lineno)
             if self._changes(name, node, arguments):
-                self.sites.add(site)
+                element = arguments[0] if name == "place" else node
+                # Of an element that is removed, the place that it leaves stays.
+                self.changed.setdefault(site, []).append(node.getroottree().getroot() if name == "remove" else element)
             with journal.unrecorded() if site == self.blind else nullcontext():
                 return function(node, *arguments, **named)
 
@@ -125,6 +138,6 @@ def test_a_write_without_a_record_is_found(calls: Callable[[str, _Site | None], 
         if not case.startswith("recipes/") and not case.endswith("xacro"):
             for site in calls(case, None).sites:
                 reached.setdefault(site, case)
-    hidden = [site for site, case in reached.items() if not calls(case, site).audit.unrecorded]
+    hidden = [f"{site.module}:{site.line}" for site, case in reached.items() if not calls(case, site).audit.unrecorded]
     assert hidden == []
-    assert len(reached) > 100
+    assert len(reached) >= 90

@@ -25,7 +25,8 @@ _COLLECTIONS = {"list", "dict", "set", "defaultdict", "deque", "Counter", "sorte
 
 def raw_writes(tree: ast.Module) -> Iterator[tuple[str, int]]:
     """Yield the function and the line of each statement that changes an element, or may change one."""
-    holders = [tree, *(node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))]
+    holders: list[ast.Module | ast.ClassDef] = [tree]
+    holders += (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
     for function in (node for holder in holders for node in holder.body if isinstance(node, ast.FunctionDef)):
         known = _collections_in(function)
         for node in ast.walk(function):

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking
 from mjcompose.tree import journal
+from mjcompose.tree.journal import because
 
 _STEP = 0.002
 """MuJoCo's default time step, in seconds."""
@@ -41,5 +42,5 @@ def delays(linking: Linking) -> None:
         if actuator.getroottree().getroot() is not unit.root or actuator.get("nsample") != text or not delay:
             continue
         samples = str(samples_in(numbers.read(str(delay))[0], step)) if step > 0 else text
-        journal.write(actuator, "nsample", samples)
+        journal.write(actuator, "nsample", samples, because("counted in time steps of the whole model"))
         unit.origins.delays[actuator] = samples

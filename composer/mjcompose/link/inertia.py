@@ -27,6 +27,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own, through_frames, walk_bodies
 from mjcompose.tree.files import SourceSettings, stem
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.journal import because
 from mjcompose.tree.names import LISTS, REFERS, naming_table
 from mjcompose.tree.unit import Unit
 
@@ -270,22 +271,24 @@ def muscle_forces(linking: Linking) -> None:
             if len(arrays.get("actuator_gaintype", ())) != len(actuators):
                 continue  # MuJoCo makes copies of actuators; a part whose muscles differ then fails as changed
             for row, actuator in enumerate(actuators):
-                _write_force(actuator, row, arrays)
+                _write_force(unit, actuator, row, arrays)
 
 
-def _write_force(actuator: Node, row: int, arrays: Mapping[str, list[float]]) -> None:
+def _write_force(unit: Unit, actuator: Node, row: int, arrays: Mapping[str, list[float]]) -> None:
     output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
     acceleration = arrays["actuator_acc0"][output]
     width = len(arrays["actuator_gainprm"]) // len(arrays["actuator_gaintype"])
+    file = unit.file.rpartition("/")[2]
+    why = because(f"the peak force that its `scale` gives it in `{file}` alone")
     for name, kind in _MUSCLE_LAWS:
         parameters = arrays[f"actuator_{name}"][row * width : row * width + _PARAMETERS]
         if int(arrays[f"actuator_{kind}"][row]) != _MUSCLE or parameters[_FORCE] >= 0 or not acceleration:
             continue
         parameters[_FORCE] = parameters[_SCALE] / acceleration
         if actuator.tag == "muscle":
-            journal.write(actuator, "force", numbers.text([parameters[_FORCE]]))
+            journal.write(actuator, "force", numbers.text([parameters[_FORCE]]), why)
         else:
-            journal.write(actuator, name, numbers.text(parameters))
+            journal.write(actuator, name, numbers.text(parameters), why)
 
 
 def _is_muscle(actuator: Node) -> bool:
@@ -384,7 +387,7 @@ def _make_frame(body: Node, frames: set[str]) -> None:
         journal.remove(child)
     journal.retag(body, "frame")
     known = GRAMMAR.element("frame").attributes
-    for name in list(body.attrib):
+    for name in [str(name) for name, _ in body.items()]:
         if name not in known:
             journal.drop(body, name)
     name = str(body.get("name") or "")

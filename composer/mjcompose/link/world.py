@@ -20,6 +20,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of, text_in_effect, through_frames
 from mjcompose.tree.edit import whole
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.journal import because
 from mjcompose.tree.names import WORLD, users
 from mjcompose.tree.parse import above
 from mjcompose.tree.unit import Unit
@@ -39,7 +40,7 @@ def roots(linking: Linking) -> None:
                 if joint_type(joint, part.unit.classes) != "free":
                     continue
                 if part.weld:
-                    journal.remove(joint)
+                    journal.remove(joint, because("removed: `joint: none` fixes the part in its place", part.span))
                 else:
                     linking.notes.floating.append(Floating(part, body, joint, called=called, alone=all_free))
             if body.get("mocap") == "true":

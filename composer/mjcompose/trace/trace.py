@@ -264,7 +264,7 @@ class Trace:
         unit = causes.get(top_of(life.node), cause).unit
         owner = unit.origins.owner(life.node, unit.file)
         for what in dict.fromkeys((TAG, *(name for name, _ in (*life.items, *items)))):
-            # A step writes what the recipe says, even where the element says it already.
+            # A step writes its value even where the element has the same one already.
             if what in rows and (rows[what].is_other or not cause.is_pass):
                 before, after, why = rows[what]
                 life.changes.append(AttributeChange(what, as_text(before), as_text(after), cause, owner, why))

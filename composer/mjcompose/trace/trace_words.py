@@ -32,7 +32,6 @@ from mjcompose.link.inertia import (
     has_mass,
     inertia,
     lengthranges,
-    muscle_forces,
 )
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
@@ -42,7 +41,7 @@ from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler, model_autolimits
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.subtree import Subtree
-from mjcompose.link.world import roots, sections
+from mjcompose.link.world import sections
 from mjcompose.mujoco.attributes import attributes as compared
 from mjcompose.plan.plan import DropElements, Plan
 from mjcompose.plan.steps import DrawValues, EditElements, Step
@@ -52,6 +51,7 @@ from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin,
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
 from mjcompose.tree.files import SourceSettings, read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
+from mjcompose.tree.journal import PARENT, Why
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
 
@@ -229,9 +229,6 @@ class Causes:
             return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
-    def _muscle_forces(self, life: Life, change: AttributeChange) -> Reason:
-        return Reason(f"the peak force that its `scale` gives it in {_file(change.cause.unit)} alone")
-
     def _agreement(self, life: Life, change: AttributeChange) -> Reason | None:
         linking = change.cause.linking
         if linking is None or change.after is None:
@@ -317,10 +314,6 @@ class Causes:
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
 
-    def _weld(self, life: Life, change: AttributeChange) -> Reason:
-        part = change.cause.part
-        return Reason("removed: `joint: none` fixes the part in its place", part.span if part else None)
-
     def _compiler(self, life: Life, change: AttributeChange) -> Reason | None:
         linking = change.cause.linking
         if change.attribute in _FOLDERS:
@@ -349,27 +342,29 @@ class Causes:
 
     def change(self, change: AttributeChange, life: Life) -> Reason:
         """Return the reason that an attribute changed."""
-        reason = self._worded(CHANGES, life, change)
+        reason = recorded(change.why) or self._worded(CHANGES, life, change)
         return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
     def made(self, life: Life) -> Reason:
         """Return the reason that an element exists that was not read from a file."""
         assert life.made_by is not None
-        reason = self._worded(MADE, life, AttributeChange("", None, None, cause=life.made_by, owner=life.owner))
+        change = AttributeChange("", None, None, cause=life.made_by, owner=life.owner)
+        reason = recorded(life.whys.get(PARENT)) or self._worded(MADE, life, change)
         return reason or of_step(life.made_by, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
         """Return the reason that an element that a pass created has this value of an attribute."""
         assert life.made_by is not None
         change = AttributeChange(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
-        return self._worded(VALUES, life, change) or self.made(life)
+        return recorded(life.whys.get(attribute)) or self._worded(VALUES, life, change) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
         assert life.gone is not None
         if isinstance(life.gone.done, Subtree):
             place = life.parts[0].span if life.parts else None
             return Reason(f"not needed by `{life.gone.done.body}`, the subtree that the recipe takes", place)
-        reason = self._worded(GONE, life, AttributeChange("", None, None, cause=life.gone, owner=life.owner))
+        change = AttributeChange("", None, None, cause=life.gone, owner=life.owner)
+        reason = recorded(life.why_gone) or self._worded(GONE, life, change)
         return reason or of_step(life.gone, None, None)
 
     def move(self, move: ParentChange, life: Life) -> Reason | None:
@@ -382,6 +377,12 @@ class Causes:
         if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
             return None
         return of_step(cause, None, None)
+
+
+def recorded(why: Why | None) -> Reason | None:
+    """Return the reason that a pass or step recorded itself."""
+    because = None if why is None else why()
+    return None if because is None else Reason(because.words, because.span)
 
 
 def place(part: Part) -> str:
@@ -429,7 +430,6 @@ CHANGES: dict[Function | None, Words] = {
     inertia: Causes._inertia,
     fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
     lengthranges: Causes._lengthranges,
-    muscle_forces: Causes._muscle_forces,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
@@ -438,7 +438,6 @@ CHANGES: dict[Function | None, Words] = {
     dedup: _as("an equal one of another part is used"),
     defaults: Causes._defaults,
     compiler: Causes._compiler,
-    delays: _as("counted in time steps of the whole model"),
     keyframes: _as("laid out anew for the whole model"),
     settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
     hold_poses: _at_its_place("computed to hold the pose of the key"),
@@ -462,7 +461,7 @@ VALUES: dict[Function | None, Words] = {
     compiler: Causes._compiler_value,
     defaults: Causes._defaults_value,
 }
-GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia, roots: Causes._weld}
+GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia}
 
 
 def rewrites(cause: TracedOperation) -> bool:

@@ -31,6 +31,11 @@ Why = Callable[[], Because | None]
 """Returns a reason. It is called only when somebody asks. None: the reason of the pass or step itself."""
 
 
+def because(words: str, span: Span | None = None) -> Why:
+    """Return a reason that is known already."""
+    return lambda: Because(words, span)
+
+
 class TreeChange(NamedTuple):
     """A change of an attribute of an element, of its `TAG` or its `PARENT`; or a `SOURCE` that it replaces."""
 
@@ -80,9 +85,12 @@ def write_all(node: Node, texts: Mapping[str, str], why: Why | None = None) -> N
 
 def drop(node: Node, name: str, why: Why | None = None) -> str | None:
     """Remove an attribute if the element has it, and return its text."""
-    text: str | None = node.attrib.pop(name, None)
-    if text is not None and (record := _record()) is not None:
+    text = node.get(name)
+    if text is None:
+        return None
+    if (record := _record()) is not None:
         record.append(TreeChange(node, name, text, None, why))
+    del node.attrib[name]
     return text
 
 
