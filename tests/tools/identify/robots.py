@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 MODEL = """<mujoco model="arm">
+  <compiler angle="radian"/>
   <option timestep="0.004" integrator="implicitfast"/>
   <worldbody>
     <body name="base"><geom size=".05"/>

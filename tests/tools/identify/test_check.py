@@ -45,9 +45,8 @@ def test_the_same_model_follows_the_recording(nested: bool, folder: Path) -> Non
 
 def test_another_model_does_not(folder: Path) -> None:
     context, _ = checked(folder, "0.3mrad", damping=0.9)
-    (error,) = context.sink.errors
-    assert error.code == "check-failed"
-    assert "`qpos elbow` has a root mean square error of" in error.message
+    assert {error.code for error in context.sink.errors} == {"check-failed"}
+    assert any("`qpos elbow` has a root mean square error of" in error.message for error in context.sink.errors)
     assert checked(folder, "50mrad", damping=0.9)[0].sink.errors == []
 
 
