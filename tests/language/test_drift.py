@@ -234,7 +234,7 @@ def test_both_refuse_it(line: str, reason: str) -> None:
 # By what the tool says: what the schema cannot.
 UNSEEN = re.compile(
     "starts with .* which is more than|is above the second|is below its|has [0-9]+ numbers, got"  # order
-    "|all its numbers are zero|no section and no element ``|does not say which value|no rule left|does not run|no check reads models|is one of `.*, got text"  # twice
+    "|all its numbers are zero|no section and no element ``|has no expected value|no rule left|does not run|no check reads models|is one of `.*, got text"  # twice
     "|can read|could be excepted|which is not an attribute|is never `|cannot say `|expects one number"  # tag
     "|row `.*` of parameter `|a value of `default` of .* is missing"  # tables
     r"|cannot be negative, and field|`[a-z]+\[[0-9]\]` of `[a-z]+` expects a number, got a list"  # tag
