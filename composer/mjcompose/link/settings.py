@@ -163,7 +163,7 @@ def _append_once(element: Node, children: Iterable[Node]) -> None:
         if same is None:
             journal.place(element, child)
         else:
-            journal.write_all(same, dict(child.items()))
+            journal.write_all(same, {str(name): str(text) for name, text in child.items()})
 
 
 def model_autolimits(linking: Linking) -> str:

@@ -133,7 +133,8 @@ class RecordSummary:
         self.changes: dict[Node, dict[str, NetChange]] = {}
         self.sources: dict[Node, list[Node]] = {}
         for change in record:
-            if not isinstance(change.node.tag, str):  # a comment
+            is_element = isinstance(change.node.tag, str)  # a comment has a function
+            if not is_element:
                 continue
             if change.what == SOURCE:
                 assert change.after is not None and not isinstance(change.after, str)
