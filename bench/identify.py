@@ -24,9 +24,9 @@ import mujoco
 import numpy as np
 from mjcompose.tools.identify.fit import choose_window, fit, with_window
 from mjcompose.tools.identify.intervals import know, verdicts
-from mjcompose.tools.identify.problem import Problem, Settings
+from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Command, Recording, Signal
-from mjcompose.tools.identify.unknowns import DELAY, ModelPool, Unknown, unknowns_of
+from mjcompose.tools.identify.unknowns import DELAY, ModelPool, UnknownNumber, unknowns_of
 
 ROOT = Path(__file__).resolve().parents[1]
 PENDULUM = """<mujoco model="pendulum">
@@ -92,7 +92,7 @@ def cases(name: str) -> Case:
     return Case(arm, friction)
 
 
-def true_numbers(unknowns: list[Unknown], seed: int, delay: float | None) -> np.ndarray:
+def true_numbers(unknowns: list[UnknownNumber], seed: int, delay: float | None) -> np.ndarray:
     """Return numbers in the ranges, away from those of the model."""
     found = []
     for unknown in unknowns:
@@ -106,7 +106,7 @@ def true_numbers(unknowns: list[Unknown], seed: int, delay: float | None) -> np.
     return np.array(found)
 
 
-def record(case: Case, unknowns: list[Unknown], truth: np.ndarray, seed: int) -> Recording:
+def record(case: Case, unknowns: list[UnknownNumber], truth: np.ndarray, seed: int) -> Recording:
     """Simulate the robot with the true numbers, and return its recording."""
     motion = case.motion
     random = np.random.default_rng([5, seed])
@@ -152,7 +152,7 @@ def run(case: Case, seed: int) -> dict[str, Any]:
     unknowns = unknowns_of(mujoco, case.model, case.fields())
     truth = true_numbers(unknowns, seed, case.delay)
     recording = record(case, unknowns, truth, seed)
-    problem = Problem(mujoco, case.model, unknowns, [recording], Settings())
+    problem = Problem(mujoco, case.model, unknowns, [recording], FitSettings())
     problem = with_window(problem, choose_window(problem))
     found, solution = fit(problem)
     knowledge, better = know(found, solution, may_move=True)

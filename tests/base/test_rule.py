@@ -71,6 +71,7 @@ READS_ITSELF = {
         bundle/listing.py:_rows_at bundle/read.py:_read_archive bundle/remote.py:manifest_at
         bundle/write.py:_manifest bundle/bundle.py:with_moment pipeline/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
+        tools/identify/tables.py:read_table tools/identify/tables.py:_read_npz tools/identify/tables.py:_npy_header
         sources/git_command.py:_contents sources/fetched.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
@@ -90,7 +91,7 @@ READS_ITSELF = {
         targets/export.py:aimed targets/read_back.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/read_back.py:read_back
         verify/draws.py:with_worlds verify/draws.py:compute_worlds verify/draws.py:compare_world
-        cli/servers.py:_call""",
+        cli/servers.py:_call tools/identify/identify.py:_progress.watch""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": """
         mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled""",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
@@ -114,7 +115,7 @@ WRITES_ITSELF = {
         targets/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written verify/compile.py:_written
         verify/draws.py:with_worlds verify/draws.py:compute_worlds tools/view/live.py:_opened
-        tools/worlds/union.py:compose_union""",
+        tools/worlds/union.py:compose_union tools/identify/work.py:_note""",
     "into a folder of ours, in an environment of its own": """
         mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/shared/facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.tools.identify.problem import Job, Problem
+from mjcompose.tools.identify.problem import FitJob, Problem
 from mjcompose.tools.identify.recording import Signal
 from mjcompose.tools.identify.tables import Series
 
@@ -65,12 +65,12 @@ def _growth(problem: Problem) -> float:
     step = 1e-5
     states = problem.states(np.zeros(len(problem.free)))
     values = problem.nominal
-    jobs = [Job(values, index, state) for index, state in enumerate(states)]
+    jobs = [FitJob(values, index, state) for index, state in enumerate(states)]
     for index, piece in enumerate(problem.pieces):
         for place, _ in piece.free[::2]:
             state = states[index].copy()
             state[place] += step
-            jobs.append(Job(values, index, state))
+            jobs.append(FitJob(values, index, state))
     predictions = problem.simulate(jobs)
     most = 0.0
     for job, prediction in zip(jobs[len(states) :], predictions[len(states) :], strict=True):
@@ -236,7 +236,7 @@ def _costs_by_joint(problem: Problem, trials: Series, starts: Series, joints: Se
     """Return the cost of each trial by joint; the last column is the whole cost."""
     states = problem.states(starts)
     values = list(trials)
-    jobs = [Job(each, index, state) for each in values for index, state in enumerate(states)]
+    jobs = [FitJob(each, index, state) for each in values for index, state in enumerate(states)]
     costs = np.zeros((len(trials), len(joints) + 1))
     for number, prediction in enumerate(problem.simulate(jobs)):
         trial, index = divmod(number, len(states))

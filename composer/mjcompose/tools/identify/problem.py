@@ -17,7 +17,7 @@ import numpy as np
 from mjcompose.base.dataclass import Struct
 from mjcompose.tools.identify.recording import Recording, Signal
 from mjcompose.tools.identify.tables import RecordingFault, Series
-from mjcompose.tools.identify.unknowns import DELAY, ModelPool, Unknown
+from mjcompose.tools.identify.unknowns import DELAY, ModelPool, UnknownNumber
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
@@ -30,7 +30,7 @@ _STEP = 3e-4
 """The step of differences, relative to the range of an unknown; below it friction and contact are not smooth."""
 
 
-class Piece(Struct):
+class RecordingPiece(Struct):
     """A part of a recording: its rows, its state at the start, and the unknowns of this state.
 
     `free` has for each of them its index in the state and the standard deviation of its first guess.
@@ -49,7 +49,7 @@ class Piece(Struct):
         return np.array([values[self.rows] for values in self.recording.signals.values()]).T
 
 
-class Job(Struct, eq=False):
+class FitJob(Struct, eq=False):
     """One simulation: a piece from a state, with values of the unknowns."""
 
     values: Series
@@ -57,7 +57,7 @@ class Job(Struct, eq=False):
     state: Series
 
 
-class Settings(Struct):
+class FitSettings(Struct):
     """The keyframe of everything that is not recorded, the length of the pieces, and a sign of life."""
 
     start: str | None = None
@@ -72,9 +72,9 @@ class Problem:
         self,
         mujoco: Any,
         model: MjModel,
-        unknowns: Sequence[Unknown],
+        unknowns: Sequence[UnknownNumber],
         recordings: Sequence[Recording],
-        settings: Settings,
+        settings: FitSettings,
     ) -> None:
         from mujoco import rollout
 
@@ -119,7 +119,7 @@ class Problem:
             self.mujoco.mj_resetDataKeyframe(self.model, data, key)
         return data
 
-    def _pieces(self, recording: Recording) -> Iterator[Piece]:
+    def _pieces(self, recording: Recording) -> Iterator[RecordingPiece]:
         times = recording.times
         for begin, end in _intervals(recording.seconds, self.settings.window):
             first, last = (int(index) for index in np.searchsorted(times, (begin, end)))
@@ -132,7 +132,7 @@ class Problem:
             state = np.empty(self.mujoco.mj_stateSize(self.model, full))
             self.mujoco.mj_getState(self.model, data, state, full)
             steps = math.ceil((times[last - 1] - times[first]) / self.model.opt.timestep) + 2
-            yield Piece(recording, float(times[first]), slice(first, last), state, tuple(free), steps)
+            yield RecordingPiece(recording, float(times[first]), slice(first, last), state, tuple(free), steps)
 
     def _guess_start(self, recording: Recording, data: MjData, first: int) -> list[tuple[int, float]]:
         """Write position and speed of each recorded joint, and return their places in the state with their errors."""
@@ -172,7 +172,7 @@ class Problem:
 
     # --------------------------------------------------------------------------------------------------- simulation
 
-    def controls(self, piece: Piece, values: Series) -> Series:
+    def controls(self, piece: RecordingPiece, values: Series) -> Series:
         """Return the mean of the held, delayed command over each step: continuous in the delay."""
         step = self.model.opt.timestep
         controls = np.tile(self.start_data().ctrl, (piece.steps, 1))
@@ -192,7 +192,7 @@ class Problem:
             controls[:, self.model.actuator(name).id] = np.diff(total) / step
         return controls
 
-    def simulate(self, jobs: Sequence[Job]) -> list[Series]:
+    def simulate(self, jobs: Sequence[FitJob]) -> list[Series]:
         """Return the prediction of each job, `(samples, signals)`; jobs with the same number of steps go together."""
         predictions: list[Series] = [np.empty(0)] * len(jobs)
         by_steps: dict[int, list[int]] = {}
@@ -203,7 +203,7 @@ class Problem:
                 self._simulate_together(jobs, batch, predictions)
         return predictions
 
-    def _simulate_together(self, jobs: Sequence[Job], batch: Sequence[int], predictions: list[Series]) -> None:
+    def _simulate_together(self, jobs: Sequence[FitJob], batch: Sequence[int], predictions: list[Series]) -> None:
         slots: dict[int, int] = {}
         controls: dict[tuple[int, int], Series] = {}
         has_delays = any(unknown.attribute == DELAY for unknown in self.unknowns)
@@ -226,7 +226,7 @@ class Problem:
             job = jobs[index]
             predictions[index] = self._prediction(self.pieces[job.piece], job.state, state, reading)
 
-    def _prediction(self, piece: Piece, initial: Series, states: Series, readings: Series) -> Series:
+    def _prediction(self, piece: RecordingPiece, initial: Series, states: Series, readings: Series) -> Series:
         at = piece.recording.times[piece.rows] - piece.begin
         grid = np.arange(len(states) + 1) * self.model.opt.timestep
         columns = []
@@ -246,7 +246,7 @@ class Problem:
 
     def errors(self, values: Series, starts: Series) -> list[Series]:
         """Return prediction minus recording for each piece."""
-        jobs = [Job(values, index, state) for index, state in enumerate(self.states(starts))]
+        jobs = [FitJob(values, index, state) for index, state in enumerate(self.states(starts))]
         return [prediction - piece.measured for prediction, piece in zip(self.simulate(jobs), self.pieces, strict=True)]
 
     def residuals(self, points: Sequence[Series]) -> list[Series]:
@@ -254,7 +254,7 @@ class Problem:
         jobs = []
         for point in points:
             values = point[: self.count].copy()
-            jobs += [Job(values, index, state) for index, state in enumerate(self.states(point[self.count :]))]
+            jobs += [FitJob(values, index, state) for index, state in enumerate(self.states(point[self.count :]))]
         predictions = self.simulate(jobs)
         size = len(self.pieces)
         return [
@@ -283,10 +283,10 @@ class Problem:
         values = point[: self.count].copy()
         states = self.states(point[self.count :])
         sides = (1, -1) if is_central else (1,)
-        jobs = [Job(values, index, state) for index, state in enumerate(states)]
+        jobs = [FitJob(values, index, state) for index, state in enumerate(states)]
         moved = self._moved_values(values, sides)
         for changed, _ in moved:
-            jobs += [Job(changed, index, state) for index, state in enumerate(states)]
+            jobs += [FitJob(changed, index, state) for index, state in enumerate(states)]
         starts = list(self._moved_starts(values, states, sides))
         jobs += [job for _, _, _, job in starts]
         predictions = self.simulate(jobs)
@@ -307,20 +307,20 @@ class Problem:
 
     def _moved_starts(
         self, values: Series, states: Sequence[Series], sides: Sequence[int]
-    ) -> Iterator[tuple[int, int, float, Job]]:
+    ) -> Iterator[tuple[int, int, float, FitJob]]:
         for index, piece in enumerate(self.pieces):
             for column, (place, std) in enumerate(piece.free):
                 for side in sides:
                     step = side * 0.03 * std
                     state = states[index].copy()
                     state[place] += step
-                    yield index, column, step, Job(values, index, state)
+                    yield index, column, step, FitJob(values, index, state)
 
     def _assembled(
         self,
         predictions: Sequence[Series],
         moved: Sequence[tuple[Series, float]],
-        starts: Sequence[tuple[int, int, float, Job]],
+        starts: Sequence[tuple[int, int, float, FitJob]],
         sides: int,
     ) -> Series:
         size = len(self.pieces)
@@ -363,7 +363,7 @@ class Problem:
         return {signal: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for signal, parts in by_signal.items()}
 
 
-def _batches(jobs: Sequence[Job], indices: Sequence[int]) -> Iterator[list[int]]:
+def _batches(jobs: Sequence[FitJob], indices: Sequence[int]) -> Iterator[list[int]]:
     """Yield jobs in batches with few different models."""
     batch: list[int] = []
     models: set[int] = set()

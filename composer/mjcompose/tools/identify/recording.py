@@ -15,7 +15,7 @@ import numpy as np
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.suggest import closest
 from mjcompose.mujoco.attributes import names
-from mjcompose.tools.identify.tables import RecordingFault, Series, SizeLimits, Table, read_table, sha256_of
+from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits, read_table
 from mjcompose.tree.pattern import fitter
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ class _Reader:
         self.known = {kind: [name for name in names(model, kind) if name] for kind in set(_KINDS.values())}
 
     def read(self, path: Path, file: str, limits: SizeLimits) -> Recording:
-        table = read_table(path, limits)
+        table, digest = read_table(path, limits)
         times = table.times * self.keys["factors"]["time"]
         _check_clock(table, times, has_unit=self.keys["factors"]["time"] != 1.0)
         signals: dict[Signal, Series] = {}
@@ -104,7 +104,7 @@ class _Reader:
                 _check_finite(table, times, column, values)
                 signals[signal] = values
         self._check_contents(signals, commands)
-        recording = Recording(file, sha256_of(path), times - times[0], signals, commands)
+        recording = Recording(file, digest, times - times[0], signals, commands)
         if recording.seconds < _SHORTEST:
             message = f"it is {recording.seconds * 1e3:.0f} ms long"
             raise RecordingFault(_TIME, message, "record some seconds of motion; the time is in seconds")
@@ -228,7 +228,7 @@ def _without_index(written: str) -> tuple[str, int]:
     return written, 0
 
 
-def _check_finite(table: Table, times: Series, column: str, values: Series) -> None:
+def _check_finite(table: RecordedTable, times: Series, column: str, values: Series) -> None:
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         first = int(bad[0])
@@ -237,7 +237,7 @@ def _check_finite(table: Table, times: Series, column: str, values: Series) -> N
         raise RecordingFault("recording-value", message, "remove these rows, or this column", line=table.line(first))
 
 
-def _check_clock(table: Table, times: Series, has_unit: bool) -> None:
+def _check_clock(table: RecordedTable, times: Series, has_unit: bool) -> None:
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
         raise RecordingFault(_TIME, "a row has no time", "remove it", line=table.line(row))

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import zipfile
 from collections.abc import Callable, Mapping
+from io import BufferedReader, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.files import Refused, TooLarge, open_regular
 
 Series = npt.NDArray[np.float64]
 CLOCKS = ("time", "t", "timestamp")
@@ -35,7 +37,7 @@ class RecordingFault(Exception):
         self.file: str | None = None
 
 
-class Table(Struct):
+class RecordedTable(Struct):
     """The columns of a file by name, and the time of each row, in the unit of the file. `lines` are lines of text."""
 
     times: Series
@@ -53,28 +55,29 @@ class SizeLimits(Struct):
     numbers: int
 
 
-def read_table(path: Path, limits: SizeLimits) -> Table:
-    """Return the table of a recording. Raises RecordingFault."""
+def read_table(path: Path, limits: SizeLimits) -> tuple[RecordedTable, str]:
+    """Return the table of a recording and the SHA-256 of its file. Raises RecordingFault."""
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         help = f"write the recording as {' or '.join(f'`{suffix}`' for suffix in READERS)}"
         raise RecordingFault("recording-kind", f"no recording ends in `{path.suffix}`", help)
+    with _opened(path, limits) as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        file.seek(0)
+        return reader(file, limits), digest
+
+
+def _opened(path: Path, limits: SizeLimits) -> BufferedReader:
     try:
-        size = path.stat().st_size
+        return open_regular(path, limits.size)
     except FileNotFoundError:
         raise RecordingFault("file-not-found", "the recording does not exist") from None
+    except TooLarge as error:
+        raise _too_large("bytes", error.size, limits.size) from None
+    except (Refused, IsADirectoryError):
+        raise RecordingFault("file-unreadable", "it is not a regular file", "name a file") from None
     except OSError as error:
         raise RecordingFault("file-unreadable", f"it cannot be read: {error.strerror or error}") from None
-    if not path.is_file():
-        raise RecordingFault("file-unreadable", "it is not a regular file", "name a file")
-    if size > limits.size:
-        raise _too_large("bytes", size, limits.size)
-    return reader(path, limits)
-
-
-def sha256_of(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _too_large(what: str, count: int, most: int) -> RecordingFault:
@@ -82,7 +85,7 @@ def _too_large(what: str, count: int, most: int) -> RecordingFault:
     return RecordingFault("limit-exceeded", f"it has {count} {what}; {most} are allowed", help)
 
 
-def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> Table:
+def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> RecordedTable:
     clock = next((name for name in CLOCKS if name in columns), None)
     if clock is None:
         help = "name the column with the time in seconds `time`"
@@ -90,14 +93,14 @@ def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None 
     times = columns.pop(clock)
     if len(times) < 2:
         raise RecordingFault("recording-time", f"it has {len(times)} rows", "record some seconds of motion")
-    return Table(times, columns, lines)
+    return RecordedTable(times, columns, lines)
 
 
-def _read_csv(path: Path, limits: SizeLimits) -> Table:
+def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
     rows: list[list[float]] = []
     lines: list[int] = []
-    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-        reader = csv.reader(file)
+    with TextIOWrapper(file, newline="", encoding="utf-8-sig", errors="replace") as text:
+        reader = csv.reader(text)
         try:
             header = [name.strip() for name in next(reader, [])]
             _check_header(header)
@@ -144,12 +147,12 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _read_npz(path: Path, limits: SizeLimits) -> Table:
+def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
     """Read the arrays of an NPZ without pickles. The headers say how large they are before they are unpacked."""
     columns: dict[str, Series] = {}
     total = 0
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(file) as archive:
             for entry in archive.infolist():
                 if not entry.filename.endswith(".npy"):
                     continue
@@ -164,8 +167,8 @@ def _read_npz(path: Path, limits: SizeLimits) -> Table:
                 total += shape[0]
                 if total > limits.numbers:
                     raise _too_large("numbers", total, limits.numbers)
-                with archive.open(entry) as file:
-                    columns[name] = np.lib.format.read_array(file, allow_pickle=False).astype(float)
+                with archive.open(entry) as array:
+                    columns[name] = np.lib.format.read_array(array, allow_pickle=False).astype(float)
     except (zipfile.BadZipFile, ValueError, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise RecordingFault("recording-kind", f"it is not an NPZ file: {error}") from None
     lengths = {name: len(values) for name, values in columns.items()}
@@ -185,5 +188,5 @@ def _npy_header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[tuple
     return shape, dtype
 
 
-READERS: Mapping[str, Callable[[Path, SizeLimits], Table]] = {".csv": _read_csv, ".npz": _read_npz}
+READERS: Mapping[str, Callable[[BufferedReader, SizeLimits], RecordedTable]] = {".csv": _read_csv, ".npz": _read_npz}
 """The readers by the end of a file's name."""

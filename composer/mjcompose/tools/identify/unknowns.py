@@ -22,7 +22,7 @@ _WITHOUT_CONSTANTS = ("dof_damping", "dof_frictionloss", "actuator_gainprm", "ac
 """Arrays on which nothing depends that MuJoCo computes once; `dof_armature` scales the softness of friction."""
 
 
-class Place(Struct):
+class NumberPlace(Struct):
     """A number of mjModel: `sign` is the sign of the attribute, and a number that `follows` changes in proportion."""
 
     array: str
@@ -31,7 +31,7 @@ class Place(Struct):
     follows: bool = False
 
 
-class Unknown(Struct):
+class UnknownNumber(Struct):
     """A number to fit: its words, the number of the recipe, and its range, in MuJoCo's units.
 
     `places` has the places of its number in mjModel; a delay has none. `is_scaled` says that it is tried by factors.
@@ -44,7 +44,7 @@ class Unknown(Struct):
     nominal: float
     low: float
     high: float
-    places: tuple[Place, ...] = ()
+    places: tuple[NumberPlace, ...] = ()
 
     @property
     def word(self) -> str:
@@ -60,16 +60,16 @@ class Unknown(Struct):
         return self.low == 0 or (self.low > 0 and self.high > 5 * self.low)
 
 
-def unknowns_of(mujoco: Any, model: MjModel, fields: Iterable[dict[str, Any]]) -> list[Unknown]:
+def unknowns_of(mujoco: Any, model: MjModel, fields: Iterable[dict[str, Any]]) -> list[UnknownNumber]:
     """Return the unknowns of the fields, element by element. Raises RecordingFault for a field that cannot be fitted.
 
     Each field has `name`, `kind`, `groups` of elements with `name` and `tag`, `attribute`, and `bounds`: the word and
     two numbers.
     """
-    found: list[Unknown] = []
+    found: list[UnknownNumber] = []
     for field in fields:
         found += [_unknown(mujoco, model, field, group) for group in field["groups"]]
-    taken: dict[tuple[str, str, str], Unknown] = {}
+    taken: dict[tuple[str, str, str], UnknownNumber] = {}
     for unknown in found:
         for name in unknown.names:
             first = taken.setdefault((unknown.kind, name, unknown.attribute), unknown)
@@ -80,11 +80,11 @@ def unknowns_of(mujoco: Any, model: MjModel, fields: Iterable[dict[str, Any]]) -
     return sorted(found, key=lambda each: order[each.kind, each.names])
 
 
-def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dict[str, str]]) -> Unknown:
+def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dict[str, str]]) -> UnknownNumber:
     kind = field["kind"]
     attribute = field["attribute"]
     names = tuple(element["name"] for element in group)
-    places: list[Place] = []
+    places: list[NumberPlace] = []
     if attribute == ZERO:
         nominal = 0.0
         places = [_zero_place(mujoco, model, name, field) for name in names]
@@ -97,18 +97,18 @@ def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dic
         nominal = float(getattr(model, lead.array).reshape(-1)[lead.index]) * lead.sign
     low, high = _bounds(field, nominal, f"{attribute} of {kind} `{names[0]}`")
     _check_moves(model, kind, names, attribute, field)
-    return Unknown(field["name"], kind, names, attribute, nominal, low, high, tuple(places))
+    return UnknownNumber(field["name"], kind, names, attribute, nominal, low, high, tuple(places))
 
 
-def _zero_place(mujoco: Any, model: MjModel, name: str, field: dict[str, Any]) -> Place:
+def _zero_place(mujoco: Any, model: MjModel, name: str, field: dict[str, Any]) -> NumberPlace:
     joint = model.joint(name)
     if joint.type[0] not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
         message = f"`{name}` is neither a hinge nor a slide, so it has no zero"
         raise RecordingFault("not-identifiable", message, "select hinges and slides", field=field["name"])
-    return Place("jnt", int(joint.id))
+    return NumberPlace("jnt", int(joint.id))
 
 
-def _places(mujoco: Any, model: MjModel, element: dict[str, str], field: dict[str, Any]) -> list[Place]:
+def _places(mujoco: Any, model: MjModel, element: dict[str, str], field: dict[str, Any]) -> list[NumberPlace]:
     base, _, index = field["attribute"].partition("[")
     question = {"tag": element["tag"], "family": field["kind"], "name": element["name"], "place": None}
     start = int(index[:-1]) if index else 0
@@ -121,7 +121,7 @@ def _places(mujoco: Any, model: MjModel, element: dict[str, str], field: dict[st
     for target in answer["targets"][0]:
         array = getattr(model, target["array"])
         flat = int(np.ravel_multi_index(target["index"], array.shape))
-        places.append(Place(target["array"], flat, target.get("sign", 1), bool(target.get("follows"))))
+        places.append(NumberPlace(target["array"], flat, target.get("sign", 1), bool(target.get("follows"))))
     return places
 
 
@@ -153,7 +153,7 @@ def _check_moves(model: MjModel, kind: str, names: Sequence[str], attribute: str
 class ModelPool:
     """Copies of a model, each with its own values of the unknowns."""
 
-    def __init__(self, mujoco: Any, model: MjModel, unknowns: Sequence[Unknown]) -> None:
+    def __init__(self, mujoco: Any, model: MjModel, unknowns: Sequence[UnknownNumber]) -> None:
         self._mujoco = mujoco
         self.nominal = model
         self.unknowns = unknowns
@@ -180,7 +180,7 @@ class ModelPool:
             self._copies.append((model, DerivedValues(self._mujoco, model, self._mujoco.MjData(model))))
         return self._copies[slot]
 
-    def _put(self, model: MjModel, unknown: Unknown, value: float) -> None:
+    def _put(self, model: MjModel, unknown: UnknownNumber, value: float) -> None:
         ratio = 1.0
         for place in unknown.places:
             numbers = getattr(model, place.array).reshape(-1)

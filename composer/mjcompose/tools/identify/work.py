@@ -13,10 +13,10 @@ import numpy as np
 from mjcompose.mujoco.fingerprint import fingerprints
 from mjcompose.tools.identify.fit import Solution, choose_window, fit, fit_starts, with_window
 from mjcompose.tools.identify.intervals import LITTLE, Knowledge, Verdict, know, verdicts
-from mjcompose.tools.identify.problem import Problem, Settings
+from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Recording, Signal, read_recording
 from mjcompose.tools.identify.tables import RecordingFault, SizeLimits
-from mjcompose.tools.identify.unknowns import Unknown, unknowns_of
+from mjcompose.tools.identify.unknowns import UnknownNumber, unknowns_of
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -37,7 +37,7 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
     fitted = problem.root_mean_squares(solution.values, solution.starts)
     held: dict[str, dict[Signal, float]] = {}
     if held_out:
-        other = _problem(mujoco, model, problem.unknowns, held_out, problem.settings)
+        other = Problem(mujoco, model, problem.unknowns, held_out, problem.settings)
         held = {"recipe": _followed(other, other.nominal), "fitted": _followed(other, solution.values)}
     std = knowledge.std
     return {
@@ -112,15 +112,9 @@ def _opened(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> tuple[Problem
     if not held_out and len(recordings) == 1 and asked["splits"]:
         recordings, held_out = _split(recordings[0])
     path = Path(asked["progress"])
-    settings = Settings(asked["start"], asked["window"], lambda text: _note(path, text))
-    problem = _problem(mujoco, model, unknowns, recordings, settings)
+    settings = FitSettings(asked["start"], asked["window"], lambda text: _note(path, text))
+    problem = Problem(mujoco, model, unknowns, recordings, settings)
     return with_window(problem, choose_window(problem)), held_out
-
-
-def _problem(
-    mujoco: Any, model: MjModel, unknowns: Sequence[Unknown], recordings: Sequence[Recording], settings: Settings
-) -> Problem:
-    return Problem(mujoco, model, unknowns, recordings, settings)
 
 
 def _note(path: Path, text: str) -> None:
@@ -178,7 +172,7 @@ def _fault_data(fault: RecordingFault) -> dict[str, Any]:
     }
 
 
-def _number_data(unknown: Unknown) -> dict[str, Any]:
+def _number_data(unknown: UnknownNumber) -> dict[str, Any]:
     return {
         "kind": unknown.kind,
         "names": list(unknown.names),
@@ -192,7 +186,7 @@ def _verdict_data(verdict: Verdict) -> dict[str, Any]:
     return {"verdict": verdict.word, "reason": verdict.reason}
 
 
-def _measured(unknowns: Sequence[Unknown]) -> list[dict[str, Any]]:
+def _measured(unknowns: Sequence[UnknownNumber]) -> list[dict[str, Any]]:
     return [
         {"kind": unknown.kind, "names": list(unknown.names), "attribute": unknown.attribute} for unknown in unknowns
     ]
