@@ -1,4 +1,4 @@
-"""`explain --why-not`: what is not in a model, and what removed it."""
+"""`explain --why-not`: why an element or attribute is not in a model."""
 
 from __future__ import annotations
 
@@ -91,9 +91,15 @@ def test_without_the_attribute_another_value_counts(traced: Traced, folder: Path
 
 @pytest.mark.parametrize(
     ("text", "code"),
-    [("joint left/j", "not-missing"), ("geom left/g size", "not-missing"), ("joint none", "unknown-name"),
-     ("size", "unknown-name"), ("joint left/j nonsense", "unknown-attribute"), ("geom#0", "unknown-name")],
-)  # fmt: skip
+    [
+        ("joint left/j", "not-missing"),
+        ("geom left/g size", "not-missing"),
+        ("joint none", "unknown-name"),
+        ("size", "unknown-name"),
+        ("joint left/j nonsense", "unknown-attribute"),
+        ("geom#0", "unknown-name"),
+    ],
+)
 def test_no_answer_is_reported(traced: Traced, folder: Path, text: str, code: str) -> None:
     context = Context(environment={}, folder=folder)
     assert Absences(traced, context).answer(_query(text, context)) is None

@@ -30,7 +30,7 @@ class ExplainOptions(ModelOptions):
     query: str | None = argument(required=False, shell_complete=completion.elements)
     attribute: str | None = argument(required=False, shell_complete=completion.attributes)
     why_not: str | None = option(
-        "--why-not", metavar="QUERY", help="Say why an element or attribute is not in the model, and what removed it."
+        "--why-not", metavar="QUERY", help="Say why an element or attribute is not in the model, and name the cause."
     )
     codes: bool = flag("--codes", help="List all error codes.")
 

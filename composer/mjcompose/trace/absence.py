@@ -39,7 +39,7 @@ class Absences:
 
     @cached_property
     def successors(self) -> dict[Node, Life]:
-        """The elements of the model that say again what others said, by these others."""
+        """The elements of the model that replace or copy others, by the element that they replace or copy."""
         lives = [self.traced.watch.life(node) for node in self.present]
         return {source.node: life for life in lives for source in life.sources}
 
@@ -48,7 +48,7 @@ class Absences:
         return [life for node, life in self.traced.watch.lives.items() if node not in self.present]
 
     def answer(self, asked: ExplainQuery) -> AbsenceExplained | None:
-        """Return why the model lacks what the query names, or None if there is no answer, which is reported."""
+        """Explain why the element or attribute of the query is not in the model, or report an error and return None."""
         sink = self.context.sink
         if asked.number is not None or (asked.name is None and asked.line is None and asked.attribute is None):
             message = f"`{asked.text}` names no element that could be missing"
@@ -213,7 +213,7 @@ class Absences:
 def explain_absence(
     path: Path, asked: ExplainQuery, context: Context, sample: int = 0, given: ConcreteGiven | None = None
 ) -> AbsenceExplained | None:
-    """Return why the model of a recipe or an MJCF file lacks what a query names; None after an error."""
+    """Explain why an element is not in the model of a recipe or an MJCF file; return None after an error."""
     traced = trace(path, context, sample, given=given)
     return None if traced is None else Absences(traced, context).answer(asked)
 

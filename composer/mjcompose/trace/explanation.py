@@ -125,9 +125,9 @@ class AttributeExplained(Struct):
 
 
 class Absence(Struct):
-    """An element or attribute that the model does not have: its last text, where it was written, and what removed it.
+    """An element or attribute that the model does not have: its last text, its lines in the files, and the cause.
 
-    `now` is the element of the model that says the same, if there is one. `instead` says what counts without the
+    `now` is the element of the model that replaces it, if any. `instead` names the value that counts without the
     attribute.
     """
 
@@ -140,7 +140,7 @@ class Absence(Struct):
 
 
 class AbsenceExplained(Struct):
-    """What a query names and the model does not have: several elements if several had that name."""
+    """The absent elements or attributes that a query matches: several if several elements had that name."""
 
     query: str
     found: tuple[Absence, ...]

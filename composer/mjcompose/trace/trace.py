@@ -1,6 +1,6 @@
 """The history of every element and key during composition.
 
-It comes from the journal: every pass and step records what it changes.
+It comes from the journal: every pass and step records its changes.
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class Life(Struct, frozen=False, eq=False):
 
     `born` is the cause after which it was first seen. `made_by` is the same cause, or None for an element that was read
     from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs to, the
-    innermost first; `sources` are the elements that it replaces. `whys` has the recorded reasons of an element that was
-    made: for its place under `PARENT`, and for its attributes; `why_gone` is the reason of its end.
+    innermost first. `sources` are the elements that it replaces. `whys` has the recorded reasons of a new element: for
+    its place under `PARENT`, and for its attributes. `why_gone` is the reason of its end.
     """
 
     node: Node
@@ -115,7 +115,7 @@ class Life(Struct, frozen=False, eq=False):
 
 
 class NetChange(NamedTuple):
-    """The first value before and the last value after of what was changed, maybe several times."""
+    """The value of an attribute, a tag or a parent before its first change and after its last change."""
 
     before: str | Node | None
     after: str | Node | None
@@ -127,7 +127,7 @@ class NetChange(NamedTuple):
 
 
 class RecordSummary:
-    """What a record comes to: changes by element and attribute, `TAG` or `PARENT`, and the sources of new elements."""
+    """The sum of a record: changes by element and attribute, `TAG` or `PARENT`, and the sources of new elements."""
 
     def __init__(self, record: Iterable[journal.TreeChange]) -> None:
         self.changes: dict[Node, dict[str, NetChange]] = {}
@@ -216,7 +216,7 @@ class Trace:
         return [self._born(node, cause) for node in unit.root.iter("*") if node not in self.lives]
 
     def _take(self, summary: RecordSummary, causes: Mapping[Node, TracedOperation], born: dict[Node, Life]) -> None:
-        """Note what a pass or step has changed."""
+        """Note the changes of a pass or step."""
         tops = {node: top_of(node) for node, rows in summary.changes.items() if PARENT in rows}
         for node, top in tops.items():
             if top in causes:

@@ -233,7 +233,7 @@ class Traced:
             yield Reason("read from", self.place_of(life))
 
     def place_of(self, life: Life, attribute: str | None = None) -> Span | None:
-        """Return where an element was first written; None for what stands in no file."""
+        """Return the place where an element was first written; None for an element that is in no file."""
         if isinstance(life.owner, str) and life.line is None:
             return None
         return life.span(self.model.origins, attribute)

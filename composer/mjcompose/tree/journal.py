@@ -142,6 +142,6 @@ def remove(node: Node, why: Why | None = None) -> None:
 
 
 def note_source(node: Node, source: Node, why: Why | None = None) -> None:
-    """Record that a new element says again what another one said, which it replaces or copies."""
+    """Record that a new element replaces or copies another element."""
     if (record := _record()) is not None:
         record.append(TreeChange(node, SOURCE, None, source, why))
