@@ -182,20 +182,20 @@ def test_a_table_of_samples_needs_several_models() -> None:
 
 # What may be said to every command that does such a thing.
 SAME = {
-    "--output-format": {"install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
+    "--output-format": {"identify", "install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import", "doctor",
                "render", "view", "tree", "fix", "migrate"},
-    "--quiet": {"install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
+    "--quiet": {"identify", "install", "uninstall", "upgrade", "names", "lint", "list", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "new", "fmt", "import",
                 "render", "view", "tree", "fix", "migrate"},
-    "--output": {"names", "build", "rebuild", "import", "render", "migrate"},
+    "--output": {"identify", "names", "build", "rebuild", "import", "render", "migrate"},
     "--pick": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--sample": {"names", "build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--all": {"build", "check", "render"},
     "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
-    "--timeout": {"upgrade", "names", "lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
-    "--limit": {"upgrade", "names", "lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
+    "--timeout": {"identify", "upgrade", "names", "lint", "build", "check", "verify", "diff", "import", "render", "view", "migrate"},
+    "--limit": {"identify", "upgrade", "names", "lint", "build", "rebuild", "check", "verify", "plan", "explain", "lock", "diff", "import", "render", "view",
                 "tree", "fix", "migrate"},
-    "--set": {"names", "build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
+    "--set": {"identify", "names", "build", "check", "plan", "explain", "lock", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip
 
 

@@ -7,6 +7,7 @@ needs a row here.
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import stat
@@ -43,6 +44,8 @@ check:
   reads: {targets: [drake, pybullet]}
 """
 CELL = ROBOT[: ROBOT.index("check:")]
+FITTED = "recipe: 1\nbase: ./arm.xml\nidentify: {fields: {damping: {select: {joint: hinge}, attr: damping, range: [0, 2]}}}\n"
+SWING = "time,qpos hinge\n" + "".join(f"{step / 50},{0.01 * math.cos(step / 10):.6f}\n" for step in range(60))
 MATRIX = CELL + "params: {size: {default: 1}}\nmatrix: {axes: {size: [1, 2]}}\n"
 XACRO = '<robot name="arm" xmlns:xacro="http://wiki.ros.org/xacro"><link name="base"/></robot>'
 
@@ -85,6 +88,10 @@ ROWS: dict[str, list[tuple[str, ...]]] = {
     "new": [("new", "new.yaml"), ("new", "--project", "project")],
     "fix": [("fix", "robot.yaml"), ("fix", "cell.yaml", "--write")],
     "fmt": [("fmt", "."), ("fmt", "cell.yaml")],
+    "identify": [
+        ("identify", "fitted.yaml", "swing.csv", "-o", "robot_a.yaml"),
+        ("identify", "fitted.yaml", "swing.csv", "--plan"),
+    ],
     "import": [("import", "arm.xml", "tool.xml", "-o", "imported.yaml")],
     "migrate": [("migrate", "arm.xml", "--from", "3.2", "--prove"), ("migrate", "arm.xml", "--from", "3.2")],
     "upgrade": [("upgrade", "arm.xml", "--from", "3.2")],
@@ -215,6 +222,8 @@ class Folder:
             "from_git.yaml": f"recipe: 1\nbase: git+{self.address}/robots@v1#arm.xml\n",
             "from_web.yaml": f"recipe: 1\nbase: {self.address}/robots.zip#arm.xml\n",
             "stamp.json": "{}",
+            "fitted.yaml": FITTED,
+            "swing.csv": SWING,
         }
         for name, text in texts.items():
             (self.path / name).write_text(text)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError
 from mjcompose.bundle.staging import staged_file
 from mjcompose.cli.options import RECIPE, Choices, FetchOptions, ReportOptions, TimeOptions, output
@@ -105,7 +106,8 @@ def _word(number: Mapping[str, Any]) -> str:
 
 
 def _lines(data: Mapping[str, Any]) -> Iterator[str]:
-    yield f"{len(data['numbers'])} numbers in {data['seconds']:.0f} s, {data['simulated_steps']} simulated steps"
+    count = counted(len(data["numbers"]), "number")
+    yield f"{count} in {data['seconds']:.0f} s, {data['simulated_steps']} simulated steps"
     width = max(len(_word(number)) for number in data["numbers"])
     for number in data["numbers"]:
         words = number["verdict"].replace("_", " ")

@@ -134,7 +134,7 @@ def _contents(model: MjModel, bodies: Sequence[int], measured: dict[str, set[int
     def rows(array: str, indices: Sequence[int]) -> list[list[float]]:
         numbers = np.array(getattr(model, array), float)
         numbers.reshape(-1)[list(measured.get(array, ()))] = 0
-        return [_rounded(row) for row in numbers.reshape(len(numbers), -1)[list(indices)]]
+        return [_rounded(numbers[index].reshape(-1)) for index in indices]
 
     parents = [bodies.index(parent) if (parent := model.body_parentid[body]) in bodies else -1 for body in bodies]
     return {

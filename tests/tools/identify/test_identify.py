@@ -76,6 +76,30 @@ def test_a_robot_is_measured_and_its_file_is_used(tmp_path: Path) -> None:
     assert [error.code for error in stale.sink.errors] == ["measured-stale"]
 
 
+def test_a_robot_without_actuators(tmp_path: Path) -> None:
+    (tmp_path / "pendulum.xml").write_text(
+        """<mujoco model="pendulum"><worldbody><body name="link"><joint name="hinge" axis="0 1 0" range="-90 90"/>
+        <geom size=".02" pos="0 0 -.3" mass="1"/></body></worldbody></mujoco>"""
+    )
+    recipe = tmp_path / "pendulum.yaml"
+    field = "{select: {joint: hinge}, attr: damping, range: [0, 1]}"
+    recipe.write_text(f"recipe: 1\nbase: ./pendulum.xml\nidentify: {{fields: {{damping: {field}}}}}\n")
+    robot = mujoco.MjModel.from_xml_string(
+        (tmp_path / "pendulum.xml").read_text().replace('axis="0 1 0"', 'axis="0 1 0" damping="0.1"')
+    )
+    state = mujoco.MjData(robot)
+    state.qpos[0] = 0.5
+    rows = ["time,qpos hinge"]
+    for _ in range(500):
+        mujoco.mj_step(robot, state)
+        rows.append(f"{state.time:.4f},{state.qpos[0]:.7f}")
+    run = tmp_path / "run.csv"
+    run.write_text("\n".join(rows) + "\n")
+    fit, context = fitted(recipe, run)
+    assert fit is not None, context.sink.diagnostics
+    assert fit.data["numbers"][0]["value"] == pytest.approx(0.1, abs=0.01)
+
+
 def test_a_plan_says_what_a_recording_can_tell(tmp_path: Path) -> None:
     recipe = lay(tmp_path, FIELDS)
     moving = robots.write_csv(tmp_path / "moving.csv", robots.recorded(robots.model(), 1.0))
