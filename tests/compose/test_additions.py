@@ -78,3 +78,43 @@ add:
 """
     _, composed = _built(tmp_path, 'eulerseq="zyx"', recipe)
     assert composed.body("b1").quat == pytest.approx([0.5**0.5, 0.5**0.5, 0, 0])
+
+
+PART = """
+<mujoco>
+  <worldbody>
+    <geom name="flange" size=".02" density="500"/>
+    <body name="hand"><joint/><geom name="palm" size=".03" density="700"/></body>
+  </worldbody>
+</mujoco>
+"""
+WITH_PARTS = """
+recipe: 1
+base: ./base.xml
+add:
+  - {to: arm, frame: {name: mount, pos: [0, 0, 0.1]}}
+  - to: world
+    body:
+      name: holder
+      inertial: {pos: [0, 0, 0], mass: 1, diaginertia: [1, 1, 1]}
+      geom: {name: grip, size: [0.02], density: 300}
+  - {to: holder, frame: {name: hook, geom: {name: pin, size: [0.01], density: 400}}}
+attach:
+  left: {model: ./part.xml, frame: mount}
+  right: {model: ./part.xml, frame: hook}
+"""
+
+
+@pytest.mark.parametrize("setting", ["", 'boundmass="3"'])
+def test_masses_of_the_parts_in_an_added_element_are_not_the_recipes(tmp_path: Path, setting: str) -> None:
+    (tmp_path / "base.xml").write_text(BASE.replace("SETTING", setting))
+    (tmp_path / "part.xml").write_text(PART)
+    (tmp_path / "recipe.yaml").write_text(WITH_PARTS)
+    context = Context(environment={}, folder=tmp_path)
+    assert build(ModelRequest(tmp_path / "recipe.yaml"), context) is not None
+    about_mass = ("without-effect", "compiler-setting")
+    why = "has no effect: `holder` has an `<inertial>`, which holds instead of the masses of its geoms"
+    assert sorted(each.message for each in context.sink.diagnostics if each.code in about_mass) == [
+        f"`density` of geom `grip` {why}",
+        f"`density` of geom `pin` {why}",
+    ]

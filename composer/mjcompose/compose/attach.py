@@ -493,10 +493,18 @@ def check_hung(step: AddElement, node: Node, linking: Linking, making: ElementBu
     holder = node.getparent()
     assert holder is not None
     _check_scale(step, holder, linking, making=making)
-    _check_mass(step, node, linking, making=making)
+    written = _written_geoms(step, node, making)
+    _check_mass(step, node, written, linking, making=making)
     body = next((each for each in (holder, *holder.iterancestors()) if each.tag == "body"), None)
     if body not in linking.notes.inertia_written:  # that is reported already
-        note_added(node, making.span_of, making.origins)
+        note_added(written, making.span_of, making.origins)
+
+
+def _written_geoms(step: AddElement, node: Node, making: ElementBuilder) -> list[Node]:
+    """Return the geoms that a step adds: parts and other steps may already have put theirs into its element."""
+    at = step.element.at
+    elements = ((geom, making.made.get(geom)) for geom in node.iter("geom"))
+    return [geom for geom, element in elements if element is not None and element.at[: len(at)] == at]
 
 
 def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:
@@ -512,7 +520,9 @@ def _check_scale(step: AddElement, holder: Node, linking: Linking, making: Eleme
             return
 
 
-def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:
+def _check_mass(
+    step: AddElement, node: Node, written: Collection[Node], linking: Linking, making: ElementBuilder
+) -> None:
     """Report a geom that adds no mass, but would if the inertia rules of its model were not written out."""
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
@@ -521,7 +531,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
     if body not in linking.notes.inertia_written:
         return
     geoms = [node] if node.tag == "geom" else own(node, "geom") if node.tag in ("frame", "replicate") else []
-    if any(has_mass(geom, linking.base.classes) for geom in geoms):
+    if any(geom in written and has_mass(geom, linking.base.classes) for geom in geoms):
         message = f"the element adds no mass to `{step.to}`: the compiler settings of its model give the inertia"
         help = "put it into a `body` of its own, or write `mass: 0`"
         making.sink.warning("compiler-setting", message, step.span, help=help)

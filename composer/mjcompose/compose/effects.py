@@ -162,9 +162,9 @@ def _body_of(element: Node) -> Node | None:
     return next(element.iterancestors("body"), None)
 
 
-def note_added(node: Node, span_of: Callable[[Node, str], Span], origins: Origins) -> None:
+def note_added(geoms: Iterable[Node], span_of: Callable[[Node, str], Span], origins: Origins) -> None:
     """Note the masses of the geoms that the recipe adds."""
-    for geom in node.iter("geom"):
+    for geom in geoms:
         for name in _OF_MASS:
             text = geom.get(name)
             if text and any(numbers.read(text)) and may_be_idle(geom, name):
