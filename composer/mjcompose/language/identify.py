@@ -31,6 +31,7 @@ from mjcompose.tree.pattern import Selector
 TIMES = {"ms": 1e-3, "s": 1.0}
 UNITS = {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "m": 1.0, "cm": 1e-2, "mm": 1e-3}
 SPEEDS = {**UNITS, **{f"{unit}/s": factor for unit, factor in UNITS.items()}}
+_ANGLES = ("rad", "mrad", "deg")
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _Unit = Literal["rad", "mrad", "deg", "m", "cm", "mm"]
 _Time = Annotated[float, Scaled(TIMES, ge=0)]
@@ -45,11 +46,11 @@ class RecordingUnits(Model):
     example: ClassVar = "{qpos: deg, ctrl: deg}"
 
     qpos: _Unit | None = None
-    """the unit of positions"""
+    """the unit of positions: an angle is the unit of hinges, a length the unit of slides"""
     qvel: Literal["rad/s", "mrad/s", "deg/s", "m/s", "cm/s", "mm/s"] | None = None
-    """the unit of speeds"""
+    """the unit of speeds, of hinges or of slides"""
     ctrl: _Unit | None = None
-    """the unit of commands"""
+    """the unit of commands of position and velocity servos, of hinges or of slides"""
     time: Literal["s", "ms", "us", "ns"] | None = None
     """the unit of the time"""
 
@@ -62,6 +63,20 @@ class RecordingUnits(Model):
             table = CLOCKS if kind == "time" else SPEEDS
             found[kind] = 1.0 if unit is None else table[unit]
         return found
+
+    @property
+    def dimensions(self) -> dict[str, str]:
+        """The dimension of each kind of column with a written unit: `angle`, `length` or `time`.
+
+        >>> RecordingUnits(qpos="deg", ctrl="mm", time="s").dimensions
+        {'qpos': 'angle', 'ctrl': 'length', 'time': 'time'}
+        """
+        written = {kind: getattr(self, kind) for kind in type(self).model_fields}
+        return {
+            kind: "time" if kind == "time" else "angle" if unit.partition("/")[0] in _ANGLES else "length"
+            for kind, unit in written.items()
+            if unit is not None
+        }
 
 
 class RecordingKeys(Model):

@@ -55,7 +55,7 @@ def test_another_model_does_not(folder: Path) -> None:
 )
 def test_a_recording_that_cannot_be_read(name: str, code: str, folder: Path) -> None:
     (folder / "run.bag").write_text("")
-    (folder / "bad.csv").write_text("time,elbow\n0,1\n1,2\n")
+    (folder / "bad.csv").write_text("time,elbow\n0,1\n0.1,2\n")
     context, _ = checked(folder, "0.3mrad", name)
     (error,) = context.sink.errors
     assert (error.code, error.span.file, error.span.line) == (code, "recipe.yaml", 4)

@@ -146,6 +146,7 @@ def question_of(
         "limits": {"size": limits.recording_size, "numbers": limits.recording_numbers},
         "keys": {
             "factors": keys.units.factors,
+            "dimensions": keys.units.dimensions,
             "sign": dict(keys.sign),
             "names": dict(keys.names),
             "ignore": list(keys.ignore),

@@ -6,14 +6,15 @@ Runs in MuJoCo's process.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.suggest import closest
+from mjcompose.base.suggest import closest, did_you_mean
+from mjcompose.base.words import with_article
 from mjcompose.mujoco.attributes import names
 from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits, read_table
 from mjcompose.tree.pattern import fitter
@@ -27,6 +28,9 @@ _CODE = "recording-column"
 _TIME = "recording-time"
 _SHORTEST = 0.2
 """Seconds that a recording has at least."""
+_SLOWEST = 0.5
+"""Seconds between samples above which the unit of the time must be written: motion is too fast for such samples."""
+_SLOWEST_WITH_UNIT = 10.0
 _AGAINST = -0.5
 """The correlation of a joint with its command below which its sign is probably wrong."""
 
@@ -86,30 +90,116 @@ class _Reader:
         self.known = {kind: [name for name in names(model, kind) if name] for kind in set(_KINDS.values())}
 
     def read(self, path: Path, file: str, limits: SizeLimits) -> Recording:
+        self._check_sign_names()
         table, digest = read_table(path, limits)
         times = table.times * self.keys["factors"]["time"]
-        _check_clock(table, times, has_unit=self.keys["factors"]["time"] != 1.0)
+        _check_clock(table, times, has_unit="time" in self.keys["dimensions"])
         signals: dict[Signal, Series] = {}
         commands: dict[str, Command] = {}
-        for column, written in table.columns.items():
-            signal = self._signal(column)
-            if signal is None:
-                continue
-            values = written * self.keys["factors"][signal.kind] * self._sign(signal)
-            self._check_unit(signal, column, values)
+        for column, signal in self._signals(table).items():
+            values = table.columns[column] * self._factor(signal) * self._sign(signal)
+            self._check_unit(signal, column, values, table)
             if signal.kind == "ctrl":
+                _check_finite(table, times, column, values, may_lack=True)
                 known = np.isfinite(values)
                 commands[signal.name] = Command(times[known] - times[0], values[known])
             else:
                 _check_finite(table, times, column, values)
                 signals[signal] = values
-        self._check_contents(signals, commands)
+        self._check_contents(signals, commands, table)
         recording = Recording(file, digest, times - times[0], signals, commands)
         if recording.seconds < _SHORTEST:
             message = f"it is {recording.seconds * 1e3:.0f} ms long"
             raise RecordingFault(_TIME, message, "record some seconds of motion; the time is in seconds")
-        self._check_signs(recording)
+        self._check_signs(recording, table)
         return recording
+
+    def _signals(self, table: RecordedTable) -> dict[str, Signal]:
+        """Return the signal of each column that counts. Raises RecordingFault with the line of the header."""
+        signals: dict[str, Signal] = {}
+        columns: dict[Signal, str] = {}
+        try:
+            for column in table.columns:
+                signal = self._signal(column)
+                if signal is None:
+                    continue
+                self._check_component(signal, column)
+                first = columns.setdefault(signal, column)
+                if first != column:
+                    message = f"`{first}` and `{column}` are both `{signal.word}`"
+                    raise RecordingFault(_CODE, message, f"remove one of them, or `ignore: [{column}]`")
+                signals[column] = signal
+            self._check_units(signals.values())
+        except RecordingFault as fault:
+            fault.line = table.header
+            raise
+        return signals
+
+    def _check_component(self, signal: Signal, column: str) -> None:
+        """Refuse a number that the element does not have, and joints whose position is several numbers."""
+        if signal.kind == "sensor":
+            count = int(self.model.sensor(signal.name).dim[0])
+            if signal.component >= count:
+                numbers = "1 number" if count == 1 else f"{count} numbers"
+                raise RecordingFault(
+                    _CODE, f"`{column}` does not exist: the sensor has {numbers}", "`[0]` is the first"
+                )
+            return
+        if signal.component:
+            raise RecordingFault(
+                _CODE, f"`{column}` does not exist: `{signal.name}` has 1 number", "leave out the index"
+            )
+        if signal.kind != "ctrl" and self._dimension(signal) is None:
+            help = f"only hinges and slides are compared; `ignore: [{signal.name}]` leaves the joint out"
+            raise RecordingFault(_CODE, f"joint `{signal.name}` of `{column}` is neither a hinge nor a slide", help)
+
+    def _check_sign_names(self) -> None:
+        """Refuse signs of elements that the model does not have."""
+        prefix = self.keys["prefix"]
+        for written in self.keys["sign"]:
+            kind, _, name = written.partition(" ")
+            kinds = [_KINDS[kind]] if kind in _KINDS and name else list(self.known)
+            known = [each for kind in kinds for each in self.known[kind]]
+            if prefix + written in known or (len(kinds) == 1 and prefix + name in known):
+                continue
+            meant = did_you_mean(written, [self._without_prefix(each) for each in known])
+            message = f"`recording: {{sign: …}}` has `{written}`, which names no element of the model"
+            raise RecordingFault("unknown-name", message, meant or "write the name of the model, not of the recording")
+
+    def _check_units(self, signals: Collection[Signal]) -> None:
+        """Refuse units that are the unit of no column."""
+        for kind, dimension in self.keys["dimensions"].items():
+            of_kind = [signal for signal in signals if signal.kind == kind]
+            if of_kind and not any(self._dimension(signal) == dimension for signal in of_kind):
+                message = f"the unit of `{kind}` is {with_article(dimension)}, and no column `{kind}` has one"
+                help = "an angle is the unit of hinges, a length the unit of slides, and motors have neither"
+                raise RecordingFault("recording-unit", message, help)
+
+    def _dimension(self, signal: Signal) -> str | None:
+        """Return the dimension of a signal, `angle` or `length`; None if it is neither, as the command of a motor."""
+        name: str | None = signal.name
+        if signal.kind == "sensor":
+            return None
+        if signal.kind == "ctrl":
+            name = self._joint_of(signal.name) if self._is_servo(signal.name) else None
+        if name is None:
+            return None
+        types = self.mujoco.mjtJoint
+        dimensions = {int(types.mjJNT_HINGE): "angle", int(types.mjJNT_SLIDE): "length"}
+        return dimensions.get(int(self.model.joint(name).type[0]))
+
+    def _is_servo(self, actuator: str) -> bool:
+        """Whether the command is a position or a speed."""
+        index = self.model.actuator(actuator).id
+        gain = self.model.actuator_gainprm[index, 0]
+        _, stiffness, damping = self.model.actuator_biasprm[index, :3]
+        return bool(stiffness or (damping and damping == -gain))
+
+    def _factor(self, signal: Signal) -> float:
+        """Return the factor that turns a column into MuJoCo's units."""
+        dimension = self.keys["dimensions"].get(signal.kind)
+        is_meant = dimension is None or dimension == self._dimension(signal)
+        return float(self.keys["factors"][signal.kind]) if is_meant else 1.0
 
     def _signal(self, column: str) -> Signal | None:
         """Return the signal of a column, or None for a column to ignore."""
@@ -119,7 +209,7 @@ class _Reader:
                 return None
             help = "`qpos arm/elbow` is a position, `ctrl arm/elbow` a command"
             words = ", ".join(f"`{word}`" for word in _KINDS)
-            raise RecordingFault(_CODE, f"column `{column}` begins with none of {words}", help, line=1)
+            raise RecordingFault(_CODE, f"column `{column}` begins with none of {words}", help)
         name, component = _without_index(written)
         name = self.keys["prefix"] + self.keys["names"].get(name, name)
         if name in self.known[_KINDS[kind]]:
@@ -132,31 +222,37 @@ class _Reader:
         if near:
             help = f"did you mean `{near[0]}`? {help}"
         message = f"`{column}` names no {_KINDS[kind]} of the model"
-        raise RecordingFault(_CODE, message, help, line=1)
+        raise RecordingFault(_CODE, message, help)
 
     def _sign(self, signal: Signal) -> int:
         """Return the sign of a column: its own, or else the sign of its name."""
         signs: dict[str, int] = self.keys["sign"]
-        return signs.get(f"{signal.kind} {signal.name}", signs.get(signal.name, 1))
+        name = self._without_prefix(signal.name)
+        return signs.get(f"{signal.kind} {name}", signs.get(name, 1))
+
+    def _without_prefix(self, name: str) -> str:
+        return name.removeprefix(self.keys["prefix"])
 
     def _says_sign(self, joint: str, actuator: str) -> bool:
+        joint = self._without_prefix(joint)
+        actuator = self._without_prefix(actuator)
         keys = (joint, actuator, f"qpos {joint}", f"ctrl {actuator}")
         return any(key in self.keys["sign"] for key in keys)
 
     def _ignores(self, name: str) -> bool:
         return any(fitter(glob, lambda: [name], "/")(name) for glob in self.keys["ignore"])
 
-    def _check_unit(self, signal: Signal, column: str, values: Series) -> None:
+    def _check_unit(self, signal: Signal, column: str, values: Series, table: RecordedTable) -> None:
         """Refuse positions and commands far outside of the model's range: they are in another unit."""
         limit = self._limit(signal)
-        if limit is None or self.keys["factors"][signal.kind] != 1.0:
+        if limit is None or self._factor(signal) != 1.0:
             return
         known = values[np.isfinite(values)]
         reach = float(np.abs(known).max(initial=0))
         if reach > 3 * limit + 0.5:
             message = f"`{column}` reaches {reach:.4g}, and the model allows {limit:.4g}"
             help = f"are these degrees? write `recording: {{units: {{{signal.kind}: deg}}}}`"
-            raise RecordingFault("recording-unit", message, help, line=1)
+            raise RecordingFault("recording-unit", message, help, line=table.header)
 
     def _limit(self, signal: Signal) -> float | None:
         model = self.model
@@ -172,10 +268,14 @@ class _Reader:
             return float(np.abs(model.actuator_ctrlrange[actuator]).max()) if is_limited else None
         return None
 
-    def _check_contents(self, signals: Mapping[Signal, Series], commands: Mapping[str, Command]) -> None:
+    def _check_contents(
+        self, signals: Mapping[Signal, Series], commands: Mapping[str, Command], table: RecordedTable
+    ) -> None:
         if not signals:
             help = "record `qpos JOINT`, `qvel JOINT` or `sensor NAME`"
-            raise RecordingFault(_CODE, "it has no column that the model could be compared with", help, line=1)
+            raise RecordingFault(
+                _CODE, "it has no column that the model could be compared with", help, line=table.header
+            )
         missing = [name for name in self.known["actuator"] if name not in commands and self._drives(name, signals)]
         if missing and not self.keys["hold"]:
             more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
@@ -183,10 +283,12 @@ class _Reader:
                 "the simulation needs the commands of the robot: record `ctrl NAME`; `recording: {hold: true}` keeps"
                 " the control of the keyframe"
             )
-            raise RecordingFault(_CODE, f"it has no commands of actuator `{missing[0]}`{more}", help, line=1)
+            raise RecordingFault(_CODE, f"it has no commands of actuator `{missing[0]}`{more}", help, line=table.header)
         empty = next((name for name, command in commands.items() if len(command.times) < 1), None)
         if empty is not None:
-            raise RecordingFault("recording-value", f"`ctrl {empty}` has no number", "remove the column", line=1)
+            raise RecordingFault(
+                "recording-value", f"`ctrl {empty}` has no number", "remove the column", line=table.header
+            )
 
     def _drives(self, actuator: str, signals: Mapping[Signal, Series]) -> bool:
         joint = self._joint_of(actuator)
@@ -199,7 +301,7 @@ class _Reader:
             return None
         return str(model.joint(int(model.actuator_trnid[index, 0])).name)
 
-    def _check_signs(self, recording: Recording) -> None:
+    def _check_signs(self, recording: Recording, table: RecordedTable) -> None:
         """Refuse a joint that moves against its position servo, unless the recipe says its sign."""
         for actuator, command in recording.commands.items():
             joint = self._joint_of(actuator)
@@ -213,7 +315,7 @@ class _Reader:
             if min(moved.std(), told.std()) > 1e-3 and (r := float(np.corrcoef(moved, told)[0, 1])) < _AGAINST:
                 message = f"joint `{joint}` moves against its command (correlation {r:.2f})"
                 help = f'write `recording: {{sign: {{"qpos {joint}": -1}}}}`, or `1` if the sign is right'
-                raise RecordingFault("recording-sign", message, help, line=1)
+                raise RecordingFault("recording-sign", message, help, line=table.header)
 
 
 def _without_index(written: str) -> tuple[str, int]:
@@ -228,8 +330,9 @@ def _without_index(written: str) -> tuple[str, int]:
     return written, 0
 
 
-def _check_finite(table: RecordedTable, times: Series, column: str, values: Series) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
+def _check_finite(table: RecordedTable, times: Series, column: str, values: Series, *, may_lack: bool = False) -> None:
+    """Refuse values that are no numbers; commands may lack some, and hold the last one."""
+    bad = np.flatnonzero(np.isinf(values) if may_lack else ~np.isfinite(values))
     if bad.size:
         first = int(bad[0])
         rows = "1 row" if bad.size == 1 else f"{bad.size} rows"
@@ -245,12 +348,12 @@ def _check_clock(table: RecordedTable, times: Series, has_unit: bool) -> None:
     backward = np.flatnonzero(steps <= 0)
     if backward.size:
         row = int(backward[0]) + 1
-        message = f"the time goes back or does not pass: {times[row]:.4f} s after {times[row - 1]:.4f} s"
+        message = f"the time goes back or does not pass: {times[row]:.15g} s after {times[row - 1]:.15g} s"
         help = "sort the rows; if the clock was set during the recording, cut it into two"
         raise RecordingFault(_TIME, message, help, line=table.line(row))
     usual = float(np.median(steps))
-    if usual > 10:
-        help = "the time is in seconds" if has_unit else "is the time in milliseconds? `recording: {units: {time: ms}}`"
+    if usual > (_SLOWEST_WITH_UNIT if has_unit else _SLOWEST):
+        help = "is the time in milliseconds? write `recording: {units: {time: ms}}`, or `time: s` if it is right"
         raise RecordingFault(_TIME, f"{usual:g} s pass between samples", help)
     gaps = np.flatnonzero(steps > max(20 * usual, 0.1))
     if gaps.size:

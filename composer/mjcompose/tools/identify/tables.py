@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from io import BufferedReader, TextIOWrapper
 from pathlib import Path
@@ -20,6 +22,18 @@ Series = npt.NDArray[np.float64]
 CLOCKS = ("time", "t", "timestamp")
 """Names of the column with the time."""
 _CODE = "recording-column"
+_HEADER = 1 << 14
+"""The most bytes of a header that are read: numpy refuses longer ones, after it has read them."""
+_NOT_NPZ = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    OSError,
+    NotImplementedError,
+    RuntimeError,
+    ValueError,
+)
+"""What `zipfile` and numpy raise for broken files."""
 
 
 class RecordingFault(Exception):
@@ -46,6 +60,11 @@ class RecordedTable(Struct):
 
     def line(self, row: int) -> int | None:
         return None if self.lines is None else int(self.lines[row])
+
+    @property
+    def header(self) -> int | None:
+        """The line with the names of the columns, None for a file without lines."""
+        return None if self.lines is None else 1
 
 
 class SizeLimits(Struct):
@@ -99,7 +118,7 @@ def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None 
 def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
     rows: list[list[float]] = []
     lines: list[int] = []
-    with TextIOWrapper(file, newline="", encoding="utf-8-sig", errors="replace") as text:
+    with TextIOWrapper(file, newline="", encoding="utf-8-sig") as text:
         reader = csv.reader(text)
         try:
             header = [name.strip() for name in next(reader, [])]
@@ -111,6 +130,8 @@ def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                 lines.append(reader.line_num)
                 if len(rows) * len(header) > limits.numbers:
                     raise _too_large("numbers", len(rows) * len(header), limits.numbers)
+        except UnicodeDecodeError:
+            raise RecordingFault("recording-kind", "it is not text in UTF-8", "save it as UTF-8") from None
         except csv.Error as error:
             raise RecordingFault("csv-syntax", f"it is not CSV: {error}", line=reader.line_num) from None
     table = np.array(rows, float).reshape(len(rows), len(header))
@@ -120,9 +141,18 @@ def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
 def _check_header(header: list[str]) -> None:
     if not header:
         raise RecordingFault(_CODE, "it is empty", "its first row has the names of the columns")
-    for index, name in enumerate(header):
-        if name in header[:index]:
-            raise RecordingFault(_CODE, f"it has two columns `{name}`", "remove one of them", line=1)
+    if len(header) == 1 and any(separator in header[0] for separator in ";\t"):
+        raise RecordingFault(_CODE, "its columns are not separated by commas", "write `,` between them", line=1)
+    seen: set[str] = set()
+    for name in header:
+        _check_new(name, seen, line=1)
+
+
+def _check_new(name: str, seen: set[str], line: int | None = None) -> None:
+    """Refuse a column that is there already."""
+    if name in seen:
+        raise RecordingFault(_CODE, f"it has two columns `{name}`", "remove one of them", line=line)
+    seen.add(name)
 
 
 def _numbers(row: list[str], header: list[str], line: int) -> list[float]:
@@ -150,6 +180,7 @@ def _is_number(text: str) -> bool:
 def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
     """Read the arrays of an NPZ without pickles. The headers say how large they are before they are unpacked."""
     columns: dict[str, Series] = {}
+    seen: set[str] = set()
     total = 0
     try:
         with zipfile.ZipFile(file) as archive:
@@ -158,6 +189,7 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     continue
                 shape, dtype = _npy_header(archive, entry)
                 name = entry.filename.removesuffix(".npy")
+                _check_new(name, seen)
                 if dtype.hasobject or dtype.kind not in "fiub":
                     message = f"`{name}` has values of the type {dtype}, not numbers"
                     raise RecordingFault("recording-value", message, "store arrays of floats")
@@ -169,7 +201,7 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     raise _too_large("numbers", total, limits.numbers)
                 with archive.open(entry) as array:
                     columns[name] = np.lib.format.read_array(array, allow_pickle=False).astype(float)
-    except (zipfile.BadZipFile, ValueError, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+    except _NOT_NPZ as error:
         raise RecordingFault("recording-kind", f"it is not an NPZ file: {error}") from None
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) > 1:
@@ -182,9 +214,10 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
 
 def _npy_header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[tuple[int, ...], np.dtype[Any]]:
     with archive.open(entry) as file:
-        version = np.lib.format.read_magic(file)
-        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _, dtype = read(file)
+        header = io.BytesIO(file.read(_HEADER))
+    version = np.lib.format.read_magic(header)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(header)
     return shape, dtype
 
 
