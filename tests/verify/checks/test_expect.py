@@ -208,6 +208,12 @@ def test_another_number(ask, arm: str) -> None:
     assert notes(finding) == ("expected: 3", "actual: 2", "they are: left/base, right/base")
 
 
+def test_one_element_instead_of_several(ask, arm: str) -> None:
+    (finding,) = ask(arm, 'expect: {select: {body: "left/base"}, count: 3}')
+    assert finding.message == "`left/base` names 1 element `body`, not 3"
+    assert notes(finding) == ("expected: 3", "actual: 1", "it is: left/base")
+
+
 def test_what_is_of_another_part_is_not_found(ask, arm: str) -> None:
     (finding,) = ask(arm, "expect: {select: {site: tcp}}", prefix="right/")
     assert finding.code == "check-failed"

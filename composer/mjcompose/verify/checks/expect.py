@@ -8,6 +8,7 @@ from typing import Any
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.report import with_rest
+from mjcompose.base.words import counted
 from mjcompose.language.checks.expect import MASS, SUBTREE_MASS, WHERE, ElementSelector, Expect, with_unit
 from mjcompose.mujoco.attributes import KINDS, holder
 from mjcompose.verify.checks.check import (
@@ -59,9 +60,10 @@ def _miscounted(scope: Scope, expect: Expect, select: ElementSelector, elements:
     expected = "at least one" if count is None else f"{low}" if low == high else f"{low} to {high}"
     seen = unknown(tag, glob, scope.names(tag), "select", tag)
     if elements:
-        message = f"`{glob}` names {len(elements)} elements `{tag}`, not {expected}"
+        message = f"`{glob}` names {counted(len(elements), 'element')} `{tag}`, not {expected}"
         names = ", ".join(scope.written(tag, each) for each in elements[:_SHOWN])
-        more = [f"they are: {names}" + (", …" if len(elements) > _SHOWN else "")]
+        those = "it is" if len(elements) == 1 else "they are"
+        more = [f"{those}: {names}" + (", …" if len(elements) > _SHOWN else "")]
         return [failed(message, expected, str(len(elements)), "count", more=more)]
     if count is None and expect.attr is not None:
         return [seen]
