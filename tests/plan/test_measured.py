@@ -56,6 +56,35 @@ def test_only_some_elements(tmp_path: Path) -> None:
     assert 'damping="0.25"' not in text
 
 
+def test_only_some_elements_of_one_number(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(ARM)
+    (tmp_path / "A12.yaml").write_text("measured: 1\nvalues: {joint pan: {damping: {value: 7, also: ['el{bow}']}}}\n")
+    recipe = "recipe: 1\nallow: [license-missing]\nbase: ./arm.xml\nmeasured: {file: A12.yaml, only: {joint: pan}}\n"
+    (tmp_path / "recipe.yaml").write_text(recipe)
+    made = build(ModelRequest(tmp_path / "recipe.yaml"), Context(folder=tmp_path))
+    assert made is not None
+    text = made.bundle.files[made.bundle.model].decode()
+    assert text.count('damping="7"') == 1
+    assert 'name="el{bow}" damping="1"' in text
+
+
+def test_a_number_leaves_the_other_numbers_of_its_attribute(tmp_path: Path) -> None:
+    arm = ARM.replace('damping="1"', 'damping="1 0.2 0.3"').replace(
+        '<joint name="pan"/>', '<joint name="pan" range="0 1"/>'
+    )
+    (tmp_path / "arm.xml").write_text(
+        arm.replace('<geom size=".1"/>', '<geom name="g" size=".1" friction=".5 .02 .03"/>', 1)
+    )
+    file = 'measured: 1\nvalues:\n  geom g: {friction: {value: 0.7}}\n  "joint el{bow}": {damping: {value: 4}}\n'
+    (tmp_path / "A12.yaml").write_text(file)
+    (tmp_path / "recipe.yaml").write_text("recipe: 1\nallow: [license-missing]\nbase: ./arm.xml\nmeasured: A12.yaml\n")
+    made = build(ModelRequest(tmp_path / "recipe.yaml"), Context(folder=tmp_path))
+    assert made is not None
+    text = made.bundle.files[made.bundle.model].decode()
+    assert 'friction="0.7 0.02 0.03"' in text
+    assert 'damping="4 0.2 0.3"' in text
+
+
 def test_a_number_follows_the_edits_of_the_recipe_and_names_its_line(tmp_path: Path) -> None:
     section = 'edit: [{select: {joint: "arm/**"}, set: {damping: 5}}]\n' + USE % ""
     made, _ = built(section, tmp_path)

@@ -54,16 +54,24 @@ class UseMeasured(Model):
         >>> use.name_in_recipe("left/elbow"), use.name_in_recipe("tip"), use.name_in_recipe("other")
         ('arm/elbow', 'tool/tip', 'other')
         """
+        old = self.renamed_by(name)
+        if old is None:
+            return name
+        before, wildcard, behind = _around_wildcard(old)
+        start, _, end = _around_wildcard(self.rename[old])
+        middle = name[len(before) : len(name) - len(behind)] if wildcard else ""
+        return f"{start}{middle}{end}"
+
+    def renamed_by(self, name: str) -> str | None:
+        """Return the key of `rename` that renames an element of the file; None if its name stays."""
         if name in self.rename:
-            return self.rename[name]
-        for old, new in self.rename.items():
-            before, wildcard, behind = old.partition("*")
-            behind = behind.lstrip("*")
-            if wildcard and name.startswith(before) and name.endswith(behind) and len(name) >= len(before + behind):
-                start, _, end = new.partition("*")
-                middle = name[len(before) : len(name) - len(behind)]
-                return f"{start}{middle}{end.lstrip('*')}"
-        return name
+            return name
+        for old in self.rename:
+            before, wildcard, behind = _around_wildcard(old)
+            is_long = len(name) >= len(before + behind)
+            if wildcard and is_long and name.startswith(before) and name.endswith(behind):
+                return old
+        return None
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         for old, new in self.rename.items():
@@ -76,6 +84,12 @@ class UseMeasured(Model):
                 message = f"`{kind}` is not a kind of element with measured numbers"
                 help = f"write one of {', '.join(KINDS)}"
                 yield Fault("wrong-keyword", message, ("only", kind), key=True, help=help)
+
+
+def _around_wildcard(name: str) -> tuple[str, str, str]:
+    """Return the text before the first wildcard, `*` or an empty text, and the text behind it."""
+    before, wildcard, behind = name.partition("*")
+    return before, wildcard, behind.lstrip("*")
 
 
 class MeasuredNumber(Model):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping as Map
+from dataclasses import replace
 from pathlib import Path
 
 from mjcompose.base.access import Door
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import Diagnostic, Note, Span
 from mjcompose.base.files import Refused, TooLarge, read_regular, unsaved_text
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
@@ -23,6 +24,7 @@ from mjcompose.language.measured import (
     UseMeasured,
     values_of,
 )
+from mjcompose.language.select import kinds_of
 from mjcompose.language.variation import read
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import nearest
@@ -52,17 +54,15 @@ class Measurements(Struct):
 
     @property
     def applied(self) -> Iterator[MeasuredValue]:
-        """Yield the numbers that the model gets."""
+        """Yield the numbers that the model gets, each with the names of the elements that get it."""
         for value in self.values:
-            if value.is_applied and self._is_selected(value):
-                yield value
+            names = tuple(name for name in value.names if self._is_selected(value.kind, name))
+            if value.is_applied and names:
+                yield replace(value, names=names)
 
-    def _is_selected(self, value: MeasuredValue) -> bool:
+    def _is_selected(self, kind: str, name: str) -> bool:
         only = self.use.only
-        if not only:
-            return True
-        name = value.names[0]
-        return value.kind in only and fitter(only[value.kind], lambda: [name], "/")(name)
+        return not only or (kind in only and _fits(only[kind], name))
 
     def span_of(self, value: MeasuredValue, key: bool = False) -> Span:
         return locate(self.document, value.path, key=key)
@@ -87,9 +87,51 @@ def read_measurements(use: UseMeasured, document: Mapping, folder: Path, context
     if file is None:
         return None
     topics = {topic: str(file.recipe[topic]) for topic in TOPICS if topic in file.recipe}
-    return Measurements(
+    measurements = Measurements(
         path, shown, use, file, document=tree, values=tuple(values_of(file, use)), topics=topics, span=span
     )
+    errors = [*_idle_keys(measurements, document), *_clashes(measurements)]
+    for error in errors:
+        context.sink.add(error)
+    return None if errors else measurements
+
+
+def _fits(glob: str, name: str) -> bool:
+    return fitter(glob, lambda: [name], "/")(name)
+
+
+def _idle_keys(measurements: Measurements, document: Mapping) -> Iterator[Diagnostic]:
+    """Yield an error for each name of `rename` and `only` that no element of the file has."""
+    use = measurements.use
+    names = [name for _, first, _, number in measurements.file.numbers for name in (first, *number.also)]
+    used = {use.renamed_by(name) for name in names}
+    for old in use.rename:
+        if old not in used:
+            message = f"`{old}` in `rename` is the name of no element in `{measurements.shown}`"
+            span = locate(document, (KEY, "rename", old), key=True)
+            yield Diagnostic("unknown-name", message, span, help=did_you_mean(old, names) or "remove it")
+    for kind, glob in use.only.items():
+        of_kind = [name for value in measurements.values if value.kind == kind for name in value.names]
+        if not any(_fits(glob, name) for name in of_kind):
+            message = f"`{kind}: {glob}` in `only` selects no number of `{measurements.shown}`"
+            span = locate(document, (KEY, "only", kind))
+            help = did_you_mean(glob, of_kind) or "it selects names of this recipe, which `rename` gave"
+            yield Diagnostic("selector", message, span, help=help)
+
+
+def _clashes(measurements: Measurements) -> Iterator[Diagnostic]:
+    """Yield an error for each second number of an attribute of an element."""
+    first: dict[tuple[str, str, str], MeasuredValue] = {}
+    for value in measurements.applied:
+        for name in value.names:
+            attribute = value.attribute.removesuffix("[0]")
+            other = first.setdefault((value.kind, name, attribute), value)
+            if other.path != value.path:
+                message = f"`{attribute}` of {value.kind} `{name}` has two numbers"
+                note = Note("the other one is here", measurements.span_of(other, key=True))
+                help = "remove one of them, or correct `rename` and `also`, which give elements the same name"
+                span = measurements.span_of(value, key=True)
+                yield Diagnostic("name-clash", message, span, notes=(note,), help=help)
 
 
 def _text(path: Path, shown: str, folder: Path, span: Span, context: Context) -> bytes | None:
@@ -140,11 +182,21 @@ def _entry(measurements: Measurements, value: MeasuredValue, name: str) -> Mappi
     at_number = measurements.span_of(value, key=True)
     number = locate(measurements.document, (*value.path, "value"))
     verb = "calibrate" if value.attribute in (ZERO, DELAY) else "set"
-    changes = _mapping({value.attribute: _scalar(value.number.value, number)}, at_number)
+    changes = _mapping({_word_for_set(value): _scalar(value.number.value, number)}, at_number)
     # An element that does not exist is reported with the names of the model, when that is composed.
     return _mapping(
         {"select": _selector(value.kind, name, owner), "optional": _scalar(True, owner), verb: changes}, at_number
     )
+
+
+def _word_for_set(value: MeasuredValue) -> str:
+    """Return the attribute of a number with an index if it may have several: the others keep their values."""
+    attributes = [each.attributes.get(value.attribute) for each in kinds_of(value.kind)]
+    has_several = any(
+        each is not None and each.min_length == 1 and each.max_length != 1 and isinstance(each.default, tuple)
+        for each in attributes
+    )
+    return f"{value.attribute}[0]" if has_several else value.attribute
 
 
 def _selector(kind: str, name: str, span: Span) -> Mapping:

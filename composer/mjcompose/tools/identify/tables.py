@@ -33,7 +33,7 @@ _NOT_NPZ = (
     RuntimeError,
     ValueError,
 )
-"""What `zipfile` and numpy raise for broken files."""
+"""Exceptions of `zipfile` and numpy for broken files."""
 
 
 class RecordingFault(Exception):
