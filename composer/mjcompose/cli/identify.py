@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,13 +11,17 @@ import click
 
 from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError
-from mjcompose.bundle.staging import staged_file
+from mjcompose.bundle.staging import check_is_no_source, staged_file
 from mjcompose.cli.options import RECIPE, Choices, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import progress_of_command
 from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.tools.identify.identify import FitRequest
+
+
+_START = 1 << 14
+_MEASURED = re.compile(rb"^measured: *[0-9]", re.MULTILINE)
 
 
 class IdentifyOptions(Group):
@@ -70,6 +75,10 @@ def identify(options: IdentifyOptions, run: Run) -> Answer:
         window=options.window,
         from_measured=options.from_measured,
     )
+    if options.out is not None:
+        with run.context.sink:
+            _check_output(Path(options.out), request)
+        run.need(None if run.context.sink.has_errors else request, options.recipe)
     if options.plan:
         return _plan(request, run, plan_fit(request, run.context, progress_of_command()))
     fit = run.need(identify(request, run.context, progress_of_command()), options.recipe)
@@ -79,6 +88,21 @@ def identify(options: IdentifyOptions, run: Run) -> Answer:
             _write(Path(options.out), fit.text, request)
             lines.append(f"wrote {options.out}")
     return Answer("\n".join(lines), dict(fit.data))
+
+
+def _check_output(out: Path, request: FitRequest) -> None:
+    """Refuse, before the fit, to replace an input, or another file than a file of measurements."""
+    check_is_no_source(out, "-o", [request.recipe, *request.recordings, *request.held_out])
+    if not out.is_file():
+        return
+    try:
+        with out.open("rb") as file:
+            start = file.read(_START)
+    except OSError:
+        return  # writing it says why it cannot be replaced
+    if start and not _MEASURED.search(start):
+        message = f"`{out}` exists, and is not a file of measurements"
+        raise OutputError("output-unwritable", message, "choose another output, or remove the file")
 
 
 def _write(out: Path, text: str, request: FitRequest) -> None:
