@@ -94,6 +94,15 @@ def test_without_opengl_there_is_the_tree(repository: Path) -> None:
     assert "<img" not in shown and text(shown.strip()).startswith("<mujoco>")
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere, OpenGL needs no display")
+def test_without_a_display_the_next_models_have_their_trees_too(repository: Path) -> None:
+    kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment = {**kept, "MUJOCO_GL": "glfw", "PYTHONPATH": str(repository)}
+    command = [sys.executable, "-c", 2 * _WITH_PICTURE]
+    shown = subprocess.run(command, capture_output=True, text=True, env=environment, check=True).stdout
+    assert "<img" not in shown and text(shown).count("<mujoco>") == 2
+
+
 def test_what_stands_very_deep_is_counted() -> None:
     model = mjcf.RootElement()
     body = model.worldbody

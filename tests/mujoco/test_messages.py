@@ -83,6 +83,7 @@ def test_a_message_is_taken_apart(text: str, fault: EngineMessage) -> None:
         ("size 0 must be positive in geom", Topic.GEOM_SIZE),
         ("size 1 must be positive in site", Topic.SIZE),
         ("inertia must satisfy A + B >= C; use 'balanceinertia' to fix", Topic.INERTIA),
+        ("an OpenGL platform library has not been loaded into this process, this most likely", Topic.OPENGL),
         ("URDF body not found", Topic.URDF_RING),
         ("URDF body not found here", None),
         ("it is odd", None),

@@ -64,8 +64,14 @@ class Rendering:
             self._renderer = None
 
 
+# MuJoCo (4.0) ends the process if it looks for OpenGL once more where there is none: what it said the first time.
+_without_opengl: list[str] = []
+
+
 def _renderer(model: Any, height: int, width: int) -> Any:
     """Return MuJoCo's renderer. It ignores the model's image size, which only describes its author's window."""
+    if _without_opengl:
+        raise _no_rendering(_without_opengl[0])
     limits = model.vis.global_
     kept = limits.offwidth, limits.offheight
     limits.offwidth = max(kept[0], width)
@@ -73,13 +79,20 @@ def _renderer(model: Any, height: int, width: int) -> Any:
     try:
         return engine().Renderer(model, height, width)
     except Exception as error:
-        if read_sentence(str(error)).topic is Topic.FRAMEBUFFER:
+        topic = read_sentence(str(error)).topic
+        if topic is Topic.FRAMEBUFFER:
             message = f"OpenGL has no room for a picture of {width} times {height} pixels: {error}"
             raise failure("out-of-range", message) from error
-        help = "without a display, set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
-        raise failure("not-supported", f"OpenGL is not available for rendering: {error}", help=help) from error
+        if topic is Topic.OPENGL:
+            _without_opengl.append(str(error))
+        raise _no_rendering(str(error)) from error
     finally:
         limits.offwidth, limits.offheight = kept
+
+
+def _no_rendering(reason: str) -> MjcfError:
+    help = "without a display, set `MUJOCO_GL=egl` (or `osmesa`) before MuJoCo is imported"
+    return failure("not-supported", f"OpenGL is not available for rendering: {reason}", help=help)
 
 
 class Physics:

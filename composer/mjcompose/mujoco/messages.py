@@ -58,6 +58,7 @@ class Topic(Enum):
     FORMAT = r"^bad format in attribute"
     INERTIA = r"A \+ B >= C|^error 'inertia must have positive eigenvalues'"
     FRAMEBUFFER = r"framebuffer"
+    OPENGL = r"^an OpenGL platform library has not been loaded"
     URDF_GEOMETRY = r"geometry specification"
     URDF_REPEATED = r"^repeated URDF name|^repeated name '.*' in joint"
     URDF_RING = r"^URDF body not found$"
