@@ -64,7 +64,7 @@ class Rendering:
             self._renderer = None
 
 
-# MuJoCo (4.0) ends the process if it looks for OpenGL once more where there is none: what it said the first time.
+# MuJoCo (4.0) ends the process if it looks for OpenGL once more where there is none: its first message.
 _without_opengl: list[str] = []
 
 
