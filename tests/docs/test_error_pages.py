@@ -165,6 +165,7 @@ NOT_A_BUILD = {
     ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/sides",
+    "not-missing": "of `explain --why-not`: tests/trace/test_absence.py",
     "no-rendering": "needs a machine without OpenGL: tests/tools/diff",
     "no-server": "needs a port that is taken: tests/tools/view/test_live.py",
     "unstable": "needs OpenGL: tests/cli/test_render.py",

@@ -23,6 +23,7 @@ MODEL = """<mujoco>
 def package(tmp_path: Path) -> Path:
     shutil.copytree(ROOT / "composer", tmp_path / "composer", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "schemas", tmp_path / "schemas")
+    shutil.copytree(ROOT / "docs" / "how-to", tmp_path / "docs" / "how-to")
     (tmp_path / "recipe.yaml").write_text("recipe: 1\nbase: ./model.xml\n", encoding="utf-8")
     (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
     return tmp_path
