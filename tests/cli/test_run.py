@@ -24,7 +24,7 @@ class Options:
     reporting: ReportOptions = group(ReportOptions)
 
 
-@command(Options)
+@command(Options, help="Look at RECIPE.")
 def look(options: Options, run: Run) -> Answer:
     """Look at RECIPE."""
     if options.wrong:
@@ -41,7 +41,7 @@ class Fetches:
     offline: bool = flag("--offline", help="Fetch nothing.")
 
 
-@command(Fetches)
+@command(Fetches, help="Open a context in a thread.")
 def fetch(options: Fetches, run: Run) -> Answer:
     """Open a context in a thread, as the page of `view` does when a file is saved."""
     with ThreadPoolExecutor() as threads:

@@ -30,6 +30,7 @@ NOTHING_GROWS = {
     "completion": "prints one line",
     "doctor": "reports this installation",
     "help": "prints a text",
+    "identify": "simulates in MuJoCo, once more for each unknown; its readers are counted in tests/tools/identify",
     "install": "downloads a package",
     "lsp": "a server: `tests/lsp/test_glance.py` counts a keystroke",
     "mcp": "a server that calls the functions of other commands",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -128,7 +129,8 @@ def test_the_model_is_composed_once_nobody_types(tmp_path: Path, monkeypatch: py
         await desk.shut()
         return last
 
-    last = asyncio.run(edit())
+    with ThreadPoolExecutor() as threads:  # a browser of another test may have left its event loop in this one
+        last = threads.submit(asyncio.run, edit()).result()
     assert last is not None
     assert last.is_composed
     assert analyzed[2:] == [text + "name: later\n"]

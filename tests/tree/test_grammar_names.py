@@ -14,8 +14,8 @@ from mjcompose.language.value import is_angular
 from mjcompose.link import angles
 from mjcompose.mjcf import mounting
 from mjcompose.tools.importing.elements import plain
+from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import GRAMMAR, read_data
-from mjcompose.tree.unit import Settings
 
 PROGRAM = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "grammar_rows.py"))
 VERSION = mujoco.__version__
@@ -187,5 +187,5 @@ def test_the_lists_of_angles_agree() -> None:
     assert of_hinges == {attribute.name for attribute in attributes if attribute.angle == "joint"}
     assert set(angles._ANGULAR) == of_hinges and set(angles._OF_BALLS) == of_balls
     assert {kind: set(names) for kind, names in mounting._ANGULAR.items()} == {"hinge": of_hinges, "ball": of_balls}
-    converted = plain(dict.fromkeys(of_hinges, "1"), "joint", Settings(), degrees=False)
+    converted = plain(dict.fromkeys(of_hinges, "1"), "joint", SourceSettings(), degrees=False)
     assert {name for name, text in converted.items() if text != "1"} == of_hinges
