@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base.files import open_regular
 from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError
 from mjcompose.bundle.staging import check_is_no_source, staged_file
@@ -93,10 +94,8 @@ def identify(options: IdentifyOptions, run: Run) -> Answer:
 def _check_output(out: Path, request: FitRequest) -> None:
     """Refuse, before the fit, to replace an input, or another file than a file of measurements."""
     check_is_no_source(out, "-o", [request.recipe, *request.recordings, *request.held_out])
-    if not out.is_file():
-        return
     try:
-        with out.open("rb") as file:
+        with open_regular(out, is_source=False) as file:
             start = file.read(_START)
     except OSError:
         return  # writing it says why it cannot be replaced
