@@ -171,7 +171,7 @@ def run(case: Case, seed: int) -> dict[str, Any]:
         "median_error": round(float(np.median(np.abs(solution.values / truth - 1))), 4),
         "correlated": round(max(knowledge.times.values()), 1),
         "values": {} if case.delay is None else {unknowns[-1].word: round(float(solution.values[-1]), 5)},
-        "steps": found.simulated_steps,
+        "steps": found.simulator.steps,
         "seconds": round(time.perf_counter() - begin, 1),
     }
 

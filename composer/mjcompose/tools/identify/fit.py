@@ -54,9 +54,9 @@ def with_window(problem: Problem, window: float | None) -> Problem:
     from dataclasses import replace
 
     settings = replace(problem.settings, window=window)
-    again = Problem(problem.mujoco, problem.model, problem.unknowns, problem.recordings, settings)
+    simulator = problem.simulator
+    again = Problem(problem.mujoco, problem.model, problem.unknowns, problem.recordings, settings, simulator)
     again.noise = problem.noise
-    again.simulated_steps = problem.simulated_steps
     return again
 
 

@@ -65,8 +65,33 @@ class FitSettings(Struct):
     progress: Callable[[str], None] = lambda _: None
 
 
+class FitSimulator:
+    """Simulates one model with many values of its unknowns: copies of the model, states and threads to reuse.
+
+    `steps` is the number of simulated steps so far.
+    """
+
+    def __init__(self, mujoco: Any, model: MjModel, unknowns: Sequence[UnknownNumber]) -> None:
+        from mujoco import rollout
+
+        self.pool = ModelPool(mujoco, model, unknowns)
+        self.steps = 0
+        threads = max(1, min(8, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1))
+        self._datas: list[MjData] = [mujoco.MjData(model) for _ in range(threads)]
+        self._rollout = rollout.Rollout(nthread=threads if threads > 1 else 0)
+
+    def run(self, models: list[MjModel], states: Series, controls: Series) -> tuple[Series, Series]:
+        """Return states and sensor readings, `(runs, steps, numbers)`, from `(runs, numbers)` and controls."""
+        self.steps += controls.shape[0] * controls.shape[1]
+        found: tuple[Series, Series] = self._rollout.rollout(models, self._datas, states, controls)
+        return found
+
+
 class Problem:
-    """The residual of a fit and its derivatives, for a model and recordings."""
+    """The residual of a fit and its derivatives, for a model and recordings.
+
+    Problems with the same model and unknowns can share a `simulator`.
+    """
 
     def __init__(
         self,
@@ -75,23 +100,19 @@ class Problem:
         unknowns: Sequence[UnknownNumber],
         recordings: Sequence[Recording],
         settings: FitSettings,
+        simulator: FitSimulator | None = None,
     ) -> None:
-        from mujoco import rollout
-
         self.mujoco = mujoco
         self.model = model
         self.unknowns = unknowns
         self.recordings = recordings
         self.settings = settings
-        self.pool = ModelPool(mujoco, model, unknowns)
-        threads = max(1, min(8, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1))
-        self._datas: list[MjData] = [mujoco.MjData(model) for _ in range(threads)]
-        self._rollout = rollout.Rollout(nthread=threads if threads > 1 else 0)
-        self.simulated_steps = 0
+        self.simulator = simulator or FitSimulator(mujoco, model, unknowns)
         self.low = np.array([unknown.low for unknown in unknowns])
         self.high = np.array([unknown.high for unknown in unknowns])
         self.nominal = np.array([unknown.nominal for unknown in unknowns])
         self.prior = np.array([unknown.prior for unknown in unknowns])
+        self._start_controls = self.start_data().ctrl
         self.pieces = [piece for recording in recordings for piece in self._pieces(recording)]
         self.noise: dict[Signal, float] = {}
         for signal in dict.fromkeys(signal for recording in recordings for signal in recording.signals):
@@ -175,7 +196,7 @@ class Problem:
     def controls(self, piece: RecordingPiece, values: Series) -> Series:
         """Return the mean of the held, delayed command over each step: continuous in the delay."""
         step = self.model.opt.timestep
-        controls = np.tile(self.start_data().ctrl, (piece.steps, 1))
+        controls = np.tile(self._start_controls, (piece.steps, 1))
         delays = {
             name: float(value)
             for unknown, value in zip(self.unknowns, values, strict=True)
@@ -204,24 +225,22 @@ class Problem:
         return predictions
 
     def _simulate_together(self, jobs: Sequence[FitJob], batch: Sequence[int], predictions: list[Series]) -> None:
-        slots: dict[int, int] = {}
+        written: dict[int, MjModel] = {}
         controls: dict[tuple[int, int], Series] = {}
         has_delays = any(unknown.attribute == DELAY for unknown in self.unknowns)
         models = []
         for index in batch:
             job = jobs[index]
             values = id(job.values)
-            if values not in slots:
-                slots[values] = len(slots)
-                self.pool.write(job.values, slots[values])
-            models.append(self.pool._copy(slots[values])[0])
+            if values not in written:
+                written[values] = self.simulator.pool.write(job.values, len(written))
+            models.append(written[values])
             key = (job.piece, values if has_delays else 0)
             if key not in controls:
                 controls[key] = self.controls(self.pieces[job.piece], job.values)
         told = np.stack([controls[jobs[n].piece, id(jobs[n].values) if has_delays else 0] for n in batch])
         initial = np.stack([jobs[index].state for index in batch])
-        states, readings = self._rollout.rollout(models, self._datas, initial, told)
-        self.simulated_steps += told.shape[0] * told.shape[1]
+        states, readings = self.simulator.run(models, initial, told)
         for index, state, reading in zip(batch, states, readings, strict=True):
             job = jobs[index]
             predictions[index] = self._prediction(self.pieces[job.piece], job.state, state, reading)

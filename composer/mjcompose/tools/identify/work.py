@@ -63,7 +63,7 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
         "topics": fingerprints(mujoco, model, {"prefix": "", "numbers": _measured(problem.unknowns)})["topics"],
         "window": problem.settings.window,
         "steps": solution.steps,
-        "simulated_steps": problem.simulated_steps,
+        "simulated_steps": problem.simulator.steps,
         "seconds": time.perf_counter() - begin,
     }
 
