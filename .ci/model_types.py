@@ -25,7 +25,7 @@ import numpy as np
 
 '''
 _WORDS = {1: "Row", 2: "Table", 3: "Stack"}
-"""What an array of so many axes is called."""
+"""The last word in the name of a type, by the number of axes."""
 
 _KINDS = {
     "bool": "Bool",

@@ -266,7 +266,9 @@ class ModelEdits(Struct):
                     _carry_out(step, editing, self.plan, composer=self.composer)
                 self.linking.watch(self.linking.units, step)
         if self.plan.measured is not None and not of_keys:
-            from mjcompose.plan.measured import KINDS, check_names  # few recipes have a file of measurements
+            # few recipes have a file of measurements
+            from mjcompose.language.measured import KINDS
+            from mjcompose.plan.measured import check_names
 
             names = {kind: editing.known_names(kind) for kind in KINDS}
             check_names(self.plan.measured, names, self.making.sink)

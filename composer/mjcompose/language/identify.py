@@ -150,19 +150,18 @@ class IdentifyField(Model):
             return self.attr
         return "mass" if self.inertia is not None else "delay" if self.delay is not None else "zero"
 
-    def bounds(self, nominal: float) -> tuple[float, float]:
-        """Return the range of a number, in MuJoCo's units; the recipe's number is `nominal`."""
-        if self.delay is not None:
-            return self.delay[0], self.delay[1]
-        if self.zero is not None:
-            return in_si(self.zero[0]), in_si(self.zero[1])
-        if self.range is not None:
-            return in_si(self.range[0]), in_si(self.range[1])
+    @property
+    def bounds(self) -> tuple[Literal["range", "scale", "offset"], float, float]:
+        """How the range is written, and its two numbers, in MuJoCo's units or as factors."""
         if self.scale is not None:
-            low, high = sorted(nominal * factor for factor in self.scale)
-            return low, high
-        assert self.offset is not None
-        return nominal + in_si(self.offset[0]), nominal + in_si(self.offset[1])
+            return "scale", self.scale[0], self.scale[1]
+        if self.offset is not None:
+            return "offset", in_si(self.offset[0]), in_si(self.offset[1])
+        if self.delay is not None:
+            return "range", self.delay[0], self.delay[1]
+        numbers = self.range or self.zero
+        assert numbers is not None
+        return "range", in_si(numbers[0]), in_si(numbers[1])
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         written = [key for key in ("range", "scale", "offset") if getattr(self, key) is not None]

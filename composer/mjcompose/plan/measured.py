@@ -16,7 +16,6 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.language.measured import (
     DELAY,
-    KINDS as KINDS,
     TOPICS,
     ZERO,
     MeasuredValue,

@@ -129,7 +129,7 @@ class Absences:
         return Reason(f"a model has one `<{life.tag}>`, and this one is of the part `{part.called}`", part.span)
 
     def _renamed(self, life: Life, name: str) -> Absence:
-        changes = [each for each in life.of("class" if life.tag == "default" else "name") if each.before is not None]
+        changes = [each for each in life.of(life.naming) if each.before is not None]
         reason = self.traced.causes.change(changes[-1], life)
         label = self.traced.labels[life.node]
         called = f"{life.tag} {life.name if is_pattern(name) else name}"
@@ -220,9 +220,8 @@ def explain_absence(
 
 def names_of(life: Life) -> set[str]:
     """Return every name that an element had, also as it is from the recipes around its part."""
-    attribute = "class" if life.tag == "default" else "name"
-    changed = (text for each in life.of(attribute) for text in (each.before, each.after))
-    names = filter(None, (life.attributes.get(attribute), *changed))
+    changed = (text for each in life.of(life.naming) for text in (each.before, each.after))
+    names = filter(None, (life.name, *changed))
     prefixes = [part.prefix for part in life.parts]
     before = {"".join(reversed(prefixes[:count])) for count in range(len(prefixes) + 1)}
     before |= {"".join(reversed(prefixes[at:])) for at in range(len(prefixes))}
@@ -230,5 +229,5 @@ def names_of(life: Life) -> set[str]:
 
 
 def _called(life: Life) -> str:
-    named: Iterable[str] = (text for name, text in life.items if name == ("class" if life.tag == "default" else "name"))
+    named: Iterable[str] = (text for name, text in life.items if name == life.naming)
     return " ".join([life.tag, *named])

@@ -107,8 +107,13 @@ class Life(Struct, frozen=False, eq=False):
         return origins.in_file(owner, self.line, self.tag, written=self.attributes, attribute=attribute)
 
     @property
+    def naming(self) -> str:
+        """The attribute with the name."""
+        return "class" if self.tag == "default" else "name"
+
+    @property
     def name(self) -> str | None:
-        return self.attributes.get("class" if self.tag == "default" else "name")
+        return self.attributes.get(self.naming)
 
     def of(self, attribute: str) -> list[AttributeChange]:
         return [each for each in self.changes if isinstance(each, AttributeChange) and each.attribute == attribute]

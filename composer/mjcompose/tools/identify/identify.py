@@ -63,11 +63,12 @@ def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
     with _asked(request, context, say) as asked:
         if asked is None:
             return None
-        model, data, version = asked.run(fit_recordings)
+        data = asked.run(fit_recordings)
         if data is None:
             return None
-    text = text_of(request.name, request.recipe, data, version or "", model.hinges)
-    _judge(data, model, context.sink)
+        version = asked.session.mujoco_version or ""
+    text = text_of(request.name, request.recipe, data, version, asked.model.hinges)
+    _judge(data, asked.model, context.sink)
     return Fit(data, text)
 
 
@@ -76,7 +77,7 @@ def plan_fit(request: FitRequest, context: Context, say: Say) -> list[dict[str, 
     with _asked(request, context, say) as asked:
         if asked is None:
             return None
-        _, data, _ = asked.run(plan_recordings)
+        data = asked.run(plan_recordings)
         return None if data is None else data["numbers"]
 
 
@@ -89,21 +90,21 @@ class _Asked(Struct):
     question: dict[str, Any]
     say: Say
 
-    def run(self, function: Callable[..., Any]) -> tuple[FitModel, dict[str, Any] | None, str | None]:
-        """Return the model, the answer of a function, None after a reported error, and the version of MuJoCo."""
+    def run(self, function: Callable[..., Any]) -> dict[str, Any] | None:
+        """Return the answer of a function, or None after a reported error."""
         sink = self.context.sink
         with _progress(Path(self.question["progress"]), self.say):
             answer = engine.call(self.session, function, [WHOLE], argument=self.question)
-        version = self.session.mujoco_version
         if not answer.ok:
             code = CRASHES.get(answer.crash or "", "mujoco-crash")
             help = "raise the limit: `--limit time=1200`" if answer.crash == "timeout" else CRASH_HELP.get(code)
             sink.error(code, f"the fit ended: {answer.error or answer.crash}", self.model.plan.span, help=help)
-            return self.model, None, version
+            return None
         if "fault" in answer.value:
             report_fault(answer.value["fault"], self.model, sink)
-            return self.model, None, version
-        return self.model, answer.value, version
+            return None
+        data: dict[str, Any] = answer.value
+        return data
 
 
 @contextmanager

@@ -83,7 +83,7 @@ def _fields(identify: Identify, plan: Plan, editing: Editing) -> Iterator[dict[s
                 "kind": elements[0]["family"],
                 "attribute": field.attribute,
                 "groups": _groups(field, elements, plan.separator),
-                "bounds": _bounds(field),
+                "bounds": field.bounds,
             }
 
 
@@ -113,15 +113,6 @@ def _groups(field: IdentifyField, elements: list[dict[str, str]], separator: str
         part = element["name"].rpartition(separator)[0] if field.per == "part" else ""
         groups.setdefault(part, []).append(element)
     return list(groups.values())
-
-
-def _bounds(field: IdentifyField) -> list[Any]:
-    """Return the word of a range and its two numbers in MuJoCo's units."""
-    if field.scale is not None:
-        return ["scale", *field.scale]
-    if field.offset is not None:
-        return ["offset", *field.bounds(0.0)]
-    return ["range", *field.bounds(0.0)]
 
 
 def span_of_field(model: FitModel, name: str) -> Any:
