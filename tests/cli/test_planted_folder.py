@@ -83,7 +83,7 @@ ROWS: dict[str, list[tuple[str, ...]]] = {
         ("diff", "HEAD:arm.xml", "arm.xml"),
     ],
     "names": [("names", "cell.yaml", "--python", "-o", "names.py")],
-    "view": [("view", "cell.yaml", "--html", "-o", "page.html"), ("view", "cell.yaml"), ("view", "HEAD:arm.xml")],
+    "view": [("view", "cell.yaml", "--html", "page.html"), ("view", "cell.yaml"), ("view", "HEAD:arm.xml")],
     "render": [("render", "arm.xml", "-o", "arm.png"), ("render", "HEAD:arm.xml", "-o", "old.png")],
     "new": [("new", "new.yaml"), ("new", "--project", "project")],
     "fix": [("fix", "robot.yaml"), ("fix", "cell.yaml", "--write")],
