@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.language.forms.context import Settings
-from mjcompose.language.forms.model import IT, Model, OneOf
+from mjcompose.language.forms.model import IT, Belongs, Model, OneOf
 from mjcompose.language.forms.scalars import (
     Checked,
     Count,
@@ -82,6 +82,9 @@ class RecordingUnits(Model):
 class RecordingKeys(Model):
     """How to read the columns of a recording."""
 
+    rules: ClassVar = (
+        Belongs("command_joints", to="command", help="write the topic: `command: /position_controller/commands`"),
+    )
     example: ClassVar = "{units: {qpos: deg}}"
 
     units: RecordingUnits = Field(default_factory=lambda: RecordingUnits())
@@ -92,9 +95,21 @@ class RecordingKeys(Model):
     names: Annotated[dict[str, Text], Expects("a mapping from names to names", "{joint_1: shoulder_pan}")] = Field({})
     """names in the recording, and the names in the model"""
     ignore: Annotated[tuple[Annotated[str, Name(glob=True)], ...], Items(1), Expects("a list of globs")] = ()
-    """names in the recording that the model does not have"""
+    """names in the recording to leave out, such as those that the model does not have"""
     hold: bool = False
     """actuators without recorded commands hold the control of the keyframe"""
+    state: Annotated[Text, Expects("a topic", "/joint_states")] = "/joint_states"
+    """MCAP: the topic with the positions of the joints"""
+    command: Annotated[Text, Expects("a topic", "/position_controller/commands")] | None = None
+    """MCAP: the topic with the commands"""
+    command_joints: Annotated[
+        tuple[Text, ...], Items(1, unique=True), Expects("a list of names", "[shoulder_pan, elbow]")
+    ] = ()
+    """MCAP: the joints or actuators of commands without names, in the order of the controller"""
+    clock: Literal["header", "log"] = "header"
+    """MCAP: `header` uses the stamps of messages that have one, `log` the time at which each message was recorded"""
+    episode: Count | None = None
+    """LeRobot: the episode of the data set"""
 
 
 class IdentifyField(Model):
