@@ -40,6 +40,8 @@ def _optional(schema: Any, definitions: dict[str, Schema]) -> Any:
             continue
         if key == "allOf":  # the owner of a key may be in the recipe that a piece is merged over
             value = [each for each in value if not (isinstance(each, dict) and "not" in each.get("if", {}))]
+            if not value:  # a schema has no empty `allOf`
+                continue
         if key in _MAPPINGS:
             found[key] = loosened(value, definitions)
         elif key == "additionalProperties" and isinstance(value, dict):
