@@ -81,7 +81,7 @@ READS_ITSELF = {
         language/reference_page.py:examples tools/new.py:_read tools/new.py:examples
         tools/new.py:_template tools/new.py:project targets/table.py:<module> targets/table.py:read_back
         tools/view/page.py:alone tools/view/page.py:_built tools/view/page.py:described
-        tools/view/server.py:PageServer.__init__""",
+        tools/view/server.py:PageServer.__init__ tools/identify/page.py:_head""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
         bundle/staging.py:write_mjb bundle/write.py:write_usd tools/diff/diff.py:render_views
         mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays mujoco/environments.py:differences

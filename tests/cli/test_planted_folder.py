@@ -91,6 +91,7 @@ ROWS: dict[str, list[tuple[str, ...]]] = {
     "identify": [
         ("identify", "fitted.yaml", "swing.csv", "-o", "robot_a.yaml"),
         ("identify", "fitted.yaml", "swing.csv", "--plan"),
+        ("identify", "fitted.yaml", "swing.csv", "--report", "page.html"),
     ],
     "import": [("import", "arm.xml", "tool.xml", "-o", "imported.yaml")],
     "migrate": [("migrate", "arm.xml", "--from", "3.2", "--prove"), ("migrate", "arm.xml", "--from", "3.2")],

@@ -12,7 +12,7 @@ import click
 from mjcompose.base.files import open_regular
 from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import OutputError
-from mjcompose.bundle.staging import check_is_no_source, staged_file
+from mjcompose.bundle.staging import check_is_no_source, resolved_output, staged_file
 from mjcompose.cli.options import RECIPE, Choices, FetchOptions, ReportOptions, TimeOptions, output
 from mjcompose.cli.reporting import progress_of_command
 from mjcompose.cli.run import PATH, Answer, Group, Run, argument, command, flag, group, option
@@ -38,6 +38,12 @@ class IdentifyOptions(Group):
         "last fifth of a single RECORDING.",
     )
     plan: bool = flag("--plan", help="Fit nothing: show how well the recordings determine each number.")
+    report: Path | None = option(
+        "--report",
+        type=click.Path(path_type=Path, dir_okay=False),
+        metavar="FILE",
+        help="Write a page about the fit: its verdict, curves of recording and model, the numbers, their correlations.",
+    )
     window: float | None = option(
         "--window",
         type=click.FloatRange(min=0.05),
@@ -65,7 +71,9 @@ class IdentifyOptions(Group):
 )
 def identify(options: IdentifyOptions, run: Run) -> Answer:
     from mjcompose.tools.identify.identify import FitRequest, identify, plan_fit
+    from mjcompose.tools.identify.page import page_of
 
+    _check_options(options)
     name = options.name or (Path(options.out).stem if options.out else options.recipe.stem)
     request = FitRequest(
         options.recipe,
@@ -75,25 +83,49 @@ def identify(options: IdentifyOptions, run: Run) -> Answer:
         name=name,
         window=options.window,
         from_measured=options.from_measured,
+        curves=options.report is not None,
     )
-    if options.out is not None:
-        with run.context.sink:
+    with run.context.sink:
+        if options.out is not None:
             _check_output(Path(options.out), request)
-        run.need(None if run.context.sink.has_errors else request, options.recipe)
+        if options.report is not None:
+            check_is_no_source(options.report, "--report", _inputs(request))
+    run.need(None if run.context.sink.has_errors else request, options.recipe)
     if options.plan:
         return _plan(request, run, plan_fit(request, run.context, progress_of_command()))
     fit = run.need(identify(request, run.context, progress_of_command()), options.recipe)
     lines = [*_lines(fit.data)]
     if options.out is not None and not run.context.sink.has_errors:
         with run.context.sink:
-            _write(Path(options.out), fit.text, request)
+            _write(Path(options.out), "-o", fit.text, request)
             lines.append(f"wrote {options.out}")
+    if options.report is not None:  # also of a fit that is an error: it shows why
+        with run.context.sink:
+            _write(options.report, "--report", page_of(name, options.recipe.name, fit.data, fit.curves), request)
+            lines.append(f"wrote {options.report}: open it in a browser")
     return Answer("\n".join(lines), dict(fit.data))
+
+
+def _check_options(options: IdentifyOptions) -> None:
+    if options.plan and options.report is not None:
+        raise click.UsageError("--report is the page of a fit, and --plan fits nothing.")
+    if options.plan and options.out is not None:
+        raise click.UsageError("-o is the file of a fit, and --plan fits nothing.")
+    if (
+        options.out is not None
+        and options.report is not None
+        and resolved_output(options.report) == resolved_output(Path(options.out))
+    ):
+        raise click.UsageError("-o and --report are the same file.")
+
+
+def _inputs(request: FitRequest) -> list[Path]:
+    return [request.recipe, *request.recordings, *request.held_out]
 
 
 def _check_output(out: Path, request: FitRequest) -> None:
     """Refuse, before the fit, to replace an input, or another file than a file of measurements."""
-    check_is_no_source(out, "-o", [request.recipe, *request.recordings, *request.held_out])
+    check_is_no_source(out, "-o", _inputs(request))
     try:
         with open_regular(out, is_source=False) as file:
             start = file.read(_START)
@@ -104,10 +136,9 @@ def _check_output(out: Path, request: FitRequest) -> None:
         raise OutputError("output-unwritable", message, "choose another output, or remove the file")
 
 
-def _write(out: Path, text: str, request: FitRequest) -> None:
-    inputs = [request.recipe, *request.recordings, *request.held_out]
+def _write(out: Path, option: str, text: str, request: FitRequest) -> None:
     try:
-        with staged_file(out, "-o", inputs=inputs) as stage:
+        with staged_file(out, option, inputs=_inputs(request)) as stage:
             stage.write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError("output-unwritable", f"`{out}` cannot be written: {error.strerror or error}") from None

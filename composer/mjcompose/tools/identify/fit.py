@@ -150,15 +150,16 @@ def fit(problem: Problem, begin: Series | None = None) -> tuple[Problem, Solutio
     else:
         values = begin
     solution = _improve(first, Solution(values, fit_starts(first, values, 2)), 30, "round 1 of 3")
-    first.noise = first.root_mean_squares(solution.values, solution.starts)
+    first.noise = first.root_mean_squares(first.errors(solution.values, solution.starts))
     whole = with_window(first, window)
     if short != window:
         solution = Solution(solution.values, fit_starts(whole, solution.values, 2), solution.steps)
         solution = _improve(whole, solution, 15, "round 2 of 3")
-        whole.noise = whole.root_mean_squares(solution.values, solution.starts)
+        whole.noise = whole.root_mean_squares(whole.errors(solution.values, solution.starts))
     solution = solve(whole, solution, 8, "round 3 of 3")
     whole.noise = {
-        signal: max(error, 1e-9) for signal, error in whole.root_mean_squares(solution.values, solution.starts).items()
+        signal: max(error, 1e-9)
+        for signal, error in whole.root_mean_squares(whole.errors(solution.values, solution.starts)).items()
     }
     return whole, solution
 

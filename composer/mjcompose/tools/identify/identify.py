@@ -21,16 +21,11 @@ from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
 from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
 from mjcompose.tools.identify.file import text_of
+from mjcompose.tools.identify.judgment import findings_of
 from mjcompose.tools.identify.model import FitModel, open_model, span_of_field
 from mjcompose.tools.identify.work import fit_recordings, plan_recordings
 from mjcompose.verify.compile import WHOLE
 
-_FAR = 3.0
-"""How many times the error of the fit a held-out recording may have before it is a warning."""
-_WORSE = 1.2
-"""How many times the error of the recipe a held-out recording may have before it is an error."""
-_CORRELATED = 3.0
-"""Over how many samples errors may be correlated before it is a warning."""
 _PATIENCE = 0.3
 
 Say = Callable[[str], None]
@@ -39,7 +34,8 @@ Say = Callable[[str], None]
 class FitRequest(Struct):
     """A recipe with values of its parameters, recordings, and how to fit them.
 
-    `name` is the name of the robot. Without `held_out`, a fit holds out the last fifth of a single recording.
+    `name` is the name of the robot. Without `held_out`, a fit holds out the last fifth of a single recording. With
+    `curves`, the fit has the curves of its page.
     """
 
     recipe: Path
@@ -49,13 +45,15 @@ class FitRequest(Struct):
     name: str = "robot"
     window: float | None = None
     from_measured: bool = False
+    curves: bool = False
 
 
 class Fit(Struct):
-    """The data of a fit, and the text of its file of measurements."""
+    """The data of a fit, the text of its file of measurements, and its curves for a page."""
 
     data: Mapping[str, Any]
     text: str
+    curves: Sequence[Mapping[str, Any]] = ()
 
 
 def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
@@ -67,9 +65,10 @@ def identify(request: FitRequest, context: Context, say: Say) -> Fit | None:
         if data is None:
             return None
         version = asked.session.mujoco_version or ""
+    curves = data.pop("curves")
     text = text_of(request.name, request.recipe, data, version, asked.model.hinges)
     _judge(data, asked.model, context.sink)
-    return Fit(data, text)
+    return Fit(data, text, curves)
 
 
 def plan_fit(request: FitRequest, context: Context, say: Say) -> list[dict[str, Any]] | None:
@@ -120,6 +119,7 @@ def _asked(request: FitRequest, context: Context, say: Say) -> Iterator[_Asked |
         question["progress"] = str(folder / "progress")
         if request.window is not None:
             question["window"] = request.window
+        question["curves"] = request.curves
         yield _Asked(model, session, context, question, say)
 
 
@@ -195,38 +195,6 @@ def report_fault(fault: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
 
 def _judge(data: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
     """Report a fit that follows held-out recordings badly, or whose errors are not noise."""
-    span = model.plan.span
-    worse = [each for each in data["errors"] if _is_worse(each)]
-    if worse:
-        first = max(worse, key=lambda each: each["held_out"]["fitted"] / each["held_out"]["recipe"])
-        held = first["held_out"]
-        message = (
-            f"the fitted model follows `{first['signal']}` of the held-out recording worse than the recipe:"
-            f" {held['fitted']:.3g}, before {held['recipe']:.3g}"
-        )
-        help = "the recordings differ in something that no field describes: a payload, a delay, a zero, contact"
-        sink.error("worse-than-recipe", message, span, help=help)
-    far = [each for each in data["errors"] if each["held_out"] and each["held_out"]["fitted"] > _FAR * each["fitted"]]
-    if far and not worse:
-        first = max(far, key=lambda each: each["held_out"]["fitted"] / each["fitted"])
-        fitted = first["held_out"]["fitted"]
-        message = (
-            f"`{first['signal']}` of the held-out recording has an error of {fitted:.3g},"
-            f" {fitted / first['fitted']:.1f} times the error of the fit"
-        )
-        help = "some number fits one recording alone, as friction of contact often does: add recordings, or omit fields"
-        sink.warning("held-out", message, span, help=help)
-    correlated = [each for each in data["errors"] if each["correlated"] > _CORRELATED]
-    if correlated:
-        first = max(correlated, key=lambda each: each["correlated"])
-        message = (
-            f"the errors of `{first['signal']}` are not noise: they are correlated over"
-            f" {first['correlated']:.0f} samples, so the model lacks something that the robot has"
-        )
-        help = "the numbers make up for it, and may be wrong for other motions: add a field, such as `delay` or `zero`"
-        sink.warning("errors-not-noise", message, span, help=help)
-
-
-def _is_worse(error: Mapping[str, Any]) -> bool:
-    held = error["held_out"]
-    return bool(held) and held["fitted"] > _WORSE * held["recipe"] and held["fitted"] > _FAR * error["fitted"]
+    for finding in findings_of(data["errors"]):
+        report = sink.error if finding.severity == "error" else sink.warning
+        report(finding.code, finding.message, model.plan.span, help=finding.help)

@@ -377,8 +377,8 @@ class Problem:
                 found.setdefault(signal, []).append(error[:, column])
         return found
 
-    def root_mean_squares(self, values: Series, starts: Series) -> dict[Signal, float]:
-        by_signal = self.by_signal(self.errors(values, starts))
+    def root_mean_squares(self, errors: Sequence[Series]) -> dict[Signal, float]:
+        by_signal = self.by_signal(errors)
         return {signal: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for signal, parts in by_signal.items()}
 
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mjcompose.mujoco.fingerprint import fingerprints
+from mjcompose.tools.identify.curves import curves_of
 from mjcompose.tools.identify.fit import Solution, choose_window, fit, fit_starts, with_window
 from mjcompose.tools.identify.intervals import LITTLE, Knowledge, Verdict, know, verdicts
 from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Recording, Signal, read_recording
-from mjcompose.tools.identify.tables import RecordingFault, SizeLimits
+from mjcompose.tools.identify.tables import RecordingFault, Series, SizeLimits
 from mjcompose.tools.identify.unknowns import UnknownNumber, unknowns_of
 
 if TYPE_CHECKING:
@@ -30,15 +31,21 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
     begin = time.perf_counter()
     try:
         problem, held_out = _opened(mujoco, model, asked)
-        recipe = _errors_of_recipe(problem)
+        of_recipe = _errors_of_recipe(problem)
         problem, solution, knowledge = _fit(problem)
     except RecordingFault as fault:
         return {"fault": _fault_data(fault)}
-    fitted = problem.root_mean_squares(solution.values, solution.starts)
+    errors = {"recipe": of_recipe, "fitted": problem.errors(solution.values, solution.starts)}
+    recipe = problem.root_mean_squares(of_recipe)
+    fitted = problem.root_mean_squares(errors["fitted"])
+    curves = [{**curve, "used": "fit"} for curve in curves_of(problem, errors)] if asked["curves"] else []
     held: dict[str, dict[Signal, float]] = {}
     if held_out:
         other = Problem(mujoco, model, problem.unknowns, held_out, problem.settings)
-        held = {"recipe": _followed(other, other.nominal), "fitted": _followed(other, solution.values)}
+        errors = {"recipe": _followed(other, other.nominal), "fitted": _followed(other, solution.values)}
+        held = {word: other.root_mean_squares(each) for word, each in errors.items()}
+        if asked["curves"]:
+            curves += [{**curve, "used": "held out"} for curve in curves_of(other, errors)]
     std = knowledge.std
     return {
         "numbers": [
@@ -65,6 +72,7 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
         "steps": solution.steps,
         "simulated_steps": problem.simulator.steps,
         "seconds": time.perf_counter() - begin,
+        "curves": curves,
     }
 
 
@@ -93,7 +101,7 @@ def follow_recording(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict
         problem, _ = _opened(mujoco, model, asked)
     except RecordingFault as fault:
         return {"fault": _fault_data(fault)}
-    errors = _followed(problem, problem.nominal)
+    errors = problem.root_mean_squares(_followed(problem, problem.nominal))
     return {"errors": {signal.word: error for signal, error in errors.items()}}
 
 
@@ -141,14 +149,14 @@ def _split(recording: Recording) -> tuple[list[Recording], list[Recording]]:
     return [first], [rest]
 
 
-def _errors_of_recipe(problem: Problem) -> dict[Signal, float]:
+def _errors_of_recipe(problem: Problem) -> list[Series]:
     problem.settings.progress("how the recipe follows the recordings")
     return _followed(problem, problem.nominal)
 
 
-def _followed(problem: Problem, values: Any) -> dict[Signal, float]:
-    """Return the error of each signal with the best starts."""
-    return problem.root_mean_squares(values, fit_starts(problem, values))
+def _followed(problem: Problem, values: Series) -> list[Series]:
+    """Return the errors of each piece with the best starts."""
+    return problem.errors(values, fit_starts(problem, values))
 
 
 def _fit(problem: Problem) -> tuple[Problem, Solution, Knowledge]:
