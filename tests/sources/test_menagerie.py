@@ -130,13 +130,57 @@ def test_a_robot_that_the_root_does_not_have(root: Path) -> None:
 
 @needs_library
 def test_an_entry_that_the_root_does_not_have(root: Path) -> None:
-    assert "left_hand.xml" in fail("menagerie:wonik_allegro", MENAGERIE_ROOT=root).message
+    error = fail("menagerie:wonik_allegro", MENAGERIE_ROOT=root)
+    assert "has no entry `left_hand`" in error.message
+    assert error.notes == ("there are no entries",)
 
 
 @needs_library
 def test_a_root_that_is_not_there(tmp_path: Path) -> None:
     error = fail("menagerie:wonik_allegro", MENAGERIE_ROOT=tmp_path / "gone")
     assert error.notes[1] == "there are no folders"
+
+
+@pytest.mark.parametrize("text", ["menagerie:robotiq_2f85/2f85", "menagerie:robotiq_2f85"])
+def test_a_root_needs_no_package(root: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
+    source = find(text, MENAGERIE_ROOT=root)
+    assert source.path == root / "robotiq_2f85" / "2f85.xml"
+    assert (source.package, source.version) == ("mujoco-menagerie", None)
+
+
+def test_a_robot_of_a_root_that_the_package_does_not_know(root: Path) -> None:
+    (root / "our_arm").mkdir()
+    (root / "our_arm/arm.xml").write_text("")
+    assert find("menagerie:our_arm", MENAGERIE_ROOT=root).path == root / "our_arm/arm.xml"
+
+
+def test_a_root_with_several_models_of_a_robot(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
+    (root / "robotiq_2f85/mjx_2f85.xml").write_text("")
+    error = fail("menagerie:robotiq_2f85", MENAGERIE_ROOT=root)
+    assert error.message.startswith("`menagerie:robotiq_2f85` does not say which model of")
+    assert error.notes == ("entries that exist: 2f85, mjx_2f85, scene",)
+    assert error.help == "write `menagerie:robotiq_2f85/2f85`"
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "fix"),
+    [
+        ("menagerie:robotiq_2f58", "no robot `robotiq_2f58`", "write `menagerie:robotiq_2f85`"),
+        ("menagerie:robotiq_2f85/2f58", "no entry `2f58`", "write `menagerie:robotiq_2f85/2f85`"),
+        ("menagerie:robotiq_2f85/../secret", "no entry `../secret`", None),
+        ("menagerie:../robotiq_2f85", "no robot `..`", None),
+    ],
+)
+def test_what_a_root_without_the_package_does_not_have(
+    root: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str, fix: str | None
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
+    (root / "secret.xml").write_text("")
+    error = fail(text, MENAGERIE_ROOT=root)
+    assert message in error.message
+    assert error.help == fix
 
 
 @needs_library
@@ -152,9 +196,8 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     error = fail("menagerie:robotiq_2f85")
     assert error.code == "source-not-found"
     assert "`mujoco-menagerie`, which is not installed" in error.message
-    assert error.help == 'run `pip install "mjcompose[menagerie]"`' and not error.notes
-    (note,) = fail("menagerie:robotiq_2f85", MENAGERIE_ROOT="/robots").notes
-    assert note.startswith("`MENAGERIE_ROOT` names the folder of the robots")
+    assert error.help == 'run `pip install "mjcompose[menagerie]"`'
+    assert error.notes == ("or set `MENAGERIE_ROOT` to a folder with the robots, such as a clone of MuJoCo Menagerie",)
 
 
 @needs_library

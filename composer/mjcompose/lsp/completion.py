@@ -7,7 +7,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path as PathlibPath
 from typing import Any
 
@@ -25,6 +24,7 @@ from mjcompose.lsp.subject import Settable, TurnName, of_nested, place_of, sets,
 from mjcompose.lsp.turns import Reading, reading_at, values_of
 from mjcompose.sources.fetching import model_files
 from mjcompose.sources.kinds import KINDS
+from mjcompose.sources.menagerie import known_models
 from mjcompose.sources.reference import FORMATS
 from mjcompose.text.expression import CONSTANTS, FUNCTIONS, DataTable, with_units
 from mjcompose.text.faults import quoted
@@ -243,17 +243,14 @@ def _files(question: Question, only_recipes: bool) -> Iterator[Item]:
 
 
 def _robots(word: str) -> Iterator[Item]:
-    try:
-        library: Any = import_module("mujoco_menagerie")
-    except ImportError:
-        return
     name, slash, _ = word.removeprefix(_MENAGERIE).partition("/")
-    robots: list[str] = library.names()
+    models = list(known_models(os.environ))
+    robots = list(dict.fromkeys(robot for robot, _, _ in models))
     if slash and name in robots:
-        robot = library.get(name)
-        for entry in robot.entry_points:
-            detail, rank = ("the robot's own model", 5) if entry.name == robot.default_model else ("", 10)
-            yield Item(f"{_MENAGERIE}{name}/{entry.name}", "model", detail, rank=rank)
+        for robot, entry, is_own in models:
+            if robot == name:
+                detail, rank = ("the robot's own model", 5) if is_own else ("", 10)
+                yield Item(f"{_MENAGERIE}{name}/{entry}", "model", detail, rank=rank)
         return
     yield from (Item(f"{_MENAGERIE}{robot}", "model", "MuJoCo Menagerie", rank=10) for robot in robots)
 

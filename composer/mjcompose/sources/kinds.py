@@ -11,7 +11,7 @@ from mjcompose.base.diagnostic import DiagnosticError, hide
 from mjcompose.base.extensions import ExtensionTable, is_registered, refuse
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import fetched, fetching as nearby, license, packages, reference as forms
+from mjcompose.sources import fetched, fetching as nearby, license, menagerie, packages, reference as forms
 from mjcompose.sources.address import is_this_machine
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import (
@@ -129,7 +129,7 @@ PATH = SourceKind(
 KINDS: tuple[SourceKind, ...] = (
     PATH,
     packages.PACKAGE,
-    packages.MENAGERIE,
+    menagerie.MENAGERIE,
     packages.DESCRIPTIONS,
     fetched.GIT,
     fetched.ARCHIVE,

@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import field
 from importlib import metadata
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from lxml.etree import _Element as Node
 
@@ -20,6 +19,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import Fetching
 from mjcompose.sources.lock import resolve
+from mjcompose.sources.menagerie import known_models
 from mjcompose.sources.reference import SourceError
 from mjcompose.tree.parse import parse_file
 from mjcompose.tree.unit import Unit
@@ -247,22 +247,18 @@ def _candidates(folders: Iterable[Path], context: Context) -> Iterator[Candidate
 
 
 def _of_menagerie(context: Context) -> Iterator[Candidate]:
-    if find_spec("mujoco_menagerie") is None:
-        return
-    import mujoco_menagerie
-
-    library: Any = mujoco_menagerie
     offline = Fetching(offline=True)
-    for name in library.names():
-        for entry in library.get(name).entry_points:
-            reference = f"menagerie:{name}/{entry.name}"
-            try:
-                source = resolve(
-                    reference, relative_to=context.folder, environment=context.environment, fetching=offline
-                )
-            except SourceError:
-                break  # if the robot is missing, so are its other models
-            yield Candidate(source.path, reference)
+    missing: set[str] = set()
+    for robot, entry, _ in known_models(context.environment):
+        if robot in missing:
+            continue
+        reference = f"menagerie:{robot}/{entry}"
+        try:
+            source = resolve(reference, relative_to=context.folder, environment=context.environment, fetching=offline)
+        except SourceError:
+            missing.add(robot)  # if one model of the robot is missing, so are the others
+            continue
+        yield Candidate(source.path, reference)
 
 
 def _of_packages() -> Iterator[Candidate]:
