@@ -243,7 +243,7 @@ def test_a_recipe_that_sets_the_top_class_isolates_the_base(workshop: Workshop) 
 def test_a_part_without_a_prefix_is_wrapped_in_a_class_of_its_model(workshop: Workshop) -> None:
     part = classed('<geom size="1"/>').replace("<mujoco>", '<mujoco model="robot">')
     linked = workshop.link(BASE, Piece(part, ""))
-    assert linked.linking.parts[0].top_class == "robot/"
+    assert list(linked.linking.top_classes.values()) == ["robot/"]
     linked.check()
 
 
@@ -251,7 +251,7 @@ def test_two_parts_without_a_prefix_have_classes_of_their_own(workshop: Workshop
     first = '<mujoco model="r"><default><geom friction=".1"/></default><worldbody><geom size="1"/></worldbody></mujoco>'
     second = first.replace(".1", ".2").replace('size="1"', 'size="2"')
     linked = workshop.link("<mujoco/>", Piece(first, ""), Piece(second, ""))
-    assert [part.top_class for part in linked.linking.parts] == ["r/", "_r/"]
+    assert list(linked.linking.top_classes.values()) == ["r/", "_r/"]
     assert linked.check().geom_friction[:, 0].tolist() == [0.1, 0.2]
 
 

@@ -184,7 +184,7 @@ The top class of the base keeps its name as long as it sets nothing:
 
 >>> linking_after(choose_classes, base='<default><default class="c"/></default>').base_class
 >>> linking = linking_after(choose_classes, base='<default><geom density="5"/></default>')
->>> linking.base_class, linking.parts[0].top_class
+>>> linking.base_class, linking.top_class(linking.parts[0].unit)
 ('base/', 'p/')
 """,
     top_level_defaults.__name__: """

@@ -215,7 +215,7 @@ class Linked:
                 composed,
                 **{
                     "prefix": piece.prefix,
-                    "hung_on": mount(part, composed),
+                    "hung_on": mount(self.linking, part, composed),
                     "others": others if piece.prefix else None,
                     **options,
                     "keys": keys,
@@ -230,7 +230,7 @@ class Linked:
         return self.model()
 
 
-def mount(part: Part, composed: mujoco.MjModel) -> Mount:
+def mount(linking: Linking, part: Part, composed: mujoco.MjModel) -> Mount:
     """Where the world of a part stands."""
     if part.joints or part.mocap:
         return Mount(part.prefix)
@@ -241,8 +241,7 @@ def mount(part: Part, composed: mujoco.MjModel) -> Mount:
     if place.kind == "site":
         return Mount.of(composed, site=place.name, pos=(x, y, z), quat=(w, a, b, c))
     if place.kind == "frame":
-        assert part.mount is not None
-        body = next((each for each in part.mount.iterancestors("body")), None)
+        body = next((each for each in linking.attachments[part].mount.iterancestors("body")), None)
         return Mount(None if body is None else str(body.get("name")), None)
     return Mount(place.name if place.kind == "body" else None, Pose((x, y, z), normalize((w, a, b, c))))
 

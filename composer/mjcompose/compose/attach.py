@@ -31,6 +31,7 @@ from mjcompose.link.linking import (
     Joint,
     LaterPlace,
     Linking,
+    MirroredPart,
     Part,
     PlaceName,
     SensorBody,
@@ -39,7 +40,7 @@ from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import copy_poses
 from mjcompose.link.world import floats_by_itself
 from mjcompose.mujoco.attributes import arrays_of
-from mjcompose.plan.plan import IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw
+from mjcompose.plan.plan import BASE, IN_PLACE, AttachPart, PartRecord, Plan, arrays_of_draw, part_name
 from mjcompose.plan.steps import AddElement, DrawValues, SetDefault, SetSingleton, steps_adding
 from mjcompose.text.node import locate
 from mjcompose.tree.classes import MAIN, own
@@ -138,17 +139,20 @@ _OF_RECIPES = "it attaches recipes, which MuJoCo does not read"
 
 
 def unplaced_records(
-    plan: Plan, sources: Iterable[PartSource], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
+    plan: Plan, sources: Iterable[PartSource], linking: Linking, inner: Sequence[list[UnplacedRecord]]
 ) -> list[UnplacedRecord]:
     """Return the records of the sources of a plan and of nested recipes, `inner`, in the manifest's order."""
     records: list[UnplacedRecord] = []
+    parts = [Part(linking.base, "", keyframes=plan.base_keys, key=BASE), *linking.parts]
     for source, part, below in zip(sources, parts, inner, strict=True):
+        attachment = linking.attachments.get(part)
+        content = None if attachment is None else attachment.content
         name = part.path(plan.separator)
         model = source.model
         cut = None if source.body is None else f"only its body `{source.body}` was taken"
         own: list[UnplacedRecord] = []
         if isinstance(model, Plan):
-            own = [_in_outer_recipe(record, name, part, separator=plan.separator, cut=cut) for record in below]
+            own = [_in_outer_recipe(record, name, part, content, plan.separator, cut=cut) for record in below]
         elif model is not None:
             mirrored = source.mirror is not None and source.mirror.keys
             keys = None if mirrored else {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
@@ -162,7 +166,7 @@ def unplaced_records(
                 obscure=cut if model.format == "urdf" else _OF_RECIPES if source.attaches_recipes else None,
                 subtree=source.body,
             )
-            own = [UnplacedRecord(member, part.content)]
+            own = [UnplacedRecord(member, content)]
         dropped = {entry.section for entry in source.drop if not entry.leaves_keys}
         for record in own:
             for edit in source.edit:
@@ -180,7 +184,9 @@ def placed_records(records: Iterable[UnplacedRecord], root: Node) -> tuple[PartR
     return tuple(_placed(record, settings.angle == "degree", settings.eulerseq) for record in records)
 
 
-def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
+def _in_outer_recipe(
+    record: UnplacedRecord, name: str, part: Part, content: Node | None, separator: str, *, cut: str | None
+) -> UnplacedRecord:
     """Return the record of a part of a nested recipe as a record of the outer recipe."""
     member = record.member
     outer = part.prefix if part.keyframes == "prefix" else ""
@@ -193,7 +199,7 @@ def _in_outer_recipe(record: UnplacedRecord, name: str, part: Part, separator: s
         welded=member.welded or part.weld,
         obscure=member.obscure or cut,
     )
-    return UnplacedRecord(member, part.content if record.content is None else record.content)
+    return UnplacedRecord(member, content if record.content is None else record.content)
 
 
 def _note_changes(plan: Plan, records: list[UnplacedRecord]) -> None:
@@ -289,14 +295,36 @@ SENSE = "sense"
 _MATES = ("site", "body", "frame")
 
 
-def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
-    """Return the part with its place and the connection to it: nothing, a mocap body or joints."""
+def parts_of(plan: Plan, units: Sequence[Unit], making: ElementBuilder) -> list[Part]:
+    """Return the parts of a plan. A part that mirrors another one has its place, unless it has its own."""
+    numbers_by_name = {part_name(step, plan.separator): number for number, step in enumerate(plan.parts)}
+    places = [_place_with_offset(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+    parts: list[Part] = []
+    for step, unit, own_place in zip(plan.parts, units, places, strict=True):
+        place = own_place
+        mirrored: MirroredPart | None = None
+        mirror = step.attachment.mirror
+        original = None if mirror is None else numbers_by_name.get(mirror.of)
+        if mirror is not None and original is not None:
+            mirrored = MirroredPart(units[original], mirror.axes)
+            written = dict.fromkeys(("pos", "quat"), locate(plan.document, (*step.at, "mirror"), key=True))
+            host = own_place if step.attachment.place[1] else places[original]
+            place = replace(host, offset={}, written=written, computed="mirror")
+        parts.append(_part_of(step, unit, place, mirrored, making))
+    return parts
+
+
+def _part_of(
+    step: AttachPart, unit: Unit, place: AttachmentPlace, mirrored: MirroredPart | None, making: ElementBuilder
+) -> Part:
+    """Return the part with the connection to its place: nothing, a mocap body or joints."""
     by_itself = _floats_by_itself(step, unit)
     joint = step.attachment.joint
     return Part(
         unit,
         step.prefix,
-        _place_with_offset(step, unit, making),
+        place,
+        mirrored=mirrored,
         keyframes=step.attachment.key_policy,
         joints=() if by_itself else _joints(step, making),
         weld=step.floats or joint == "none",

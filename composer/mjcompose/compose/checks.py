@@ -106,7 +106,9 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
     default = SourceSettings()
     if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
         return
-    if part.content is None or (body := part.content.getparent()) is None or body.tag != "body":
+    attachment = linking.attachments.get(part)
+    body = None if attachment is None else attachment.content.getparent()
+    if body is None or body.tag != "body":
         return
     fixed = list(_fixed(body))
     if any(_may_have_mass(each, linking) for each in fixed):

@@ -25,7 +25,7 @@ from mjcompose.compose.attach import (
     early_additions,
     hang_up,
     later_places,
-    part_of,
+    parts_of,
     placed_records,
     unplaced_records,
 )
@@ -45,7 +45,7 @@ from mjcompose.compose.elements import ElementBuilder, append_element, set_defau
 from mjcompose.compose.interface import order_elements
 from mjcompose.compose.keyframe import hold_poses, write_keyframes
 from mjcompose.compose.load import InnerModels, Key, Library, Loader, PartSource, part_sources, source_key
-from mjcompose.compose.placing import mirror_keys, mirror_places, scattered
+from mjcompose.compose.placing import mirror_keys, scattered
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
 from mjcompose.link.collect import check_files
@@ -54,7 +54,7 @@ from mjcompose.link.excerpt import Excerpt
 from mjcompose.link.files import SHARED, Merged, add_file, dedup, share_in_copies
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import AddedElement, FileUse, Linking, LinkRequest, ModelMeasure, Part, common_angle
+from mjcompose.link.linking import AddedElement, FileUse, Linking, LinkRequest, ModelMeasure, common_angle
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
@@ -380,9 +380,8 @@ class Composer:
         order_elements(plan, linking, keys=True)
         self.keys.note_written(linking)
         roots = [base.root, *(unit.root for unit in units)]
-        parts = [Part(base, "", keyframes=plan.base_keys, key=BASE), *linking.parts]
         inner = [self.unplaced.get(root, []) for root in roots]
-        self.unplaced[base.root] = unplaced_records(plan, part_sources(plan, is_fixed), parts, inner=inner)
+        self.unplaced[base.root] = unplaced_records(plan, part_sources(plan, is_fixed), linking, inner=inner)
         if self.context.sink.error_count > before:
             return None
         drawn, tabled = (changes.drawn, changes.tabled) if changes else ([], [])
@@ -390,8 +389,7 @@ class Composer:
 
     def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
         """Return the base and its parts, with the joints between them, ready to be linked."""
-        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
-        mirror_places(plan, parts)
+        parts = parts_of(plan, units, making)
         top = [step.element for step in plan.steps if isinstance(step, SetDefault) and step.name == MAIN]
         request = LinkRequest(
             plan.separator,

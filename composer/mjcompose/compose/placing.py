@@ -19,7 +19,6 @@ from mjcompose.base.rotation import Pose
 from mjcompose.base.suggest import unknown_name
 from mjcompose.base.words import number_text
 from mjcompose.compose.load import FINISHED, keep_finished
-from mjcompose.link.linking import Part
 from mjcompose.link.numbers import text
 from mjcompose.link.unit_keys import VECTORS, KeyNotes, bare_model, keys_of, remove_keys
 from mjcompose.mujoco import engine
@@ -32,19 +31,6 @@ from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of
 
 if TYPE_CHECKING:
     from mjcompose.compose.compose import Composed
-
-
-def mirror_places(plan: Plan, parts: Sequence[Part]) -> None:
-    """Give parts the place of the part that they mirror, unless they have their own."""
-    by_name = {part_name(step, plan.separator): part for step, part in zip(plan.parts, parts, strict=True)}
-    for step, part in zip(plan.parts, parts, strict=True):
-        if (mirror := step.attachment.mirror) is None or (other := by_name.get(mirror.of)) is None:
-            continue
-        part.mirrors = other
-        part.across = mirror.axes
-        written = dict.fromkeys(("pos", "quat"), locate(plan.document, (*step.at, "mirror"), key=True))
-        place = part.place if step.attachment.place[1] else other.place
-        part.place = replace(place, offset={}, written=written, computed="mirror")
 
 
 def mirror_keys(

@@ -16,7 +16,7 @@ from mjcompose.link.angles import undo_settings
 from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.key_layout import JOINTS, joint_type
-from mjcompose.link.linking import Linking, Part, SensorBody
+from mjcompose.link.linking import AttachedPart, Joint, Linking, Part, SensorBody
 from mjcompose.link.numbers import pose_in_world, read_pose
 from mjcompose.link.replicates import original_of
 from mjcompose.link.settings import is_leaf
@@ -37,17 +37,19 @@ def bodies(linking: Linking) -> None:
     tops: dict[Part, Node] = {}
     while ready := order.next():
         for part in ready:
-            if (top := _PartAttachment(linking, part).run()) is not None:
+            top = _PartAttachment(linking, part, order.mounts[part]).run()
+            if top is not None:
                 tops[part] = top
             order.attached(part)
     if not order.waiting:
         _in_order(linking, tops)
         return
-    lost = [part for part in order.waiting if part.mount is None]
+    waiting = [*order.waiting.values()]
+    lost = [part for part in waiting if part not in order.mounts]
     _report_lost(linking, lost)
     if not lost:
-        _report_ring(linking, [*order.waiting])
-    prefixes = [part.prefix for part in order.waiting if part.prefix]
+        _report_ring(linking, waiting, order.mounts)
+    prefixes = [part.prefix for part in waiting if part.prefix]
     linking.sink.suppress_about([*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)])
 
 
@@ -61,7 +63,9 @@ class _AttachmentOrder:
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
         self.numbers = {part: number for number, part in enumerate(linking.parts)}
-        self.waiting = dict.fromkeys(linking.parts)
+        self.waiting = {part.unit: part for part in linking.parts}
+        self.mounts: dict[Part, Node] = {}
+        """The elements of the places that exist, of attached parts and of waiting ones."""
         self.ready: set[int] = set()
         self.nowhere: list[int] = []
         """A heap of the parts whose place an entry may make now."""
@@ -79,7 +83,7 @@ class _AttachmentOrder:
         return [self.linking.parts[number] for number in ready]
 
     def attached(self, part: Part) -> None:
-        del self.waiting[part]
+        del self.waiting[part.unit]
         self._exists(part.unit.root, ("body", part.prefix))
 
     def _exists(self, *awaited: object) -> None:
@@ -88,18 +92,19 @@ class _AttachmentOrder:
                 self._look(part)
 
     def _look(self, part: Part) -> None:
-        if part not in self.waiting:
+        if part.unit not in self.waiting:
             return
         linking = self.linking
         place = part.place
         if place.kind == "world":
-            part.mount = linking.base.section("worldbody")
+            mount: Node | None = linking.base.section("worldbody")
         else:
-            part.mount = linking.names.find(place.kind, str(place.name))
-        root = None if part.mount is None else part.mount.getroottree().getroot()
-        if root is linking.base.root and part.mirrors in self.waiting:
-            assert part.mirrors is not None
-            self.until.setdefault(part.mirrors.unit.root, []).append(part)
+            mount = linking.names.find(place.kind, str(place.name))
+        if mount is not None:
+            self.mounts[part] = mount
+        root = None if mount is None else mount.getroottree().getroot()
+        if root is linking.base.root and part.mirrored is not None and part.mirrored.unit in self.waiting:
+            self.until.setdefault(part.mirrored.unit.root, []).append(part)
         elif root is linking.base.root:
             self.ready.add(self.numbers[part])
         elif root is not None:
@@ -111,7 +116,7 @@ class _AttachmentOrder:
     def _make(self, part: Part) -> None:
         """Hang up the element with the place of a part, or wait for the element that it is added to."""
         linking = self.linking
-        chain = [] if part.mount is not None else waiting(linking, (part.place.kind, str(part.place.name)))
+        chain = [] if part in self.mounts else waiting(linking, (part.place.kind, str(part.place.name)))
         if not chain:
             return
         holder = holder_of(linking, chain[0])
@@ -138,14 +143,13 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
         journal.place_all(world, hung)
 
 
-def _report_ring(linking: Linking, waiting: list[Part]) -> None:
+def _report_ring(linking: Linking, waiting: list[Part], mounts: Mapping[Part, Node]) -> None:
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
     while ring[-1] not in ring[:-1]:
-        mount = ring[-1].mount
-        image = ring[-1].mirrors
-        assert mount is not None
-        ring.append(image if image in waiting else by_root[mount.getroottree().getroot()])
+        last = ring[-1]
+        original = None if last.mirrored is None else by_root.get(last.mirrored.unit.root)
+        ring.append(original or by_root[mounts[last].getroottree().getroot()])
     host = ring[-1]
     ring = ring[ring.index(host) :]
     message = f"parts are attached to one another: {' to '.join(f'`{part.called}`' for part in ring)}"
@@ -216,11 +220,11 @@ def _report_missing_place(linking: Linking, part: Part) -> None:
 class _PartAttachment:
     """Attaches one part. The next element goes into `parent` with `pose`, which the recipe sets at `written`."""
 
-    def __init__(self, linking: Linking, part: Part) -> None:
-        assert part.mount is not None
+    def __init__(self, linking: Linking, part: Part, mount: Node) -> None:
         self.linking = linking
         self.part = part
-        self.parent = part.mount
+        self.mount = mount
+        self.parent = mount
         self.pose: dict[str, str] = {}
         self.offset = dict(part.place.offset)
         self.written: Mapping[str, Span] = {}
@@ -255,25 +259,32 @@ class _PartAttachment:
             self._add_moving_body()
         # In MuJoCo 4.0 the `childclass` of a `<frame>` applies to its contents, and a frame without a pose changes no
         # bit of the bodies inside.
-        frame = self.parent.makeelement("frame", {**self.pose, "childclass": part.top_class})
+        frame = self.parent.makeelement("frame", {**self.pose, "childclass": self.linking.top_class(part.unit)})
         self._move_world(frame)
         if next(frame.iterchildren("*"), None) is not None:
             journal.place(self.parent, frame)
-            part.content = frame
+            content = frame
         else:
             journal.place_all(self.parent, frame)  # comments of a part without bodies
-            part.content = self.parent
+            content = self.parent
         if moves:
             _bound_mass(self.linking, self.parent)
-        placed = any(keyed is part for keyed, _ in self.linking.keys.attached)
-        if placed or (part.layout is not None and part.layout.in_world_coordinates):
-            part.pose_in_world = pose_in_world(frame, *_angle_units(self.linking))
+        pose = pose_in_world(frame, *_angle_units(self.linking)) if self._needs_pose() else None
+        self.linking.attachments[part] = AttachedPart(self.mount, content, pose)
         base.origins.adopt(part.unit.origins)
         base.origins.own(frame, part.unit.file)
         if self.written:
             base.origins.settings[frame] = dict(self.written)
         top = next(outer.iterchildren(reversed=True), None)
         return None if top is last else top
+
+    def _needs_pose(self) -> bool:
+        """Return whether keys of the part have poses in the world."""
+        keys = self.linking.keys
+        layout = keys.layouts.get(self.part)
+        if layout is not None and layout.in_world_coordinates:
+            return True
+        return any(keyed is self.part for keyed, _ in keys.attached)
 
     def _find_pose(self) -> None:
         """Set the parent and the pose of the place. Report a part that cannot be attached there."""
@@ -298,9 +309,10 @@ class _PartAttachment:
             message = f"`{part.called}` floats freely: no body carries it, and `sense` has nothing to measure"
             help = "omit `sense`, or fix the part to its place"
             linking.sink.error("attach-place", message, part.sense.span, help=help, subjects=(part.called,))
-        if part.mirrors is not None and part.mirrors.content is not None:
+        original = self._original()
+        if part.mirrored is not None and original is not None:
             units = _angle_units(linking)
-            image = pose_in_world(part.mirrors.content, *units).reflected(*part.across)
+            image = pose_in_world(original.content, *units).reflected(*part.mirrored.across)
             moved = (pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)).inverse() @ image
             self.offset = {"pos": numbers.text(moved.pos), "quat": numbers.text(moved.quat)}
         if part.floats and part.place.kind != "world":  # a floating part cannot be below a body
@@ -310,6 +322,14 @@ class _PartAttachment:
             self.pose = {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
             self.parent = linking.base.section("worldbody")
             self.offset = {}
+
+    def _original(self) -> AttachedPart | None:
+        """Return the attachment of the part that this part mirrors."""
+        attachments = self.linking.attachments
+        mirrored = self.part.mirrored
+        if mirrored is None:
+            return None
+        return next((attachments[part] for part in attachments if part.unit is mirrored.unit), None)
 
     def _report_place(self, why: str, note: Note, help: str) -> None:
         part = self.part
@@ -346,16 +366,25 @@ class _PartAttachment:
         if part.mocap:
             journal.write(body, "mocap", "true")
         if any(flex.part is part for flex in linking.notes.flexes):
-            journal.write(body, "childclass", part.top_class)
+            journal.write(body, "childclass", linking.top_class(part.unit))
         for joint in part.joints:
-            undone = undo_settings(linking.notes.main_joint) if joint.tag == "joint" else {}
-            added = self._add(joint.tag, {**undone, **joint.attributes}, joint.written)
+            added = self._add(joint.tag, self._joint_attributes(joint), joint.written)
             name = str(added.get("name") or "")
             if name:
                 message = f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint"
                 self._declare("joint", name, added, message=message, help="choose another name", at=part.span)
         if part.prefix:
             linking.names.declared.setdefault("body", {})[part.prefix] = body
+
+    def _joint_attributes(self, joint: Joint) -> dict[str, str]:
+        """Return the attributes of a joint in the model, with those that undo settings of the model for it."""
+        linking = self.linking
+        if joint.tag == "freejoint":
+            return {**({"align": "false"} if linking.notes.aligned else {}), **joint.attributes}
+        attributes = {**undo_settings(linking.notes.main_joint), **joint.attributes}
+        if joint.top_class_of is not None:
+            attributes["class"] = linking.top_class(joint.top_class_of)
+        return attributes
 
     def _add_sensing_body(self, sense: SensorBody) -> None:
         """Create the body that carries the part, with its site and its sensors."""

@@ -57,8 +57,9 @@ def defaults(linking: Linking) -> None:
         top = base.root.makeelement("default")
         base.insert(top)
     for part in linking.parts:
-        own = _wrap(linking, part.unit, part.top_class)
-        _claim_sections(part.unit, part.top_class, own)
+        top_class = linking.top_class(part.unit)
+        own = _wrap(linking, part.unit, top_class)
+        _claim_sections(part.unit, top_class, own)
         for section in list(part.unit.root.iterchildren("default")):
             for wrapped in list(section):
                 journal.place(top, wrapped)
@@ -81,8 +82,9 @@ def choose_classes(linking: Linking) -> None:
     }
     for part in linking.parts:
         own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
-        part.top_class = _free_class(own, taken if part.prefix else taken | prefixes)
-        taken.add(part.top_class)
+        name = _free_class(own, taken if part.prefix else taken | prefixes)
+        linking.top_classes[part.unit] = name
+        taken.add(name)
     needed = any(flex.joint for flex in in_world(linking))
     # An element cannot revert everything in a class: with `<default><geom user="1 2"/></default>` in the base,
     # `<geom user=""/>` of a part still has 1 2 in MuJoCo 4.0. So the top class of the base may set nothing.

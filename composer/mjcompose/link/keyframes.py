@@ -45,7 +45,8 @@ def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
     for part in (None, *linking.parts):
         path = BASE if part is None else part.path(linking.request.separator)
         policy = _policy(linking, part)
-        unit, layout = (linking.base, linking.keys.base_layout) if part is None else (part.unit, part.layout)
+        unit = linking.base if part is None else part.unit
+        layout = linking.keys.base_layout if part is None else linking.keys.layouts.get(part)
         if layout is None:
             continue
         if policy != "none" or path in requested:
@@ -83,7 +84,7 @@ def _moved(linking: Linking, part: Part | None, layout: KeyLayout, key: KeyValue
         _check_copies_of_part(linking, part, layout, key=key, vector=vector)
         if vector in ("qpos", "qvel"):
             _check_flexes(linking, part, layout, key=key, vector=vector)
-        _carry(part, layout, vector, taken=columns)
+        _carry(linking, part, layout, vector, taken=columns)
     return replace(key, values=values)
 
 
@@ -121,8 +122,8 @@ def cut_row(
 def _check_copies_of_part(linking: Linking, part: Part, layout: KeyLayout, key: KeyValues, vector: str) -> None:
     """Report poses in the world that a `<replicate>` around the part would move to several places."""
     taken = key.values[vector]
-    holder = part.content
-    replicate = None if holder is None else next(holder.iterancestors("replicate"), None)
+    attachment = linking.attachments.get(part)
+    replicate = None if attachment is None else next(attachment.content.iterancestors("replicate"), None)
     if vector in ("qpos", "qvel"):
         floats = any(slot.free and joint in taken for joint, slot in layout.joints.items())
     else:
@@ -140,7 +141,7 @@ def _check_flexes(linking: Linking, part: Part, layout: KeyLayout, key: KeyValue
     for block, slot in layout.joints.items():
         if isinstance(block, Copy) or slot.kind != BLOCK or block not in key.values[vector]:
             continue  # a `<flexcomp>` in a replicate is in a body
-        if block.tag == "flexcomp" and _is_turned(part, block):
+        if block.tag == "flexcomp" and _is_turned(linking.top_class(part.unit), block):
             message = f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns"
             help = "omit the keys, `drop: [key]`, or put the `<flexcomp>` into a body"
             notes = (Note("the flex", linking.span(part.unit, block)),)
@@ -148,10 +149,10 @@ def _check_flexes(linking: Linking, part: Part, layout: KeyLayout, key: KeyValue
             linking.sink.error("not-supported", message, key.span(vector), notes=notes, help=help, subjects=subjects)
 
 
-def _is_turned(part: Part, flex: Node) -> bool:
-    """Return whether the place of the part turns a flex at its root."""
+def _is_turned(top_class: str, flex: Node) -> bool:
+    """Return whether the place of the part with that top class turns a flex at its root."""
     frames = list(takewhile(lambda node: node.tag == "frame", flex.iterancestors()))
-    above = dropwhile(lambda node: node.get("childclass") != part.top_class, frames)
+    above = dropwhile(lambda node: node.get("childclass") != top_class, frames)
     return any(node.get(name) for node in above for name in ORIENTATIONS)
 
 
@@ -159,9 +160,9 @@ def called(key: Node) -> str:
     return element_text("key", key.get("name"), definite=True)
 
 
-def _carry(part: Part, layout: KeyLayout, vector: str, taken: dict[Holder, list[Number]]) -> None:
+def _carry(linking: Linking, part: Part, layout: KeyLayout, vector: str, taken: dict[Holder, list[Number]]) -> None:
     """Move the poses of free joints and mocap bodies, which are in world coordinates, with the part."""
-    pose = part.pose_in_world
+    pose = linking.pose_in_world(part)
     if pose is None or pose.is_identity:
         return
     by = (part.called, part.span)
@@ -200,7 +201,7 @@ def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list
 
 
 def _carry_references(linking: Linking, part: Part, layout: KeyLayout) -> None:
-    pose = part.pose_in_world
+    pose = linking.pose_in_world(part)
     if pose is None:
         return
     for joint, slot in layout.joints.items():
@@ -369,7 +370,8 @@ def _report_same_name(
 def _check_attached(linking: Linking) -> None:
     # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
-        if part.pose_in_world is not None and not part.pose_in_world.is_identity:
+        pose = linking.pose_in_world(part)
+        if pose is not None and not pose.is_identity:
             message = f"the model attached here has keys with poses of its free bodies, and `{part.called}` moves it"
             help = f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe"
             span = linking.span(part.unit, attach)

@@ -17,6 +17,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
 from mjcompose.link.key_layout import Holder, KeyLayout, Slot
+from mjcompose.tree.classes import MAIN
 from mjcompose.tree.merged_settings import KeyPolicy
 from mjcompose.tree.names import Names, may_be_generated
 from mjcompose.tree.unit import KeyValues, PartKeys, Unit, Watch, nobody
@@ -60,11 +61,15 @@ class AttachmentPlace(Struct):
 
 
 class Joint(Struct):
-    """A joint between a place and a part: its tag, its attributes, and the places of written attributes."""
+    """A joint between a place and a part: its tag, its attributes, and the places of written attributes.
+
+    `top_class_of` is the unit whose top class it takes; the linker chooses the name of that class.
+    """
 
     tag: Literal["joint", "freejoint"]
     attributes: Mapping[str, str]
     written: Mapping[str, Span] = field(default_factory=dict)
+    top_class_of: Unit | None = None
 
 
 class SensorBody(Struct):
@@ -80,25 +85,28 @@ class SensorBody(Struct):
     span: Span
 
 
-@dataclass(eq=False)
-class Part:
-    """A unit, the prefix of its names (including the separator), and how it is attached to the model.
+class MirroredPart(Struct, eq=False):
+    """The part whose reflected pose another part has: its unit, and the numbers of the world's and of its own axis."""
+
+    unit: Unit
+    across: tuple[int, int]
+
+
+class Part(Struct, eq=False):
+    """A unit, the prefix of its names (including the separator), and how it is to be attached to the model.
 
     `by_itself` is set if the bodies of the part have free joints of their own, or are mocap bodies. It is then attached
-    to the world, wherever its place is. `mirrors` is the part whose reflected pose it has. `across` are the numbers of
-    the world's and of the part's axis. `key` is its key in the recipe. `outward` has the final names of the elements
+    to the world, wherever its place is. `key` is its key in the recipe. `outward` has the final names of the elements
     that the part refers to outside itself, by the text of the reference.
 
-    The passes fill the other fields, so nobody can set them when a part is made. `choose_classes` fills `top_class`,
-    the final name of the part's top class, and `layouts` the `layout` of its keys. `bodies` fills `mount`, the element
-    that it is attached to, `content`, the element that then holds its world, and `pose_in_world`, if its keys need it.
+    A part is complete when it is made. `Linking` has the facts that passes add: `top_classes`, `attachments` and
+    `keys.layouts`.
     """
 
     unit: Unit
     prefix: str
     place: AttachmentPlace = AttachmentPlace()
-    mirrors: Part | None = None
-    across: tuple[int, int] = (0, 0)
+    mirrored: MirroredPart | None = None
     keyframes: KeyPolicy = "merge"
     joints: tuple[Joint, ...] = ()
     weld: bool = False
@@ -108,11 +116,6 @@ class Part:
     span: Span | None = None
     key: str = ""
     outward: Mapping[str, str] = MappingProxyType({})
-    top_class: str = field(default="", init=False)
-    layout: KeyLayout | None = field(default=None, init=False)
-    mount: Node | None = field(default=None, init=False)
-    content: Node | None = field(default=None, init=False)
-    pose_in_world: Pose | None = field(default=None, init=False)
 
     @property
     def called(self) -> str:
@@ -132,6 +135,18 @@ class Part:
     def floats(self) -> bool:
         """Whether the part moves freely and can therefore only be in the world."""
         return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+
+
+class AttachedPart(Struct, eq=False):
+    """Where the pass `bodies` has attached a part.
+
+    `mount` is the element of the place, and `content` the element that holds the bodies and geoms of the part's world.
+    The pose of the part in the world is set if its keys need it.
+    """
+
+    mount: Node
+    content: Node
+    pose_in_world: Pose | None = None
 
 
 class Floating(NamedTuple):
@@ -211,8 +226,9 @@ class KeyTable(Struct, frozen=False, eq=False):
     recipe, and `replaced` are the keys of parts that they replace. `attached` are the models that MuJoCo attaches to
     parts and whose keys contain poses in the world.
 
-    `base_layout` and `final_layout` are the layouts of the base alone and of the finished model. `measured` has the
-    widths that only MuJoCo knows, and `references` and `mocap_references` have the reference configuration.
+    `base_layout`, `layouts` and `final_layout` are the layouts of the base alone, of the parts alone, and of the
+    finished model. `measured` has the widths that only MuJoCo knows, and `references` and `mocap_references` have the
+    reference configuration.
 
     `edited` is set if there may be edits, `reshaped` are elements whose number of values may have changed, `shapes` has
     the attributes that decided the vertices of each `<flexcomp>`, and `void_keys` are elements whose values in keys
@@ -226,6 +242,7 @@ class KeyTable(Struct, frozen=False, eq=False):
     replaced: dict[str, KeyValues] = field(default_factory=dict)
     attached: list[tuple[Part, Node]] = field(default_factory=list)
     base_layout: KeyLayout | None = None
+    layouts: dict[Part, KeyLayout] = field(default_factory=dict)
     final_layout: KeyLayout | None = None
     measured: dict[Node, Slot] = field(default_factory=dict)
     references: dict[Holder, list[str]] = field(default_factory=dict)
@@ -306,6 +323,10 @@ class Linking:
     watch: Watch = nobody
     names: Names = field(default_factory=Names)
     base_class: str | None = None
+    top_classes: dict[Unit, str] = field(default_factory=dict)
+    """The final names of the top classes of the parts, by unit: `choose_classes` notes them."""
+    attachments: dict[Part, AttachedPart] = field(default_factory=dict)
+    """The parts that are in the tree: `bodies` notes them."""
     files: list[FileUse] = field(default_factory=list)
     submodels: int = 0
     notes: Notes = field(default_factory=Notes)
@@ -327,6 +348,15 @@ class Linking:
     @cached_property
     def angle(self) -> str:
         return common_angle(self.units)
+
+    def top_class(self, unit: Unit) -> str:
+        """Return the final name of the top class of the base or of a part."""
+        return self.base_class or MAIN if unit is self.base else self.top_classes[unit]
+
+    def pose_in_world(self, part: Part) -> Pose | None:
+        """Return the pose in the world of a part whose keys need it."""
+        attachment = self.attachments.get(part)
+        return None if attachment is None else attachment.pose_in_world
 
     def find_node(self, namespace: str, name: str) -> Node | None:
         return self.names.find(namespace, name)

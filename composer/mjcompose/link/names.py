@@ -65,7 +65,7 @@ class _UnitRenaming:
     def run(self) -> None:
         part = self.part
         unit = self.unit
-        top_class = self.linking.base_class or MAIN if part is None else part.top_class
+        top_class = self.linking.top_class(unit)
         found = rename(unit, self.prefix, top_class=top_class, outward=part.outward if part else _NOTHING)
         self._refer_to_keys()
         for namespace, name, element in found.repeated:

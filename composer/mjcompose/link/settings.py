@@ -12,7 +12,6 @@ requests.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
@@ -56,13 +55,6 @@ def alignment(linking: Linking) -> None:
                 journal.write(joint, "align", str(wanted).lower())
             else:
                 _cannot_differ(linking, unit, joint, *stubborn[0])
-    # The joints of attachments are in no tree yet.
-    if linking.notes.aligned:
-        for part in linking.parts:
-            part.joints = tuple(
-                replace(joint, attributes={"align": "false", **joint.attributes}) if joint.tag == "freejoint" else joint
-                for joint in part.joints
-            )
 
 
 def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:

@@ -104,9 +104,10 @@ class KeyNotes(Struct, frozen=False, eq=False):
         joined = self.sources.setdefault(linking.base.root, [])
         for part in linking.parts:
             found = self.sources.pop(part.unit.root, [])
-            if part.pose_in_world is not None:
+            pose = linking.pose_in_world(part)
+            if pose is not None:
                 for each in found:
-                    each.moves.append(part.pose_in_world)
+                    each.moves.append(pose)
             joined += found
         self.copied |= linking.notes.copied
 
@@ -291,7 +292,9 @@ def layouts(linking: Linking) -> None:
         return
     linking.keys.base_layout = layout_of(linking, linking.base)
     for part in linking.parts:
-        part.layout = layout_of(linking, part.unit)
+        layout = layout_of(linking, part.unit)
+        if layout is not None:
+            linking.keys.layouts[part] = layout
 
 
 def keys_of(unit: Unit) -> list[Node]:
@@ -431,7 +434,7 @@ def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
     known: dict[Node, Slot] = {}
-    for layout in (linking.keys.base_layout, *(part.layout for part in linking.parts)):
+    for layout in (linking.keys.base_layout, *linking.keys.layouts.values()):
         if layout is not None:
             known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
             known |= {

@@ -174,23 +174,26 @@ def worlds(linking: Linking) -> None:
     degrees = linking.angle == "degree"
     sequence = linking.base.settings.eulerseq
     for part in linking.parts:
-        if part.content is not None:
-            pose, holder, copied = pose_below(part.content, degrees, sequence)
-            named = holder.get("name") if holder not in linking.notes.nameless else ""
-            name = WORLD if holder.tag == "worldbody" else str(named or "")
-            hung = _MovedWorld(part, pose, holder, name=name, copied=copied)
-            if copied is not None or holder.tag == "body" or not pose.is_identity:
-                _rename_world(linking, hung)
-                _check_targets(linking, hung)
-                _check_attached(linking, hung)
-            _check_free_motors(linking, hung, degrees, sequence=sequence)
-            _check_flexes(linking, hung)
+        if part not in linking.attachments:
+            continue
+        content = linking.attachments[part].content
+        pose, holder, copied = pose_below(content, degrees, sequence)
+        named = holder.get("name") if holder not in linking.notes.nameless else ""
+        name = WORLD if holder.tag == "worldbody" else str(named or "")
+        hung = _MovedWorld(part, content, pose, holder, name=name, copied=copied)
+        if copied is not None or holder.tag == "body" or not pose.is_identity:
+            _rename_world(linking, hung)
+            _check_targets(linking, hung)
+            _check_attached(linking, hung)
+        _check_free_motors(linking, hung, degrees, sequence=sequence)
+        _check_flexes(linking, hung)
 
 
 class _MovedWorld(NamedTuple):
-    """A part, the pose of its world in its holder, the holder's name, and a `<replicate>` between them."""
+    """A part, the content of its world and its pose in its holder, its name, and a `<replicate>` between them."""
 
     part: Part
+    content: Node
     pose: Pose
     holder: Node
     name: str
@@ -275,8 +278,7 @@ def _moved_pose(element: Node, pose: Pose) -> str:
 def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
     """Report equalities with the world in a model that the part attaches itself: MuJoCo does not move them."""
     models = {str(each.get("name")): each for each in hung.part.unit.root.iterfind("asset/model")}
-    assert hung.part.content is not None
-    for attach in hung.part.content.iter("attach"):
+    for attach in hung.content.iter("attach"):
         element = models.get(str(attach.get("model")))
         root = None if element is None else linking.notes.attached.get(element)
         if root is None or element is None:
@@ -299,8 +301,7 @@ def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
 
 def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
     """Warn about cameras and lights that look at the world's origin, which no longer is the part's origin."""
-    assert hung.part.content is not None
-    for element in hung.part.content.iter("camera", "light"):
+    for element in hung.content.iter("camera", "light"):
         if element.get("target") != WORLD:
             continue
         if hung.name:
@@ -318,12 +319,11 @@ def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
 
 def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
     """Warn about actuators that push a free body of a turned part along the axes of the world."""
-    assert hung.part.content is not None
     free = [
         actuator for actuator in hung.part.unit.root.iterfind("actuator/*") if _acts_on_free_joint(linking, actuator)
     ]
     # The pose takes a look at everything around the part.
-    turn = pose_in_world(hung.part.content, degrees, sequence).quat if free else (1.0, 0.0, 0.0, 0.0)
+    turn = pose_in_world(hung.content, degrees, sequence).quat if free else (1.0, 0.0, 0.0, 0.0)
     if abs(turn[0]) == 1.0:
         return
     unit = linking.base

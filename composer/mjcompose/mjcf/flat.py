@@ -20,7 +20,6 @@ from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.link.boundaries import has_crossings
 from mjcompose.link.collect import collect, read
-from mjcompose.link.defaults import choose_classes
 from mjcompose.link.files import ASSETS, is_settled
 from mjcompose.link.link import finish, link, link_alone
 from mjcompose.link.linking import FileUse, Linking, LinkRequest, ModelMeasure, Policy
@@ -277,10 +276,11 @@ def link_checked(model: ModelState, conflict: Policy, copy: Callable[[ModelState
     """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    outward = (name for part in mounting.parts for name in part.outward.values())
-    prefixes = (UP, *(part.prefix for part in mounting.parts), *outward)
-    for unit in (mounting.base, *(part.unit for part in mounting.parts)):
+    for unit in mounting.units:
         prune(unit)
+    parts = mounting.parts()
+    outward = (name for part in parts for name in part.outward.values())
+    prefixes = (UP, *(part.prefix for part in parts), *outward)
     started: list[ModelMeasure] = []
     with ExitStack() as ending:
 
@@ -290,17 +290,15 @@ def link_checked(model: ModelState, conflict: Policy, copy: Callable[[ModelState
                 started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
             return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
 
-        measured = measure if mounting.parts else None
-        linking = Linking(mounting.base, mounting.parts, sink, request=LinkRequest(conflict=conflict), measure=measured)
-        if not mounting.parts:
+        measured = measure if parts else None
+        linking = Linking(mounting.base, parts, sink, request=LinkRequest(conflict=conflict), measure=measured)
+        if not parts:
             if check_keys:
                 layouts(linking)
             link_alone(linking)
             if check_keys:
                 finish(linking)
         else:
-            choose_classes(linking)
-            mounting.add_joints(linking)
             linking.notes.nameless.update(mounting.named)
             link(linking)
             if not sink.has_errors:

@@ -12,7 +12,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
-from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
+from mjcompose.link.linking import AttachmentPlace, Joint, Part, common_angle
 from mjcompose.link.numbers import joint_radians, read, read_pose, text as number_text
 from mjcompose.link.settings import INSTEAD_OF_MEMORY
 from mjcompose.mjcf.errors import failure
@@ -230,11 +230,13 @@ _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("ran
 _OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
 
 
-class _Mounted(Struct, frozen=False):
-    """An attachment with its copies: the part, the prefix of the parent, and the element it is attached to."""
+class _Mounted(Struct):
+    """An attachment with its copies: the unit and its place, and the unit and the element it is attached to."""
 
     attachment: AttachedModel
-    part: Part
+    unit: Unit
+    prefix: str
+    place: AttachmentPlace
     parent_unit: Unit
     parent_prefix: str
     host: Node
@@ -258,8 +260,27 @@ class Mounting(Struct, frozen=False):
         self._mount(self.model, self.base, "", own=None)
 
     @property
+    def units(self) -> list[Unit]:
+        return [self.base, *[mounted.unit for mounted in self.mounted]]
+
     def parts(self) -> list[Part]:
-        return [each.part for each in self.mounted]
+        """Return the attached models as parts for the linker."""
+        in_radians = common_angle(self.units) == "radian"
+        return [self._part(mounted, in_radians) for mounted in self.mounted]
+
+    def _part(self, mounted: _Mounted, in_radians: bool) -> Part:
+        attachment = mounted.attachment
+        to_radians = in_radians and mounted.parent_unit.settings.angle == "degree"
+        return Part(
+            mounted.unit,
+            mounted.prefix,
+            mounted.place,
+            keyframes="prefix",
+            joints=tuple(_joint(joint, mounted, to_radians) for joint in attachment.frame),
+            mocap=attachment.frame.get("mocap") == "true",
+            span=attachment.parent.span(attachment.frame),
+            outward=_outward_names(attachment.child, self.model),
+        )
 
     def _mount(self, model: ModelState, unit: Unit, prefix: str, own: _Mounted | None) -> None:
         """Append all models attached to `model`, each before the models attached to it."""
@@ -267,18 +288,10 @@ class Mounting(Struct, frozen=False):
         for attachment, host in zip(model.attachments.values(), hosts, strict=True):
             copied = self.copy(attachment.child)
             place = self._place(attachment, host, unit, prefix=prefix, own=own)
-            part = Part(
-                copied,
-                prefix + attachment.child.prefix,
-                place,
-                keyframes="prefix",
-                mocap=attachment.frame.get("mocap") == "true",
-                span=model.span(attachment.frame),
-                outward=_outward_names(attachment.child, self.model),
-            )
-            mounted = _Mounted(attachment, part, unit, parent_prefix=prefix, host=host)
+            own_prefix = prefix + attachment.child.prefix
+            mounted = _Mounted(attachment, copied, own_prefix, place, unit, parent_prefix=prefix, host=host)
             self.mounted.append(mounted)
-            self._mount(attachment.child, copied, part.prefix, own=mounted)
+            self._mount(attachment.child, copied, own_prefix, own=mounted)
 
     def _place(
         self, attachment: AttachedModel, host: Node, unit: Unit, prefix: str, own: _Mounted | None
@@ -287,7 +300,7 @@ class Mounting(Struct, frozen=False):
         if host.tag == WORLD_SECTION:
             if own is None:
                 return AttachmentPlace("world", None, offset)
-            outer = own.part.place
+            outer = own.place
             if outer.kind == "world" and not own.attachment.is_body:
                 if outer.offset and offset:  # neither has angles
                     pose = read_pose(outer.offset, False, "xyz") @ read_pose(offset, False, "xyz")
@@ -305,17 +318,6 @@ class Mounting(Struct, frozen=False):
             host.set("name", name)
             self.named.append(host)
         return AttachmentPlace(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
-
-    def add_joints(self, linking: Linking) -> None:
-        """Set the joints of each part from its attachment frame. The linker must have named the top classes before."""
-        tops = {each.part.prefix: each.part.top_class for each in self.mounted}
-        tops[""] = linking.base_class or MAIN
-        in_radians = linking.angle == "radian"
-        for each in self.mounted:
-            to_radians = in_radians and each.parent_unit.settings.angle == "degree"
-            each.part.joints = tuple(
-                _joint(joint, each, tops[each.parent_prefix], to_radians=to_radians) for joint in each.attachment.frame
-            )
 
     def clear_up(self) -> None:
         """Remove the names and frames that were added for the linker."""
@@ -354,12 +356,11 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
     return written
 
 
-def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
-    """Return a joint of an attachment frame for the flat model. It has the default classes of the parent."""
-    part = mounted.part
+def _joint(joint: Node, mounted: _Mounted, to_radians: bool) -> Joint:
+    """Return a joint of an attachment frame for the linker. It has the default classes of the parent."""
     unit = mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
-    attributes["name"] = part.prefix + attributes.get("name", "")
+    attributes["name"] = mounted.prefix + attributes.get("name", "")
     if joint.tag == "freejoint":
         return Joint("freejoint", attributes)
     written = attributes.get("class") or childclass_at(mounted.host)
@@ -368,18 +369,20 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
     if kind == "free":
         if attributes.keys() <= _OF_FREEJOINTS:
             return Joint("freejoint", {k: v for k, v in attributes.items() if k in ("name", "group")})
-        if part.place.kind != "world":
+        if mounted.place.kind != "world":
             parent = mounted.attachment.parent
-            message = f"the free joint of `{part.prefix}` has settings of its own, and can be in the world only"
+            message = f"the free joint of `{mounted.prefix}` has settings of its own, and can be in the world only"
             help = "use a `freejoint`, or attach the model to the worldbody"
             raise failure("not-supported", message, parent.span(joint), help=help)
-    attributes["class"] = top_class if written in (None, MAIN) else mounted.parent_prefix + written
+    has_own_class = written not in (None, MAIN)
+    if has_own_class:
+        attributes["class"] = f"{mounted.parent_prefix}{written}"
     if to_radians:
         for name in _ANGULAR.get(kind, ()):
             value = attributes.get(name)
             if value and not (name == "range" and attributes.get("limited") == "false"):
                 attributes[name] = number_text(map(joint_radians, read(value)))
-    return Joint("joint", attributes)
+    return Joint("joint", attributes, top_class_of=None if has_own_class else unit)
 
 
 def childclass_at(host: Node) -> str | None:

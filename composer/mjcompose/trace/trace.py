@@ -5,7 +5,7 @@ It comes from the journal: every pass and step records its changes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import field, replace
 from itertools import pairwise
@@ -19,7 +19,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.link import numbers
 from mjcompose.link.expansion import element_of
 from mjcompose.link.key_layout import KeyLayout, Unknown, lay_out
-from mjcompose.link.linking import Linking, Part
+from mjcompose.link.linking import AttachedPart, Linking, Part
 from mjcompose.link.unit_keys import VECTORS as VECTORS
 from mjcompose.plan.steps import DrawValues, EditElements
 from mjcompose.tree import journal
@@ -177,6 +177,7 @@ class Trace:
         self._roots: set[Node] = set()
         self._linkings: dict[Node, Linking] = {}
         self._parts: dict[Node, Part] = {}
+        self._linking_of: dict[Part, Linking] = {}
         self._joined: dict[Node, Node] = {}
         self._indexed: tuple[Linking, _Carriers] | None = None
 
@@ -198,10 +199,21 @@ class Trace:
         if summary.changes:
             self._take(summary, causes, born)
 
+    def attachment(self, part: Part) -> AttachedPart | None:
+        """Return where a part is attached, or None if it is not attached."""
+        linking = self._linking_of.get(part)
+        return None if linking is None else linking.attachments.get(part)
+
+    def top_class(self, part: Part) -> str | None:
+        """Return the name of the top class of a part, or None if the linker has not chosen it yet."""
+        linking = self._linking_of.get(part)
+        return None if linking is None else linking.top_classes.get(part.unit)
+
     def _note_parts(self, linking: Linking) -> None:
         self._linkings[linking.base.root] = linking
         for part in linking.parts:
             self._parts[part.unit.root] = part
+            self._linking_of[part] = linking
             for node in part.unit.root.iter("*"):
                 self.lives[node].parts.append(part)
         by_root = {part.unit.root: part for part in linking.parts}
@@ -334,7 +346,7 @@ class Trace:
     def _carriers(self, linking: Linking) -> _Carriers:
         """Return the index of the parts of a linking, which get their classes and places from pass to pass."""
         if self._indexed is None or self._indexed[0] is not linking:
-            self._indexed = linking, _Carriers(linking.parts)
+            self._indexed = linking, _Carriers(linking)
         return self._indexed[1]
 
 
@@ -349,13 +361,13 @@ def _differences(
 class _Carriers:
     """The parts of a linking by the class and by the lines of the recipe that their frames and sensors have."""
 
-    def __init__(self, parts: Sequence[Part]) -> None:
-        self.parts = parts
+    def __init__(self, linking: Linking) -> None:
+        self.parts = linking.parts
         self._by_class: dict[str, int] = {}
         self._by_owner: dict[Owner, int] = {}
-        for number, part in enumerate(parts):
-            if part.top_class:
-                self._by_class.setdefault(part.top_class, number)
+        for number, part in enumerate(linking.parts):
+            if part.unit in linking.top_classes:
+                self._by_class.setdefault(linking.top_class(part.unit), number)
             if part.span is not None:
                 self._by_owner.setdefault(part.span, number)
                 if part.sense is not None and part.sense.span is not None:

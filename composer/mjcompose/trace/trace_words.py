@@ -291,7 +291,7 @@ class Causes:
         if span is not None:
             computed = part.place.computed if is_pose else ""
             return Reason(_COMPUTED.get(computed, ""), span)
-        if attribute in ("class", "childclass") and life.attributes[attribute] == part.top_class:
+        if attribute in ("class", "childclass") and life.attributes[attribute] == self.trace.top_class(part):
             return Reason(f"the top class of the part `{part.called}`", part.span)
         if attribute == "name":
             return Reason(f"named after the part `{part.called}`", part.span)
@@ -305,7 +305,7 @@ class Causes:
         part = change.cause.part
         if part is None:
             return Reason("contains elements of the parts")
-        if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
+        if life.tag == "frame" and life.attributes.get("childclass") == self.trace.top_class(part):
             return Reason(f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part))
         if life.tag == "frame":
             words = f"the pose of the {part.place.kind} that the part `{part.called}` is attached to"

@@ -111,19 +111,20 @@ class _Movable:
         """Yield a row for each part and each of its copies."""
         steps = {_turn_of(step.span): (plan, step.at) for plan in self.plans for step in plan.parts}
         for part in dict.fromkeys(part for node in self.numbers for part in self.traced.watch.life(node).parts):
-            if part.content is None or part.span is None or _turn_of(part.span) not in steps or not part.span.file:
+            attachment = self.traced.watch.attachment(part)
+            if attachment is None or part.span is None or _turn_of(part.span) not in steps or not part.span.file:
                 continue
             moves = bool(part.joints or part.mocap)
-            top = _top(part.content, moves)
+            top = _top(attachment.content, moves)
             if top is None:
                 continue
             plan, at = steps[_turn_of(part.span)]
-            whole_prefix = str(part.content.get("childclass") or part.prefix)
+            whole_prefix = str(attachment.content.get("childclass") or part.prefix)
             is_outer = plan is self.plans[0] or not whole_prefix.endswith(part.prefix)
             outer = "" if is_outer else whole_prefix.removesuffix(part.prefix)
             target = MovableItem(part.key, plan, at, span=part.span, outer=(outer,))
             nodes = [top] if moves else list(through_frames(top))
-            yield self._row(target, "part", nodes, place=self._place(part, top))
+            yield self._row(target, "part", nodes, place=self._place(part, attachment.mount, top))
 
     def additions(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each element that `add` writes."""
@@ -151,11 +152,10 @@ class _Movable:
                 found.setdefault(kind, []).append(number)
         return found
 
-    def _place(self, part: Part, top: Node) -> tuple[Node | None, Pose]:
+    def _place(self, part: Part, mount: Node, top: Node) -> tuple[Node | None, Pose]:
         """Return the element in which the offset of a part counts, and the pose of the place there."""
-        mount = part.mount
         kind = part.place.kind
-        if kind == "world" or mount is None or (part.sense is not None and not part.floats):
+        if kind == "world" or (part.sense is not None and not part.floats):
             return top.getparent(), Pose()
         start = mount
         pose = Pose()
