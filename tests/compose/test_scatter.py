@@ -6,14 +6,18 @@ import itertools
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.compose.compose import Composer
 from mjcompose.pipeline.stages import ModelRequest, build
+from mjcompose.plan.plan import Plan
 from mjcompose.sources.context import Context
+from mjcompose.tree.unit import Unit
 
 FILES = {
     "table.xml": """<mujoco model="table"><worldbody><body name="table">
@@ -222,3 +226,28 @@ def test_a_drawn_seed_scatters_each_sample(tmp_path: Path) -> None:
         build(ModelRequest(tmp_path / "r.yaml", sample=n), Context(environment={}, folder=tmp_path)) for n in range(4)
     ]
     assert len({each.bundle.files["model.xml"] for each in models if each}) == 4
+
+
+def test_each_recipe_is_composed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many recipes around it scatter copies, the sources of a recipe are composed once."""
+    scatter = "replicate: [{scatter: {count: 1, over: {geom: %s}, clearance: 1cm, seed: %d}}]"
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    inner = "table.xml"
+    top = "m/top"
+    for level in range(3):
+        mug = f"mug: {{model: ./mug.xml, {scatter % (top, level)}}}"
+        (tmp_path / f"{level}.yaml").write_text(f"recipe: 1\nattach:\n  m: {{model: ./{inner}}}\n  {mug}\n")
+        inner = f"{level}.yaml"
+        top = f"m/{top}"
+    composed: Counter[str] = Counter()
+    plain = Composer._units
+
+    def counted(self: Composer, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
+        composed[plan.path.name] += 1
+        return plain(self, plan, is_fixed)
+
+    monkeypatch.setattr(Composer, "_units", counted)
+    context = Context(environment={}, folder=tmp_path)
+    assert build(ModelRequest(tmp_path / "2.yaml"), context) is not None, context.sink.diagnostics
+    assert composed == {"0.yaml": 1, "1.yaml": 1, "2.yaml": 1}

@@ -45,7 +45,7 @@ from mjcompose.compose.elements import ElementBuilder, append_element, set_defau
 from mjcompose.compose.interface import order_elements
 from mjcompose.compose.keyframe import hold_poses, write_keyframes
 from mjcompose.compose.load import InnerModels, Key, Library, Loader, PartSource, part_sources, source_key
-from mjcompose.compose.placing import mirror_keys, scattered
+from mjcompose.compose.placing import mirror_keys, scattered, with_free_copies
 from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.boundaries import crossings
 from mjcompose.link.collect import check_files
@@ -277,13 +277,6 @@ class Composer:
         return None
 
     def _composed(self, plan: Plan, is_fixed: bool) -> Composed | None:
-        if any(step.waits for step in plan.parts):
-            found = scattered(
-                plan, lambda each: self._preview(each, is_fixed), context=self.context, session=self.loader.session
-            )
-            if found is None:
-                return None
-            plan = found
         base, *units = self._units(plan, is_fixed) or [None]
         if base is None:
             return None
@@ -291,24 +284,45 @@ class Composer:
             mirror_keys(plan, units, self.context, session=self.loader.session, notes=self.keys)
         read = [unit for unit in units if unit is not None]
         if len(read) == len(units):
+            placed = self._with_places(plan, base, read, is_fixed=is_fixed)
+            if placed is None:
+                return None
             with self.context.sink.naming_later(_later_names(plan)):
-                return self._joined(plan, base, read, is_fixed=is_fixed)
+                return self._joined(placed, base, read, is_fixed=is_fixed)
         # A model without some of its parts is only good for finding more errors.
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(part_name(step, plan.separator) for step in plan.parts if step not in kept)
+        plan = with_free_copies(plan)
         with self.context.sink.naming_later(_later_names(plan)):
             self._joined(replace(plan, parts=tuple(kept)), base, read, is_fixed=is_fixed)
         return None
 
-    def _preview(self, plan: Plan, is_fixed: bool) -> Composed | None:
-        """Compose a plan with a composer of its own. Report only errors."""
+    def _with_places(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Plan | None:
+        """Return the plan with a place for each scattered copy, or None after a reported error."""
+        if not any(step.waits for step in plan.parts):
+            return plan
+
+        def preview(free: Plan) -> Unit | None:
+            return self._preview(free, base, units, is_fixed=is_fixed)
+
+        return scattered(plan, preview, context=self.context, session=self.loader.session)
+
+    def _preview(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Unit | None:
+        """Join copies of the units, with a composer of its own, which nobody watches. Report only errors."""
         context = replace(self.context, sink=Sink(), timings=[])
         options = replace(self.options, notes_parts=self.notes_parts)
-        again = Composer(context, self.measure, self.loader.session, library=self.loader.library, options=options)
-        again.expect(plan, is_fixed)
-        composed = again._compose(plan, is_fixed)
+        aside = Composer(context, self.measure, self.loader.session, library=self.loader.library, options=options)
+        copies: list[Unit] = []
+        for unit in (base, *units):
+            copied = unit.copied()
+            copies.append(copied)
+            if self.parts:
+                pairs = zip(unit.root.iter(), copied.root.iter(), strict=True)
+                aside.parts |= {copy: self.parts[node] for node, copy in pairs if node in self.parts}
+        with journal.unrecorded(), context.sink.naming_later(_later_names(plan)):
+            composed = aside._joined(plan, copies[0], copies[1:], is_fixed=is_fixed)
         self.context.sink.extend(context.sink.errors)
-        return None if context.sink.has_errors else composed
+        return None if composed is None or context.sink.has_errors else composed.model
 
     def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence, Set
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lxml.etree import _Element as Node
 
@@ -28,9 +28,6 @@ from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 from mjcompose.tree import journal
 from mjcompose.tree.unit import KeyRecord, KeySource, Number, Unit, numbers_of
-
-if TYPE_CHECKING:
-    from mjcompose.compose.compose import Composed
 
 
 def mirror_keys(
@@ -122,19 +119,31 @@ _APART = 100.0
 """The distance in meters between the copies before they are placed."""
 
 
-def scattered(
-    plan: Plan, compose: Callable[[Plan], Composed | None], context: Context, session: engine.Session | None
-) -> Plan | None:
-    """Return the plan with a pose for each scattered copy, or None. For `compose`, the copies are free bodies."""
+def with_free_copies(plan: Plan) -> Plan:
+    """Return the plan in which scattered copies are free bodies far apart, with the steps that affect their places."""
     waiting = [step for step in plan.parts if step.waits]
-    away = {step.prefix: Pose((0.0, 0.0, _APART * (1 + n))) for n, step in enumerate(waiting)}
-    free = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]
+    if not waiting:
+        return plan
+    away = _places_apart(waiting)
+    parts = [replace(step, moved=away[step.prefix], floats=True) if step.waits else step for step in plan.parts]
     keys = {step.attachment.scatter.key for step in waiting if step.attachment.scatter is not None}
-    steps = tuple(step for step in plan.steps if _counts(step, keys))
-    if (composed := compose(replace(plan, parts=tuple(free), steps=steps))) is None:
+    return replace(plan, parts=tuple(parts), steps=tuple(step for step in plan.steps if _counts(step, keys)))
+
+
+def _places_apart(waiting: Sequence[AttachPart]) -> dict[str, Pose]:
+    return {step.prefix: Pose((0.0, 0.0, _APART * (1 + number))) for number, step in enumerate(waiting)}
+
+
+def scattered(
+    plan: Plan, preview: Callable[[Plan], Unit | None], context: Context, session: engine.Session | None
+) -> Plan | None:
+    """Return the plan with a pose for each scattered copy, or None. `preview` joins a plan with free copies."""
+    waiting = [step for step in plan.parts if step.waits]
+    away = _places_apart(waiting)
+    model = preview(with_free_copies(plan))
+    if model is None:
         return None
-    groups = [list(each) for _, each in groupby(waiting, key=lambda step: step.at)]
-    model = composed.model
+    groups = [list(copies) for _, copies in groupby(waiting, key=lambda step: step.at)]
     compiler = model.section("compiler")
     for name in ("boundmass", "boundinertia"):  # a free body needs a mass
         if not compiler.get(name):
