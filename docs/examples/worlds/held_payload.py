@@ -53,7 +53,7 @@ def in_warp(study: worlds.Worlds):
     import mujoco_warp
 
     def trial(parameters: np.ndarray) -> np.ndarray:
-        data = mujoco_warp.make_data(study.nominal, nworld=study.count)
+        data = worlds.warp_data(study)
         data.qpos.assign(np.tile(home, (study.count, 1)).astype(np.float32))
         total = np.zeros((study.count, study.nominal.nq))
         for _ in range(CYCLES):

@@ -75,6 +75,22 @@ def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> set[str]:
     }
 
 
+HEIGHTS = [0.1, 0.4, 0.25]
+
+
+def tables() -> worlds.Worlds:
+    """Worlds with tables of other heights and other geoms on them; a ball rests on each."""
+    text = """<mujoco><option timestep="0.005"/><worldbody>
+      <body name="table" pos="0 0 .2"><geom name="top" type="box" size=".5 .5 .02" pos="0 0 .1"/>
+      <geom type="box" size=".02 .02 .05" pos=".4 .4 -.1"/></body><body name="goal" mocap="true"><geom size=".1" contype="0" conaffinity="0"/></body>
+      <body pos="0 0 .9"><freejoint/><geom size=".05" mass="1"/></body></worldbody></mujoco>"""
+    return made(mujoco.MjModel.from_xml_string(text), body_pos=(5, HEIGHTS), geom_pos=(2, [0, 0.05, -0.01]))
+
+
+RESTING = [height + top + 0.07 for height, top in zip(HEIGHTS, [0, 0.05, -0.01], strict=True)]
+"""Where the balls rest."""
+
+
 TENDON = """\
 <mujoco>
   <worldbody>

@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose import worlds
-from tools.worlds.studies import ARM, arm, stepped
+from tools.worlds.studies import ARM, RESTING, arm, stepped, tables
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -63,6 +63,14 @@ def test_worlds_step_as_in_mujoco(entity: str | None) -> None:
         nominal = mujoco.MjData(study.nominal)
         mujoco.mj_step(study.nominal, nominal, 100)
         assert np.allclose(found[:, :2], nominal.qpos, atol=1e-5)
+
+
+def test_balls_rest_on_tables_of_each_world() -> None:
+    study = tables()
+    sim = simulation(study, None, worlds.mjlab(study)["worlds"])
+    for _ in range(500):
+        sim.step()
+    assert np.allclose(sim.data.qpos.cpu().numpy()[:, 2], RESTING, atol=1e-3)
 
 
 def test_what_does_not_fit() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from mjcompose import worlds
 from targets.refused import of
-from tools.worlds.studies import TENDON, arm, made, refused, stepped
+from tools.worlds.studies import RESTING, TENDON, arm, made, refused, stepped, tables
 
 
 @pytest.fixture(scope="module")
@@ -32,12 +32,25 @@ def test_worlds_step_as_in_mujoco(mjx: Any) -> None:
     assert np.ptp(np.asarray(data.qpos), axis=0).max() > 0.01
 
 
+def test_balls_rest_on_tables_of_each_world(mjx: Any) -> None:
+    import jax
+
+    study = tables()
+    model, axes = worlds.mjx(study)
+    data = jax.vmap(lambda _: mjx.make_data(study.nominal))(np.arange(study.count))
+    step = jax.jit(jax.vmap(mjx.step, in_axes=(axes, 0)))
+    for _ in range(200):
+        data = step(model, data)
+    assert np.allclose(data.qpos, stepped(study, 200), atol=1e-4)
+    assert np.allclose(data.qpos[:, 2], RESTING, atol=1e-3)
+
+
 def test_a_model_that_is_given(mjx: Any) -> None:
     """So playground and brax call it: `randomization_fn(model)`."""
     study = arm()
     model, _ = worlds.mjx(study, mjx.put_model(study.nominal).tree_replace({"opt.timestep": 0.01}))
     assert model.opt.timestep == 0.01 and model.body_mass.shape == (study.count, study.nominal.nbody)
-    with pytest.raises(mjcompose.LoadError, match="is another model than that of the worlds"):
+    with pytest.raises(mjcompose.LoadError, match="differs from the worlds' model"):
         worlds.mjx(study, mjx.put_model(mujoco.MjModel.from_xml_string(TENDON)))
 
 

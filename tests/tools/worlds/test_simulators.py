@@ -7,11 +7,13 @@ from typing import Any
 
 import mjcompose
 import mujoco
+import numpy as np
 import pytest
 from mjcompose.bundle.manifest import IndexedSensor
-from mjcompose.tools.worlds.simulators import Simulator, check_fixed_poses
+from mjcompose.tools.worlds.simulators import Simulator
+from mjcompose.tools.worlds.start import fixed_geoms, of_arrays, starts
 from mjcompose.tools.worlds.worlds import Worlds
-from tools.worlds.studies import TENDON, arm, made, refused
+from tools.worlds.studies import TENDON, arm, made, refused, tables
 
 CYLINDERS = """\
 <mujoco>
@@ -79,8 +81,7 @@ SCENE = """
     <geom name="floor" type="plane" size="5 5 .1"/>
     <body name="table" pos="0 0 .2">
       <geom name="top" type="box" size=".5 .5 .02"/>
-      <body name="lamp" pos="0 .4 .1"><geom name="shade" size=".05"/><site name="light"/></body>
-      <body name="mark" pos=".4 0 0"><site name="here"/></body>
+      <body name="lamp" pos="0 .4 .1"><geom name="shade" size=".05"/></body>
       <body name="door" pos="1 0 0"><joint axis="0 0 1"/><geom name="leaf" size=".1"/></body>
     </body>
     <body name="goal" mocap="true"><geom name="ring" size=".1" contype="0" conaffinity="0"/></body>
@@ -90,32 +91,18 @@ SCENE = """
 """
 
 
-@pytest.mark.parametrize(
-    ("element", "attribute", "is_refused"),
-    [
-        ("body/table", "pos", True),
-        ("body/lamp", "quat", True),
-        ("geom/top", "pos", True),
-        ("geom/shade", "quat", True),
-        ("geom/floor", "pos", True),
-        ("body/mark", "pos", False),
-        ("body/door", "pos", False),
-        ("geom/leaf", "pos", False),
-        ("body/goal", "pos", False),
-        ("geom/ring", "pos", False),
-        ("body/ball", "pos", False),
-        ("geom/ball", "pos", False),
-    ],
-)
-def test_worlds_that_move_what_is_fixed(element: str, attribute: str, is_refused: bool) -> None:
+def test_geoms_that_no_step_of_warp_moves() -> None:
     model = mujoco.MjModel.from_xml_string(SCENE)
-    kind, name = element.split("/")
-    number = getattr(model, kind)(name).id
-    width = 3 if attribute == "pos" else 4
-    study = made(model, **{f"{kind}_{attribute}": (number * width + 1, [0.1, 0.2])})
-    if not is_refused:
-        check_fixed_poses(study)
-        return
-    with pytest.raises(mjcompose.LoadError, match=f"and worlds move {kind} `{name}`") as caught:
-        check_fixed_poses(study)
-    assert caught.value.diagnostics[0].code == "not-per-world"
+    assert [model.geom(number).name for number in fixed_geoms(model)] == ["floor", "top", "shade"]
+
+
+def test_worlds_start_as_their_own_models() -> None:
+    study = tables()
+    data = [(each.qpos.copy(), each.geom_xpos.copy()) for each in starts(study.nominal, of_arrays(study.arrays), 3)]
+    for world, (qpos, poses) in enumerate(data):
+        model = study.model(world)
+        model.geom_sameframe[:] = 0
+        own = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, own)
+        assert (qpos == own.qpos).all() and (poses == own.geom_xpos).all()
+    assert np.ptp([poses[0, 2] for _, poses in data]) > 0.2

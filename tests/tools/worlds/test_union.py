@@ -200,7 +200,7 @@ def test_a_batch_of_a_union(both: tuple[worlds.Worlds, list[mjcompose.Loaded]]) 
 def test_warp_of_a_union(both: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
     mujoco_warp = pytest.importorskip("mujoco_warp", reason="mujoco-warp is not installed")
     found, _ = both
-    data = mujoco_warp.make_data(found.nominal, nworld=found.count, nconmax=50, njmax=200)
+    data = worlds.warp_data(found, nconmax=50, njmax=200)
     model = worlds.warp(found)
     for _ in range(100):
         mujoco_warp.step(model, data)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mjcompose import worlds
 from targets.refused import of
-from tools.worlds.studies import TENDON, arm, made, refused, stepped
+from tools.worlds.studies import RESTING, TENDON, arm, made, refused, stepped, tables
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def test_worlds_step_as_in_mujoco(mujoco_warp: Any) -> None:
     model = worlds.warp(study)
     for name in ("body_mass", "body_inertia", "body_subtreemass", "dof_invweight0", "dof_damping", "body_pos"):
         assert np.allclose(getattr(model, name).numpy(), study.values(name), rtol=1e-6), name
-    data = mujoco_warp.make_data(study.nominal, nworld=study.count)
+    data = worlds.warp_data(study)
     for _ in range(100):
         mujoco_warp.step(model, data)
     assert np.allclose(data.qpos.numpy(), stepped(study), atol=1e-5)
@@ -53,7 +53,9 @@ def test_what_is_once_for_all_worlds(mujoco_warp: Any, arrays: dict[str, Any], s
     assert caught.value.diagnostics[0].code == "not-per-world"
 
 
-@pytest.mark.parametrize(("package", "call"), [("mujoco_warp", "warp"), ("jax", "mjx"), ("mjlab", "mjlab")])
+@pytest.mark.parametrize(
+    ("package", "call"), [("mujoco_warp", "warp"), ("mujoco_warp", "warp_data"), ("jax", "mjx"), ("mjlab", "mjlab")]
+)
 def test_what_is_not_installed(monkeypatch: pytest.MonkeyPatch, package: str, call: str) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.setitem(sys.modules, "mujoco_warp", None)
@@ -69,9 +71,13 @@ def test_what_it_does_not_take(mujoco_warp: Any, given: dict[str, str], told: st
     assert told.rpartition(": ")[2] in found.message and "mujoco-warp" in str(found.notes)
 
 
-def test_the_height_of_a_fixed_table_is_refused(mujoco_warp: Any) -> None:
-    text = """<mujoco><worldbody><body name="table" pos="0 0 .2"><geom type="box" size=".5 .5 .02"/></body>
-      <body pos="0 0 1"><freejoint/><geom size=".05"/></body></worldbody></mujoco>"""
-    study = made(mujoco.MjModel.from_xml_string(text), body_pos=(5, [0.1, 0.4]))
-    with pytest.raises(mjcompose.LoadError, match="worlds move body `table`"):
-        worlds.warp(study)
+def test_balls_rest_on_tables_of_each_world(mujoco_warp: Any) -> None:
+    """The poses of what is fixed are in the data, which Warp makes from the nominal model."""
+    study = tables()
+    model = worlds.warp(study)
+    data = worlds.warp_data(study)
+    for _ in range(200):
+        mujoco_warp.step(model, data)
+    found = data.qpos.numpy()
+    assert np.allclose(found, stepped(study, 200), atol=1e-4)
+    assert np.allclose(found[:, 2], RESTING, atol=1e-3)

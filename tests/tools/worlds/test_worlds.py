@@ -21,7 +21,7 @@ from mjcompose.bundle.staging import write_folder
 from mjcompose.cli.main import main
 from mjcompose.pipeline.stages import Built, ModelRequest, build
 from mjcompose.sources.context import Context
-from tools.worlds.studies import differing
+from tools.worlds.studies import RESTING, differing, stepped, tables
 
 MODEL = """\
 <mujoco>
@@ -173,6 +173,15 @@ def test_a_batch_steps_as_the_samples_do(folder: Path, study: worlds.Worlds) -> 
             mujoco.mj_step(model, data, 100)
             assert np.allclose(batch.qpos[world], data.qpos, rtol=0, atol=tolerance)
     assert np.ptp(batch.qpos, axis=0).max() > 0.01
+
+
+def test_balls_rest_on_tables_of_each_world() -> None:
+    pytest.importorskip("mujoco.batch", reason="MuJoCo 3.17")
+    study = tables()
+    batch = worlds.mujoco(study, nthread=1)
+    batch.reset()
+    batch.step(nstep=200)
+    assert (batch.qpos == stepped(study, 200)).all() and np.allclose(batch.qpos[:, 2], RESTING, atol=1e-3)
 
 
 def test_the_same_worlds_whatever_their_number(folder: Path, study: worlds.Worlds, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import OPTION, UnsupportedElement
 from mjcompose.tools.worlds.names import LoadError, failure
+from mjcompose.tools.worlds.start import NumbersOfWorlds, of_arrays, put_starts
 from mjcompose.tools.worlds.worlds import Worlds, with_numbers
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def warp(worlds: Worlds) -> Any:
     """Return a `mujoco_warp.Model` whose arrays have a row for each world, on Warp's default device.
 
         model = worlds.warp(study)
-        data = mujoco_warp.make_data(study.nominal, nworld=study.count)
+        data = worlds.warp_data(study)
         mujoco_warp.step(model, data)
 
     Every array that differs is per world, including those that mj_setConst computes, which would be shared
@@ -80,18 +81,36 @@ def warp(worlds: Worlds) -> Any:
     play no part in its steps. Needs `mujoco_warp`; raises LoadError without it, for a model that Warp does not take,
     and for arrays that it shares between worlds.
     """
-    try:
-        import mujoco_warp
-    except ImportError as error:
-        raise failure("not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`") from error
+    mujoco_warp = _mujoco_warp()
     simulator = Simulator("warp", mujoco_warp.put_model)
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
-    check_fixed_poses(worlds)
     for name in names:
         put_worlds(model, name, worlds)
     return model
+
+
+def warp_data(worlds: Worlds, **sizes: Any) -> Any:
+    """Return a `mujoco_warp.Data` in which each world starts as its own model, on Warp's default device.
+
+        data = worlds.warp_data(study, nconmax=60, njmax=200)
+
+    `sizes` are arguments of `mujoco_warp.make_data`, which has the start of the nominal model for all worlds. No step
+    computes the poses of geoms that are fixed in the world, such as a table, so they are right only in this data.
+    Needs `mujoco_warp`; raises LoadError without it.
+    """
+    data = _mujoco_warp().make_data(worlds.nominal, nworld=worlds.count, **sizes)
+    put_starts(data, worlds.nominal, of_arrays(worlds.arrays), range(worlds.count), state=True)
+    return data
+
+
+def _mujoco_warp() -> Any:
+    try:
+        import mujoco_warp
+    except ImportError as error:
+        raise failure("not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`") from error
+    return mujoco_warp
 
 
 def per_world(model: Any, worlds: Worlds) -> list[str]:
@@ -103,52 +122,6 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
         elif hasattr(*_owner(model, name)) and is_stepped(name) and name not in unread(worlds):
             raise failure("not-per-world", f"MuJoCo Warp shares `{name}` among all worlds", _INSTEAD)
     return names
-
-
-_SHOWN = 5
-
-
-def check_fixed_poses(worlds: Worlds) -> None:
-    """Raise LoadError if fixed geoms have another pose in some world.
-
-    MuJoCo Warp 4.0 computes the poses of geoms that are fixed in the world when it makes its data, from the nominal
-    model (`_geom_local_to_global` in `smooth.py`), and no step reads the rows of other worlds.
-    """
-    model = worlds.nominal
-    names = NameTable(model)
-    moved = [
-        _called(names, kind, element)
-        for kind, holders in (("body", range(model.nbody)), ("geom", model.geom_bodyid.tolist()))
-        for element in _posed(worlds, kind)
-        if _is_fixed(model, holders[element]) and (kind == "geom" or _has_fixed_geoms(model, element))
-    ]
-    if moved:
-        listed = ", ".join(moved[:_SHOWN]) + f" and {len(moved) - _SHOWN} more" * (len(moved) > _SHOWN)
-        message = f"MuJoCo Warp computes where fixed geoms are once for all worlds, and worlds move {listed}"
-        raise failure("not-per-world", message, _INSTEAD)
-
-
-def _posed(worlds: Worlds, kind: str) -> list[int]:
-    """Return the elements whose own pose differs between worlds."""
-    found: set[int] = set()
-    for array, width in ((f"{kind}_pos", 3), (f"{kind}_quat", 4)):
-        if array in worlds.arrays:
-            found.update((worlds.arrays[array].index // width).tolist())
-    return sorted(found)
-
-
-def _is_fixed(model: MjModel, body: int) -> bool:
-    return int(model.body_weldid[body]) == 0 and int(model.body_mocapid[model.body_rootid[body]]) < 0
-
-
-def _has_fixed_geoms(model: MjModel, body: int) -> bool:
-    """Return whether a fixed body or a fixed body below it has geoms."""
-    for holder in set(model.geom_bodyid.tolist()):
-        while holder > body and _is_fixed(model, holder):
-            holder = int(model.body_parentid[holder])
-        if holder == body:
-            return True
-    return False
 
 
 def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
@@ -265,7 +238,6 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     if dotted:
         raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", _INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
-    check_fixed_poses(worlds)
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
         _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
@@ -283,13 +255,16 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         help = f"make `num_envs` {worlds.count}, or choose worlds: `study.take(range({sim.num_envs}))`"
         raise failure("bundle-changed", f"there are {sim.num_envs} environments and {worlds.count} worlds", help)
     chosen = torch.arange(sim.num_envs) if env_ids is None else env_ids.cpu()
+    written = []
     for name in names:
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
+        values = worlds.arrays[name].values[:, ours][chosen.numpy()]
+        written.append(NumbersOfWorlds(name, theirs, values))
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
-        values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
         rows = chosen[:, None].to(numbers.device)
         columns = torch.as_tensor(theirs, device=numbers.device)
-        numbers[rows, columns] = values.to(numbers.device)
+        numbers[rows, columns] = torch.as_tensor(values, dtype=numbers.dtype, device=numbers.device)
+    put_starts(sim.wp_data, sim.mj_model, written, chosen.tolist(), state=False)
 
 
 def _places(
