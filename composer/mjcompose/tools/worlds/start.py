@@ -1,4 +1,4 @@
-"""What MuJoCo Warp computes of a model when it makes its data, for each world."""
+"""The start of each world: numbers that MuJoCo Warp computes from a model when it makes its data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mjcompose.tools.worlds.worlds import Varying
 
 _STATE = ("qpos", "mocap_pos", "mocap_quat", "eq_active", "history", "plastic")
-"""What `mujoco_warp.make_data` copies from the host's data after a reset."""
+"""Arrays that `mujoco_warp.make_data` copies from the host's data after a reset."""
 _POSES = ("geom_xpos", "geom_xmat")
 
 
@@ -48,7 +48,7 @@ def of_arrays(arrays: Mapping[str, Varying]) -> list[NumbersOfWorlds]:
 def starts(model: MjModel, numbers: Sequence[NumbersOfWorlds], count: int) -> Iterator[MjData]:
     """Yield MuJoCo's data at the start of each world, always in the same memory."""
     model = copy.copy(model)
-    # These flags let MuJoCo use the pose of the body for that of a geom. A world in which it differs may lack the flag.
+    # With these flags, MuJoCo uses the pose of the body for a geom, and a world may have another pose of the geom alone.
     model.geom_sameframe[:] = 0
     model.body_sameframe[:] = 0
     data = mujoco_module.MjData(model)
