@@ -14,7 +14,6 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.distribution import CHOICE
-from mjcompose.base.draw_stream import bits
 from mjcompose.compose.editing import Editing, ExpectedCount, cost_of_draws, select_counted
 from mjcompose.compose.lengths import why_a_length
 from mjcompose.compose.values import EntryValues, Masses, UnusableValue
@@ -161,6 +160,7 @@ class _FieldDraws(Struct, frozen=False):
             value=self._in_radians(node, drawn),
             shared=entry.per == "sample",
             start=subscript or 0,
+            column=entry.column,
         )
 
     def drawn_by(self, node: Node) -> str:
@@ -197,11 +197,9 @@ class _FieldDraws(Struct, frozen=False):
         entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
         count = None if entry.distribution.is_whole or subscript is not None else self._count(node)
-        draws = []
+        draws: list[Any] = []
         for place in range(1 if count is None else count):
-            component, of = self._component(place)
-            drawn = bits(self.step.seed, sample, entry.stream, element=self._stream(node), component=component)
-            draws.append(entry.distribution.draw(drawn, of))
+            draws += self._all_drawn(node, (sample,), place)
         return draws[0] if count is None else draws
 
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:

@@ -93,7 +93,7 @@ class Scatter(Model):
 class Axis(Model):
     """A row of copies, each moved and turned relative to the previous copy; or copies on a surface."""
 
-    rules: ClassVar = (Needs({"count": "3"}, unless="scatter"), Bars("scatter", *_ROW, why="scatters its copies"))
+    rules: ClassVar = (Needs({"count": "3"}, unless=("scatter",)), Bars("scatter", *_ROW, why="scatters its copies"))
     example: ClassVar = "{count: 3, offset: [0.1, 0, 0]}"
     called: ClassVar = "an axis of `replicate`"
 

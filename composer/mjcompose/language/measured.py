@@ -9,6 +9,7 @@ from pydantic import Field, WithJsonSchema
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.joint_normal import impossible_row
 from mjcompose.base.words import with_article
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT, Model
@@ -27,6 +28,8 @@ TOPICS = ("links", "inertia", "friction", "actuators", "options")
 Number = Annotated[float | Angle, Measure()]
 NotNegative = Annotated[float | Angle, Measure(ge=0)]
 _Bounds = Annotated[tuple[Number, ...], Items(2, 2), Checked(in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")]
+ROUNDING = 0.005
+"""How far a correlation in percent may be off, as a number: files have whole percent."""
 _CODE = "measured-format"
 
 
@@ -207,15 +210,40 @@ class MeasurementFile(Model):
                 at = ("values", f"{kind} {name}", attribute)
                 message = f"{with_article(kind)} has no `{attribute}`; {with_article(wanted)} has one"
                 yield Fault("unknown-attribute", message, at, key=True, help=f"write it for the {wanted}")
+        yield from self._correlation_faults()
+
+    @property
+    def correlations(self) -> list[list[float]]:
+        """The rows below the diagonal, as numbers from -1 to 1, in the order of the numbers."""
+        if self.correlation:
+            return [[percent / 100 for percent in row] for row in self.correlation]
+        return [[0.0] * size for size in range(1, sum(len(numbers) for numbers in self.values.values()))]
+
+    def _correlation_faults(self) -> Iterator[Fault]:
+        if not self.correlation:
+            return
+        at = ("correlation",)
         size = sum(len(numbers) for numbers in self.values.values())
         lengths = [len(row) for row in self.correlation]
-        if lengths and lengths != list(range(1, size)):
+        if lengths != list(range(1, size)):
             message = f"`correlation` does not have a row below the diagonal for each of {size} numbers"
-            yield Fault(_CODE, message, ("correlation",), key=True, help="leave it out for independent numbers")
-        for index, row in enumerate(self.correlation):
-            if any(abs(percent) > 100 for percent in row):
-                message = "a correlation is between -100 and 100 percent"
-                yield Fault("out-of-range", message, ("correlation", index))
+            help = "leave it out for independent numbers"
+            if lengths == [size] * size:
+                help = "write only the numbers below the diagonal: the others are the same, or 100"
+            yield Fault(_CODE, message, at, key=True, help=help)
+            return
+        for row, percents in enumerate(self.correlation):
+            for column, percent in enumerate(percents):
+                if not abs(percent) <= 100:
+                    message = f"a correlation is between -100 and 100 percent, and this is {percent:g}"
+                    yield Fault("out-of-range", message, (*at, row, column))
+                    return
+        wrong = impossible_row(self.correlations, ROUNDING)
+        if wrong is not None:
+            words = [f"{kind} {name} {attribute}" for kind, name, attribute, _ in self.numbers]
+            message = f"no numbers have these correlations: those of `{words[wrong + 1]}` contradict the rows above"
+            help = "fit the recordings again, or leave `correlation` out for independent numbers"
+            yield Fault(_CODE, message, (*at, wrong), help=help)
 
 
 class MeasuredValue(Struct):

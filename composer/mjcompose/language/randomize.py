@@ -24,8 +24,9 @@ from mjcompose.language.distribution import (
     read,
 )
 from mjcompose.language.forms.context import Rows, Settings
-from mjcompose.language.forms.model import IT, OWNER, Bars, Model, Needs, OneOf
+from mjcompose.language.forms.model import IT, OWNER, Bars, Belongs, Model, Needs, OneOf
 from mjcompose.language.forms.scalars import Checked, Count, Expects, Name, Selects, Text, whole
+from mjcompose.language.measured import KINDS as MEASURED_KINDS
 from mjcompose.language.select import NARROWED, kinds_of
 from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.language.variation import NO_EMIT
@@ -33,6 +34,8 @@ from mjcompose.tree.grammar import Attribute
 from mjcompose.tree.pattern import Selector
 
 _OF_ELEMENTS = ("select", "attr", "per", "expect", "optional")
+_OF_MEASURED = ("param", "attr", "per", "group", "expect")
+FROM = "from"
 _SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
 
@@ -41,11 +44,14 @@ class DrawField(Model):
 
     rules: ClassVar = (
         Bars("param", *_OF_ELEMENTS, why="draws a parameter"),
-        Needs({"select": '{geom: "**"}', "attr": "friction"}, unless="param"),
+        Bars(FROM, *_OF_MEASURED, why="draws measured numbers"),
+        Belongs("widen", to=FROM),
+        Needs({"select": '{geom: "**"}', "attr": "friction"}, unless=("param", FROM)),
         OneOf(
             *KINDS,
             "scale",
             "offset",
+            FROM,
             lacks="has no distribution",
             noun="key",
             help="give the other a field of its own",
@@ -69,6 +75,11 @@ class DrawField(Model):
     """a distribution of factors"""
     offset: DrawnChange | None = None
     """a distribution of the amount to add"""
+    source: Literal["measured"] | None = Field(None, alias="from")
+    """`measured` draws the numbers of the recipe's file of measurements together, with their standard deviations and
+    correlations, within their ranges; `select` draws only some of them"""
+    widen: Annotated[float, Field(gt=0)] = 1.0
+    """a factor for the standard deviations of measured numbers"""
     per: Literal["element", "body", "part", "sample"] = "element"
     """a draw for each element, for each body, for each part, or one for all in a sample"""
     group: Annotated[Text, Expects("the name of a group", "wear")] | None = None
@@ -85,7 +96,9 @@ class DrawField(Model):
     @property
     def operation(self) -> Operation:
         """How a draw is used: as the value, as a factor, or as an offset."""
-        return "set" if self.written else "scale" if self.scale is not None else "offset"
+        if self.written or self.source is not None:
+            return "set"
+        return "scale" if self.scale is not None else "offset"
 
     @cached_property
     def _read(self) -> tuple[str, FieldDistribution | Fault]:
@@ -95,9 +108,16 @@ class DrawField(Model):
 
     @property
     def distribution(self) -> FieldDistribution:
+        if self.source is not None:
+            return FieldDistribution(self.source, {"widen": (self.widen,)})
         found = self._read[1]
         assert isinstance(found, FieldDistribution)
         return found
+
+    @property
+    def column(self) -> str | None:
+        """The name of its column in a table, if that is not made of the field and the element."""
+        return None
 
     @property
     def stream(self) -> str:
@@ -106,6 +126,8 @@ class DrawField(Model):
 
     @property
     def _of_distribution(self) -> Path:
+        if self.source is not None:
+            return (FROM,)
         return (self._read[0],) if self.written else (self.operation, self._read[0])
 
     @property
@@ -116,18 +138,38 @@ class DrawField(Model):
     @property
     def words(self) -> str:
         """The drawn value, its element, and its distribution, as `plan` prints it on one line."""
+        if self.source is not None:
+            which = "the measured numbers" if self.select is None else f"the measured numbers of {self.select}"
+            widened = "" if self.widen == 1 else f", with {value_text(self.widen)} times their standard deviations"
+            return f"draw {self.name}: {which}, together{widened}"
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""
         return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.distribution}{shared}{grouped}"
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
+        if self.source is not None:
+            yield from self._selection_faults()
+            return
         at = self._of_distribution
         found = self._read[1]
         if isinstance(found, Fault):
             yield replace(found, at=at)
         elif self.select is not None:
             yield from _attribute_faults(self, self.select, at, bare_angles=context.bare_angles)
+
+    def _selection_faults(self) -> Iterator[Fault]:
+        """Yield the fault of a selection of measured numbers, which are known by the names of their elements alone."""
+        selector = self.select
+        if selector is None:
+            return
+        narrowed = selector.parent or selector.inside or selector.part or selector.dclass or selector.where
+        if selector.tag not in MEASURED_KINDS:
+            message = f"a file of measurements has no numbers of `{selector.tag}`"
+            yield Fault("selector", message, ("select",), help=f"select one of {', '.join(MEASURED_KINDS)}")
+        elif narrowed:
+            message = f"{OWNER} selects measured numbers, by the names of their elements alone"
+            yield Fault("selector", message, ("select",), help=f"write `select: {{{selector.tag}: GLOB}}`")
 
 
 def _attribute_faults(field: DrawField, selector: Selector, at: Path, *, bare_angles: bool) -> Iterator[Fault]:
@@ -241,3 +283,7 @@ class Randomize(Model):
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:
         return tuple(each for each in self.fields if each.param is not None)
+
+    @property
+    def of_measured(self) -> tuple[DrawField, ...]:
+        return tuple(each for each in self.fields if each.source is not None)

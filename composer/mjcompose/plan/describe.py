@@ -156,12 +156,23 @@ def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
         yield f"{inner}attach {_name(part, last[part.at])}: {_model(part)}, {_place_words(part)}"
         yield from _own_lines(plan, part, preview=preview, indent=inner + "  ")
     yield from (inner + field.words for field in (plan.randomize.of_parameters if plan.randomize else ()))
+    yield from (inner + words for words in _measured_draws(plan))
     for step in plan.steps:
         if isinstance(step, EditElements):
             yield from _edit_lines(step.edit, preview.edits.get(plan.place_of(step.edit.at)), inner)
         elif step not in early:
             yield inner + step.words
     yield from (inner + words for words in checks_of(plan))
+
+
+def _measured_draws(plan: Plan) -> Iterator[str]:
+    """Yield a line for each field that draws measured numbers, and below it one for each number."""
+    if plan.measured_draws is None:
+        return
+    lines = list(plan.measured_draws.lines)
+    for field in plan.measured_draws.randomize.of_measured:
+        yield field.words
+        yield from (f"  {words}" for drawing, words in lines if drawing is field)
 
 
 def _name(part: AttachPart, last: str) -> str:

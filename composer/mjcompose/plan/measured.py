@@ -34,6 +34,10 @@ from mjcompose.tree.pattern import fitter, is_pattern
 
 KEY = "measured"
 _EDIT = "edit"
+NumberPlace = tuple[tuple[str, ...], str]
+"""The path of a number in a file of measurements, and the name in the recipe of an element with it."""
+Replaced = Map[NumberPlace, float]
+"""Numbers that take the place of those in the file, in MuJoCo's units."""
 
 
 class Measurements(Struct):
@@ -54,10 +58,20 @@ class Measurements(Struct):
     @property
     def applied(self) -> Iterator[MeasuredValue]:
         """Yield the numbers that the model gets, each with the names of the elements that get it."""
+        yield from self.applied_with({})
+
+    def applied_with(self, replaced: Replaced) -> Iterator[MeasuredValue]:
+        """Yield the same, and numbers with a replacement."""
         for value in self.values:
-            names = tuple(name for name in value.names if self._is_selected(value.kind, name))
-            if value.is_applied and names:
+            names = tuple(
+                name for name in self.selected_names(value) if value.is_applied or (value.path, name) in replaced
+            )
+            if names:
                 yield replace(value, names=names)
+
+    def selected_names(self, value: MeasuredValue) -> tuple[str, ...]:
+        """Return the names of the elements of a number that `only` selects."""
+        return tuple(name for name in value.names if self._is_selected(value.kind, name))
 
     def _is_selected(self, kind: str, name: str) -> bool:
         only = self.use.only
@@ -165,9 +179,14 @@ def _near(path: Path) -> str | None:
     return nearest(path.name, names)
 
 
-def with_edits(document: Mapping, measurements: Measurements) -> Mapping:
+def with_edits(document: Mapping, measurements: Measurements, replaced: Replaced | None = None) -> Mapping:
     """Return the recipe with an entry of `edit` for each measured number, after its own entries."""
-    entries = [_entry(measurements, value, name) for value in measurements.applied for name in value.names]
+    replaced = replaced or {}
+    entries = [
+        _entry(measurements, value, name, replaced.get((value.path, name)))
+        for value in measurements.applied_with(replaced)
+        for name in value.names
+    ]
     key, written = document.entries.get(_EDIT, (Key(_EDIT, measurements.span), Sequence((), measurements.span)))
     if not isinstance(written, Sequence):
         return document
@@ -175,20 +194,23 @@ def with_edits(document: Mapping, measurements: Measurements) -> Mapping:
     return Mapping({**document.entries, _EDIT: (key, edits)}, document.span)
 
 
-def _entry(measurements: Measurements, value: MeasuredValue, name: str) -> Mapping:
+def _entry(measurements: Measurements, value: MeasuredValue, name: str, replacement: float | None) -> Mapping:
     """Return the entry for one element; its names and values have their places in the file."""
     owner = locate(measurements.document, value.path[:-1], key=True)
     at_number = measurements.span_of(value, key=True)
     number = locate(measurements.document, (*value.path, "value"))
     verb = "calibrate" if value.attribute in (ZERO, DELAY) else "set"
-    changes = _mapping({_word_for_set(value): _scalar(value.number.value, number)}, at_number)
+    new = value.number.value
+    if replacement is not None:
+        new = Angle(replacement, "rad") if isinstance(new, Angle) else replacement
+    changes = _mapping({word_for_set(value): _scalar(new, number)}, at_number)
     # An element that does not exist is reported with the names of the model, when that is composed.
     return _mapping(
         {"select": _selector(value.kind, name, owner), "optional": _scalar(True, owner), verb: changes}, at_number
     )
 
 
-def _word_for_set(value: MeasuredValue) -> str:
+def word_for_set(value: MeasuredValue) -> str:
     """Return the attribute of a number with an index if it may have several: the others keep their values."""
     attributes = [each.attributes.get(value.attribute) for each in kinds_of(value.kind)]
     has_several = any(
@@ -201,8 +223,17 @@ def _word_for_set(value: MeasuredValue) -> str:
 def _selector(kind: str, name: str, span: Span) -> Mapping:
     if not is_pattern(name):
         return _mapping({kind: _scalar(name, span)}, span)
-    everything = {kind: _scalar("**", span), "where": _scalar(f"${{name == {json.dumps(name)}}}", span)}
+    everything = {kind: _scalar("**", span), "where": _scalar(condition_of(name), span)}
     return _mapping(everything, span)
+
+
+def condition_of(name: str) -> str:
+    """Return the `where` that selects a name with characters of a glob.
+
+    >>> condition_of("el{bow}")
+    '${name == "el{bow}"}'
+    """
+    return f"${{name == {json.dumps(name)}}}"
 
 
 def _mapping(entries: Map[str, Node], span: Span) -> Mapping:

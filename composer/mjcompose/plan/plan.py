@@ -41,13 +41,15 @@ if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField, Randomize
     from mjcompose.link.subtree import DroppedElement, Subtree
     from mjcompose.plan.measured import Measurements
+    from mjcompose.plan.measured_draws import DrawnNumber, MeasuredDraws
 
 
 class Drawn(Struct):
     """A draw for an attribute of an element, or (`element` None) for the parameter `attribute`.
 
     `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have the
-    same draw. Angles are in radians, or in the unit of the parameter; `start` is the first component.
+    same draw. Angles are in radians, or in the unit of the parameter; `start` is the first component. `column` is the
+    name of its column in a table, if that is not made of the field and the element.
     """
 
     field: str
@@ -57,6 +59,7 @@ class Drawn(Struct):
     value: Value
     shared: bool = False
     start: int = 0
+    column: str | None = None
 
     def columns(self) -> list[tuple[str, Value]]:
         """Return the numbers, each with the name of its column in a table of samples.
@@ -65,6 +68,7 @@ class Drawn(Struct):
         [('camera[top][0]', 0.1), ('camera[top][1]', 0.2)]
         """
         name = self.field if self.shared or self.element is None else f"{self.field}[{self.element}]"
+        name = self.column or name
         if isinstance(self.value, tuple):
             return [(f"{name}[{index}]", each) for index, each in enumerate(self.value)]
         return [(name, self.value)]
@@ -79,7 +83,7 @@ class ElementDraws(Struct):
     """
 
     first: Drawn
-    field: DrawField
+    field: DrawField | DrawnNumber
     name: str | None
     place: tuple[str, int, int] | None
     tag: str
@@ -287,7 +291,8 @@ class Plan(Struct):
     worlds: bool = False
     """Whether the samples are worlds of this model."""
     drawn: tuple[Drawn, ...] = ()
-    """The parameters that were drawn for the sample."""
+    """The parameters and the measured numbers that were drawn for the sample."""
+    measured_draws: MeasuredDraws | None = None
     variants: Mapping[str, str] = field(default_factory=dict)
     """The chosen variants only."""
     source: Source | None = None

@@ -25,7 +25,14 @@ from mjcompose.plan.locked import use_lock
 from mjcompose.plan.matrix import draw_parameters, read_matrix
 from mjcompose.plan.parts import check_part_names, check_pieces, copies, inner_recipes, without_rings
 from mjcompose.plan.plan import BASE, AttachPart, Drawn, Plan
-from mjcompose.plan.read import Given, ValidRecipe, files_of_recipe, folder_of, validated_recipe
+from mjcompose.plan.read import (
+    Given,
+    ValidRecipe,
+    files_of_recipe,
+    folder_of,
+    validated_recipe,
+    with_replaced_numbers,
+)
 from mjcompose.plan.steps import (
     AddElement,
     AngleContext,
@@ -54,6 +61,7 @@ from mjcompose.tree.grammar import GRAMMAR, to_text
 if TYPE_CHECKING:
     from mjcompose.language.randomize import Randomize
     from mjcompose.plan.measured import Measurements
+    from mjcompose.plan.measured_draws import MeasuredDraws
 
 STEPS: tuple[type[Step], ...] = (
     AddElement,
@@ -141,6 +149,7 @@ class _LoadedRecipe(Struct):
     sample: int = 0
     drawn: tuple[Drawn, ...] = ()
     measured: Measurements | None = None
+    measured_draws: MeasuredDraws | None = None
 
 
 def compiler_settings(attachment: Attachment) -> CompilerSettings:
@@ -195,6 +204,14 @@ class _Planner:
                 document = valid.document
                 concrete = valid.concrete
                 randomize = recipe.randomize
+        measured_draws = self._measured_draws(valid, randomize)
+        if measured_draws is not None and self.sample:
+            replaced = with_replaced_numbers(valid, measured_draws.replaced(self.sample), self.sink)
+            if replaced is None:
+                return None
+            recipe = replaced.recipe
+            document = replaced.document
+            drawn += tuple(measured_draws.records(self.sample))
         name, sample = (None, 0) if outer else (self.name, self.sample)
         loaded = _LoadedRecipe(
             name or recipe.name or as_text(own_name(path)),
@@ -209,6 +226,7 @@ class _Planner:
             sample=sample,
             drawn=drawn,
             measured=valid.measured,
+            measured_draws=measured_draws,
         )
         return self._assembled(loaded, (*outer, (key, span)))
 
@@ -242,7 +260,7 @@ class _Planner:
         if base is not None and base.attachment.is_placed:
             members = (base, *members)
             base = None
-        written = WrittenRecipe(recipe, document, loaded.randomize, sample=loaded.sample, worlds=self.worlds)
+        written = self._written(loaded)
         steps = tuple(step for kind in STEPS for step in kind.of(written))
         plan = Plan(
             loaded.name,
@@ -263,6 +281,7 @@ class _Planner:
             datasheets=recipe.datasheets,
             identify=recipe.identify,
             measured=loaded.measured,
+            measured_draws=loaded.measured_draws,
             randomize=loaded.randomize,
             sample=loaded.sample,
             worlds=self.worlds,
@@ -273,6 +292,37 @@ class _Planner:
         )
         check_part_names(plan, self.sink)
         return plan if self._may_have(plan) else None
+
+    def _written(self, loaded: _LoadedRecipe) -> WrittenRecipe:
+        """Return the recipe as its steps read it."""
+        draws = loaded.measured_draws
+        written = WrittenRecipe(
+            loaded.recipe, loaded.document, loaded.randomize, sample=loaded.sample, worlds=self.worlds
+        )
+        if draws is None:
+            return written
+        if self.worlds:
+            return replace(written, numbers_of_worlds=tuple(draws.for_worlds(loaded.document, self.sink)))
+        return replace(written, draw_words=draws.edit_words(loaded.sample) if loaded.sample else {})
+
+    def _measured_draws(self, valid: ValidRecipe, randomize: Randomize | None) -> MeasuredDraws | None:
+        """Return the draws of measured numbers, if the recipe has any; None after reported errors."""
+        if randomize is None or not randomize.of_measured or self.context.as_designed:
+            return None
+        if valid.measured is None:
+            if valid.recipe.measured is None:  # another error is reported
+                drawing = randomize.of_measured[0]
+                message = f"field `{drawing.name}` draws measured numbers, and the recipe has no `measured`"
+                span = locate(valid.document, drawing.drawn_at)
+                help = "name the file of measurements: `measured: robots/A12.yaml`"
+                self.sink.error("missing-key", message, span, help=help)
+            return None
+        from mjcompose.plan.measured_draws import measured_draws  # few recipes draw measured numbers
+
+        document = valid.document
+        draws = measured_draws(randomize, valid.measured, document, valid.recipe.separator, self.sink)
+        samples = (self.sample,) if self.sample else range(1, randomize.samples + 1)
+        return draws if draws is not None and draws.check(samples, document, self.sink) else None
 
     def _may_nest(self, depth: int, span: Span | None) -> bool:
         """Return whether one more recipe may be planned: nesting two recipes in each level grows exponentially."""

@@ -69,7 +69,7 @@ from mjcompose.urdf.robot import SCHEMES
 from mjcompose.urdf.xacro import files_named, is_template as is_template_urdf
 
 if TYPE_CHECKING:
-    from mjcompose.plan.measured import Measurements
+    from mjcompose.plan.measured import Measurements, Replaced
 
 Given = AbcMapping[str, Node]
 """Values of parameters and variants by name, each with the place that sets it."""
@@ -82,7 +82,8 @@ _KEPT = 256
 class ValidRecipe(NamedTuple):
     """A recipe without faulty pieces, whose names are `lost`, its tree, and its expansion, None for no mapping.
 
-    `measured` is the file of measurements that it uses, whose numbers are among its edits.
+    `measured` is the file of measurements that it uses, whose numbers are among its edits; `written` is the tree
+    without them.
     """
 
     recipe: Recipe
@@ -90,6 +91,7 @@ class ValidRecipe(NamedTuple):
     concrete: Concrete | None
     lost: frozenset[str]
     measured: Measurements | None = None
+    written: Mapping | None = None
 
 
 def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | None:
@@ -129,7 +131,22 @@ def _with_measurements(read: ValidRecipe, context: Context) -> ValidRecipe | Non
     valid = validate_what_remains(with_edits(read.document, found), context.sink)
     if valid is None:
         return None
-    return read._replace(recipe=valid.recipe, document=valid.document, lost=read.lost | valid.lost, measured=found)
+    return read._replace(
+        recipe=valid.recipe,
+        document=valid.document,
+        lost=read.lost | valid.lost,
+        measured=found,
+        written=read.document,
+    )
+
+
+def with_replaced_numbers(read: ValidRecipe, replaced: Replaced, sink: Sink) -> ValidRecipe | None:
+    """Return a recipe with other numbers in the place of those in its file of measurements."""
+    from mjcompose.plan.measured import with_edits
+
+    assert read.written is not None and read.measured is not None
+    valid = validate_what_remains(with_edits(read.written, read.measured, replaced), sink)
+    return None if valid is None else read._replace(recipe=valid.recipe, document=valid.document)
 
 
 def _values(given: Given) -> tuple[tuple[str, str], ...]:

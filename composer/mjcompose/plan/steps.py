@@ -25,6 +25,7 @@ from mjcompose.text.node import Mapping, Node, locate, to_python
 
 if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField, Randomize
+    from mjcompose.plan.measured_draws import DrawnNumber
 
 SETTINGS = ("angle", "eulerseq")
 
@@ -78,13 +79,19 @@ def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
 
 
 class WrittenRecipe(Struct):
-    """A recipe with its draws, and the place of each value in its document."""
+    """A recipe with its draws, and the place of each value in its document.
+
+    `draw_words` has words about the draw of a measured number by its place, `numbers_of_worlds` are the measured
+    numbers that differ between worlds.
+    """
 
     recipe: Recipe
     document: Mapping
     randomize: Randomize | None
     sample: int
     worlds: bool = False
+    draw_words: Map[Span, str] = dataclasses.field(default_factory=dict)
+    numbers_of_worlds: tuple[DrawnNumber, ...] = ()
 
     def span(self, at: Path, key: bool = False) -> Span:
         """Return the place of a value in the recipe, or of its key."""
@@ -228,7 +235,7 @@ class DrawValues(Step):
 
     waits: ClassVar[bool] = True
     sections: ClassVar[tuple[str, ...]] = ("randomize",)
-    field: DrawField
+    field: DrawField | DrawnNumber
     seed: int
     sample: int
     samples: int
@@ -238,13 +245,13 @@ class DrawValues(Step):
     @classmethod
     def of(cls, source: WrittenRecipe) -> Iterator[Step]:
         randomize = source.randomize
-        if randomize is not None:
-            for field in randomize.fields:
-                if randomize is not None and field.select is not None:
-                    span = source.span(field.drawn_at)
-                    yield cls(
-                        field, randomize.seed, source.sample, samples=randomize.samples, span=span, tabled=source.worlds
-                    )
+        if randomize is None:
+            return
+        fields: list[DrawField | DrawnNumber] = [*source.numbers_of_worlds]
+        fields += [field for field in randomize.fields if field.select is not None and field.source is None]
+        for field in fields:
+            span = source.span(field.drawn_at)
+            yield cls(field, randomize.seed, source.sample, samples=randomize.samples, span=span, tabled=source.worlds)
 
     @property
     def words(self) -> str:
@@ -263,14 +270,18 @@ class EditElements(Step):
     sections: ClassVar[tuple[str, ...]] = ("edit",)
     edit: Edit
     span: Span
+    draw: str = ""
+    """What drew the number of a measured one, in words."""
 
     @classmethod
     def of(cls, source: WrittenRecipe) -> Iterator[Step]:
-        yield from (cls(edit, source.span(edit.at)) for edit in source.recipe.edit)
+        for edit in source.recipe.edit:
+            span = source.span(edit.at)
+            yield cls(edit, span, source.draw_words.get(span, ""))
 
     @property
     def words(self) -> str:
-        return self.edit.words
+        return f"{self.edit.words}, {self.draw}" if self.draw else self.edit.words
 
 
 @dataclass(frozen=True, slots=True)

@@ -120,6 +120,7 @@ _ALTERNATIVES: dict[MergePath, tuple[tuple[tuple[str, ...], ...], ...]] = {
             ("integers",),
             ("scale",),
             ("offset",),
+            ("from", "widen"),
         ),
     ),
 }

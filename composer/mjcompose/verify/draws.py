@@ -32,6 +32,7 @@ from mjcompose.verify.compile import WHOLE
 if TYPE_CHECKING:
     from mjcompose.language.randomize import DrawField
     from mjcompose.mujoco.model_types import MjModel
+    from mjcompose.plan.measured_draws import DrawnNumber
 
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
@@ -119,7 +120,9 @@ class DrawTable:
             of = {"type": each.family, "name": each.name or "", "id": found["id"]}
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
-    def _fault(self, field: DrawField, message: str, instead: str = "", *, advice: str | None = None) -> None:
+    def _fault(
+        self, field: DrawField | DrawnNumber, message: str, instead: str = "", *, advice: str | None = None
+    ) -> None:
         help = "build without `--as worlds`" + (f", {instead}" if instead else ", so each sample is a model")
         help = help if advice is None else advice
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
@@ -155,8 +158,8 @@ def _field(field: DrawField) -> dict[str, Any]:
     distribution = field.distribution
     parameters = {name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()}
     return {
-        "select": str(field.select),
-        "attribute": field.attr,
+        "select": None if field.select is None else str(field.select),
+        "attribute": field.attr or None,
         "operation": field.operation,
         "per": field.per,
         "distribution": distribution.kind,

@@ -83,3 +83,17 @@ def test_what_is_wrong(edit: str, code: str, text: str, tmp_path: Path) -> None:
     (error,) = context.sink.errors
     assert bundle is None
     assert (error.code, error.help) == (code, text)
+
+
+def test_a_hinge_without_a_range_has_a_zero(tmp_path: Path) -> None:
+    free = MODEL.replace(' class="limited"', "", 2).replace('<joint name="j"', '<joint name="j" limited="auto"')
+    (tmp_path / "free.xml").write_text(free.format(angle="degree", range="0 1"))
+    text = (
+        "recipe: 1\nallow: [license-missing]\nbase: ./free.xml\nedit: [{select: {joint: j}, calibrate: {zero: 2deg}}]\n"
+    )
+    (tmp_path / "free.yaml").write_text(text)
+    made = build(ModelRequest(tmp_path / "free.yaml"), Context(folder=tmp_path))
+    assert made is not None
+    model = mujoco.MjModel.from_xml_string(made.bundle.files[made.bundle.model].decode())
+    assert model.qpos0[0] == pytest.approx(np.radians(2))
+    assert not model.jnt_limited[0]

@@ -44,7 +44,8 @@ def _move_zero(entry: Entry, joint: Node, index: int, zero: float | Angle, at: P
     change.carry_out(joint, index, {"ref": written}, at=at)
     if any(numbers.read(editing.effective(joint, "stiffness") or "0")):
         change.carry_out(joint, index, {"springref": written}, at=at)
-    if editing.effective(joint, "range") and is_limited_by_range(editing, joint, "limited"):
+    ends = set(numbers.read(editing.effective(joint, "range") or ""))
+    if len(ends) > 1 and is_limited_by_range(editing, joint, "limited"):
         change.carry_out(joint, index, {"range": written}, at=at)
 
 

@@ -347,23 +347,26 @@ class Bars:
 
 
 class Needs:
-    """Some keys are required unless another one is written. `examples` has a value for each."""
+    """Some keys are required unless another one is written, such as the first of `unless`, which messages name.
 
-    def __init__(self, examples: Mapping[str, str], *, unless: str) -> None:
+    `examples` has a value for each required key.
+    """
+
+    def __init__(self, examples: Mapping[str, str], *, unless: tuple[str, ...]) -> None:
         self.examples = examples
         self.unless = unless
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         known = model.key_names()
-        meant = {near for key in value if key not in known for near in closest(key, (*self.examples, self.unless))}
-        if self.unless in value or self.unless in meant:
+        meant = {near for key in value if key not in known for near in closest(key, (*self.examples, *self.unless))}
+        if any(name in value or name in meant for name in self.unless):
             return
         for name, example in self.examples.items():
             if name not in value and name not in meant:
-                help = f"write `{name}: {example}`, or `{self.unless}` in its place"
+                help = f"write `{name}: {example}`, or `{self.unless[0]}` in its place"
                 yield Fault("missing-key", f"{IT} lacks `{name}`", key=True, help=help, lacks=name)
 
     def schema(self) -> Iterator[Schema]:
-        message = f"write {', '.join(f'`{name}`' for name in self.examples)}, or `{self.unless}`"
+        message = f"write {', '.join(f'`{name}`' for name in self.examples)}, or `{self.unless[0]}`"
         needed = {"required": [*self.examples], "errorMessage": message}
-        yield {"if": {"properties": {self.unless: False}}, "then": needed}
+        yield {"if": {"properties": dict.fromkeys(self.unless, False)}, "then": needed}
