@@ -86,8 +86,9 @@ def test_what_is_wrong(edit: str, code: str, text: str, tmp_path: Path) -> None:
 
 
 def test_a_hinge_without_a_range_has_a_zero(tmp_path: Path) -> None:
-    free = MODEL.replace(' class="limited"', "", 2).replace('<joint name="j"', '<joint name="j" limited="auto"')
-    (tmp_path / "free.xml").write_text(free.format(angle="degree", range="0 1"))
+    (tmp_path / "free.xml").write_text(
+        '<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody></mujoco>'
+    )
     text = (
         "recipe: 1\nallow: [license-missing]\nbase: ./free.xml\nedit: [{select: {joint: j}, calibrate: {zero: 2deg}}]\n"
     )
