@@ -141,7 +141,7 @@ def _with_measurements(read: ValidRecipe, context: Context) -> ValidRecipe | Non
 
 
 def with_replaced_numbers(read: ValidRecipe, replaced: Replaced, sink: Sink) -> ValidRecipe | None:
-    """Return a recipe with other numbers in the place of those in its file of measurements."""
+    """Return a recipe with other numbers instead of those in its file of measurements."""
     from mjcompose.plan.measured import with_edits
 
     assert read.written is not None and read.measured is not None

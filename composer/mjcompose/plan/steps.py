@@ -271,7 +271,7 @@ class EditElements(Step):
     edit: Edit
     span: Span
     draw: str = ""
-    """What drew the number of a measured one, in words."""
+    """The words for the draw of a measured number; empty if it is not drawn."""
 
     @classmethod
     def of(cls, source: WrittenRecipe) -> Iterator[Step]:
