@@ -209,15 +209,33 @@ def test_zeros_and_delays_are_drawn(tmp_path: Path) -> None:
         ("robot: {from: measured, per: part}", "A12.yaml", "", "wrong-type", "draws measured numbers"),
         ("robot: {from: measured, uniform: [0, 1]}", "A12.yaml", "", "wrong-type", "only one is allowed"),
         ("robot: {param: x, from: measured}", "A12.yaml", "", "wrong-type", "draws measured numbers"),
-        ("robot: {select: {joint: pan}, attr: damping, uniform: [0, 1], widen: 2}", "A12.yaml", "", "unknown-key", "belongs to `from`"),
+        (
+            "robot: {select: {joint: pan}, attr: damping, uniform: [0, 1], widen: 2}",
+            "A12.yaml",
+            "",
+            "unknown-key",
+            "belongs to `from`",
+        ),
         ("robot: {from: measured, widen: 0}", "A12.yaml", "", "out-of-range", "0"),
         ("robot: {from: measured, select: {joint: pam}}", "A12.yaml", "", "selector", "did you mean `pan`?"),
         ("robot: {from: measured, select: {camera: top}}", "A12.yaml", "", "selector", "no numbers of `camera`"),
-        ("robot: {from: measured, select: {joint: pan, in: {body: a}}}", "A12.yaml", "", "selector", "names of their elements alone"),
+        (
+            "robot: {from: measured, select: {joint: pan, in: {body: a}}}",
+            "A12.yaml",
+            "",
+            "selector",
+            "names of their elements alone",
+        ),
         ("robot: {from: measured}", "A12.yaml", "joint pan: {damping: {value: 1}}", "missing-key", "without `std`"),
-        ("robot: {from: measured}", "A12.yaml", "joint pan: {damping: {value: 5, std: 1.0e-3, range: [4.9999999, 5]}, armature: {value: 0, std: 1, range: [0, 1.0e-6]}}", "out-of-range", "no draw of sample 1"),
+        (
+            "robot: {from: measured}",
+            "A12.yaml",
+            "joint pan: {damping: {value: 5, std: 1.0e-3, range: [4.9999999, 5]}, armature: {value: 0, std: 1, range: [0, 1.0e-6]}}",
+            "out-of-range",
+            "no draw of sample 1",
+        ),
     ],
-)  # fmt: skip
+)
 def test_faults_have_a_place(fields: str, use: str, file: str, code: str, text: str, tmp_path: Path) -> None:
     if file:
         (tmp_path / "A12.yaml").write_text(f"measured: 1\nvalues:\n  {file}\n")
