@@ -189,3 +189,15 @@ def test_inside_robots_of_menagerie(editor: Editor) -> None:
     found = offered(editor, text.replace("actuator: gripper/fingers_actuator", f"actuator: {MARK}"), name, text)
     assert "gripper/fingers_actuator" in labels(found)
     assert "shoulder_pan" in labels(found)
+
+
+def test_a_terrain_has_the_keys_of_its_kind(editor: Editor) -> None:
+    def here(marked: str) -> list[str]:
+        return labels(editor.complete(f"recipe: 1\nasset:\n  hfield:\n    ground: {{{marked}}}\n", "land.yaml"))
+
+    assert {"terrain", "file"} <= set(here(MARK))
+    assert {"rough", "stairs", "boxes"} <= set(here(f"terrain: {{kind: {MARK}}}"))
+    keys = here(f"terrain: {{kind: stairs, {MARK}}}")
+    assert {"rise", "tread", "difficulty"} <= set(keys)
+    assert "kind" not in keys
+    assert "rough" in here(f"terrain: {{columns: [{MARK}]}}")

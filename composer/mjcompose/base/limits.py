@@ -47,6 +47,7 @@ class Limits(Struct):
         100_000_000,
         "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
+    heights: int = _limit(4_000_000, "the heights of one terrain that a recipe makes")
     parts: int = _limit(10_000, "the parts of a recipe, including nested recipes and all copies")
     copies: int = _limit(10_000, "the copies that one `replicate` of a recipe makes, and the turns of one `for`")
     attributes: int = _limit(1000, "the attributes of one element")

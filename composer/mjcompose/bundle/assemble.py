@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, real_path
 from mjcompose.bundle import manifest as entries
-from mjcompose.bundle.bundle import MODEL, Bundle, BundleError, Licenses, license_files, picture_of
+from mjcompose.bundle.bundle import MODEL, TERRAIN, Bundle, BundleError, Licenses, license_files, picture_of
 from mjcompose.link.collect import collect
 from mjcompose.link.linking import FileUse
 from mjcompose.plan.plan import PartRecord, Plan
@@ -172,13 +172,17 @@ _OF_THE_LOCK = ("lock-stale", "source-changed")
 """Warnings that do not affect the model: it is the same with an old lock and without one."""
 
 
-def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
+def assemble(
+    plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context, *, terrain: bytes | None = None
+) -> Bundle | None:
     """Return the bundle without its manifest, or None if a file is missing."""
     before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, shown=context.shown)
     try:
         files.update(_licenses(sources(plan)).files)
+        if terrain is not None:
+            files[TERRAIN] = terrain
         if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})

@@ -192,6 +192,7 @@ LARGEST_MANIFEST = 64 << 20
 """The bytes of a manifest that is read."""
 DRAWS = "randomize.json"
 WORLDS = "worlds.npz"
+TERRAIN = "terrain.json"
 _DRIVE = re.compile(r"[A-Za-z]:")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 

@@ -89,6 +89,7 @@ from mjcompose.tree.unit import Unit, Watch, nobody
 if TYPE_CHECKING:
     from mjcompose.compose.edits import ModelEdits
     from mjcompose.compose.mesh_jobs import MeshWorkshop
+    from mjcompose.compose.terrain import MadeTerrain
 
 Result = TypeVar("Result")
 # Other additions would change the mass that `settotalmass` of the base gives each body: MuJoCo scales the whole model
@@ -108,6 +109,7 @@ class Composed(Struct):
     """One flat model and the contents of its manifest; `tables` has elements of sources that are not MJCF.
 
     `merged` has the names of assets that were merged into equal ones, by kind, each with the name of the other one.
+    `terrain` is the file about the terrains that mjcompose made, if there are any.
     """
 
     model: Unit
@@ -121,6 +123,7 @@ class Composed(Struct):
     keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
     merged: Merged = field(default_factory=dict)
+    terrain: bytes | None = None
 
 
 class ComposeOptions(Struct):
@@ -167,6 +170,7 @@ class Composer:
         self.parts: dict[Node, str] = {}
         self.keys = KeyNotes()
         self.inner: list[Composed] = []
+        self.terrains: list[MadeTerrain] = []
         self.nested = 0
 
     def compose(self, plan: Plan) -> Composed | None:
@@ -196,7 +200,15 @@ class Composer:
             unsearched=self.exclusions.unsearched,
             keys=self.keys,
             tables=tables,
+            terrain=self._about_terrains(composed.model.root),
         )
+
+    def _about_terrains(self, root: Node) -> bytes | None:
+        if not self.terrains:
+            return None
+        from mjcompose.compose.terrain import about  # few recipes need it
+
+        return about(each for each in self.terrains if each.node.getroottree().getroot() is root)
 
     def _merged_assets(self, plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
         """Merge equal assets as the options say. Return the merged names and the remaining files."""
@@ -370,6 +382,11 @@ class Composer:
             return None
         self.keys.note_joined(linking)
         _carry_out(plan, linking, making, early=early)
+        if any(element.terrain for element in making.made.values()):
+            from mjcompose.compose.terrain import write_terrains  # few recipes need it
+
+            self.terrains += write_terrains(linking, making)
+            linking.watch(linking.units, write_terrains)
         changes: ModelEdits | None = None
         if plan.edits or plan.draws:
             from mjcompose.compose.edits import ModelEdits  # few recipes need it

@@ -24,7 +24,7 @@ from mjcompose.language.forms.scalars import Checked, Codes, Expects, Items, Key
 from mjcompose.language.forms.translate import has_key, inside
 from mjcompose.language.keyframe import Keyframe
 from mjcompose.language.placing import Frame, Place
-from mjcompose.language.sections import ByTag, Defaults, PluginForm, RecipeClass, Section, Singleton, Typed
+from mjcompose.language.sections import Assets, ByTag, Defaults, PluginForm, RecipeClass, Section, Singleton, Typed
 from mjcompose.language.value import RecipeElement, exclusive, is_unprintable, kind_of, name_fault, unprintable
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
@@ -287,8 +287,9 @@ class Recipe(Model):
     """Plugins and their instances: `plugin: {NAME: {instance: {NAME: {config: {KEY: VALUE}}}}}`."""
     default: Annotated[tuple[RecipeClass, ...], Defaults("default")] = ()
     """Default classes by name, each with settings by tag; `main` is the top class."""
-    asset: Annotated[tuple[RecipeElement, ...], ByTag("asset")] = ()
-    """Meshes, textures, materials and other assets, by tag and name."""
+    asset: Annotated[tuple[RecipeElement, ...], Assets("asset")] = ()
+    """Meshes, textures, materials and other assets, by tag and name; a height field can be a `terrain`, which mjcompose
+    makes."""
     add: Annotated[tuple[Addition, ...], Items(), Expects("a list of entries", "[{to: NAME, TAG: {…}}]")] = ()
     """Elements under a body, a frame or the world."""
     deformable: Annotated[tuple[RecipeElement, ...], ByTag("deformable")] = ()

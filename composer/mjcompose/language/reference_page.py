@@ -184,7 +184,10 @@ def _section(name: str, schema: Schema, keys: _Keys) -> Iterator[str]:
 def _is_of_mjcf(section: str, place: str) -> bool:
     """Return whether a key is an element or an attribute of MJCF, without forms of the language in it."""
     kind = GRAMMAR.element("body") if section == "add" else GRAMMAR.root.children.get(section)
-    return kind is not None and place.partition(".")[2] in {*kind.attributes, *kind.children} - _OWN
+    below = place.partition(".")[2]
+    if kind is not None and (named := re.fullmatch(r"(\w+)\.NAME\.(\w+)", below)):
+        return named[1] in kind.children and named[2] in kind.children[named[1]].attributes
+    return kind is not None and below in {*kind.attributes, *kind.children} - _OWN
 
 
 def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:
@@ -313,7 +316,7 @@ class _Keys:
     @staticmethod
     def _apart(pointer: str) -> bool:
         # Numbers are known by their type, and a piece of recipe has the same keys as a recipe.
-        known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "Drop")
+        known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "Drop", "TerrainColumn")
         return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "attributes.", "property"))
 
     def _row(self, place: str, schema: Schema, required: bool) -> str:
@@ -374,6 +377,8 @@ class _Keys:
             return f"{count} {word}s"
         if pointer == "Drop":
             return self._named("selector")
+        if pointer == "TerrainColumn":
+            return "a kind, or a mapping with the kind and its numbers"
         if pointer == "code":
             return "[codes](../../errors)"
         if pointer in _CHAPTERS:

@@ -10,14 +10,28 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic_core import CoreSchema, core_schema
+
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.language.element import FRAGMENT, NAME, Reader, path_of
 from mjcompose.language.element_schema import by_name, described, element, mapping, nameless, unless_fragment
-from mjcompose.language.forms.context import ByGrammar, Schema, Settings, computable, definition, reference
+from mjcompose.language.forms.context import (
+    ELSEWHERE,
+    ByGrammar,
+    Lazy,
+    Schema,
+    Settings,
+    computable,
+    definition,
+    reference,
+    validated,
+)
+from mjcompose.language.forms.translate import faults
 from mjcompose.language.fragment import missing_key
-from mjcompose.language.value import EXCLUSIVE, RecipeElement, kind_of, read_value
+from mjcompose.language.value import EXCLUSIVE, RecipeElement, exclusive, kind_of, read_value
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 
 
@@ -91,6 +105,52 @@ class ByTag(Elements):
         owner = f"{kind.tag} `{name}`"
         keyed = reader.keyed([kind], name, value, at=at, owner=owner)
         return reader.element(kind, value, at, owner, keyed=keyed, own=() if keyed else (NAME,))
+
+
+TERRAIN = "terrain"
+
+
+@dataclass(frozen=True, slots=True)
+class Assets(ByTag):
+    """Form of `asset`, in which a height field can be a terrain: `hfield: {ground: {terrain: {kind: stairs}}}`."""
+
+    form: ClassVar = Lazy("mjcompose.language.terrain:Terrain")
+
+    def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> RecipeElement | None:
+        if kind.tag != "hfield" or not isinstance(value, dict):
+            return ByTag.element(self, reader, kind, name, value, at=at)
+        unknown = [key for key in value if key not in (*kind.attributes, TERRAIN, FRAGMENT)]
+        if TERRAIN not in value and (meant := next((key for key in unknown if closest(key, [TERRAIN])), None)):
+            message = f"hfield `{name}` has no key `{meant}`"
+            fix = renaming(meant, [TERRAIN])
+            fault = Fault("unknown-key", message, (*at, meant), key=True, help=f"write `{TERRAIN}`", fix=fix)
+            reader.faults.append(fault)
+            return None
+        if TERRAIN not in value:
+            return ByTag.element(self, reader, kind, name, value, at=at)
+        for key in value:
+            if key != TERRAIN:
+                message = f"`{key}` is next to `{TERRAIN}`, which is the whole height field"
+                reader.faults.append(exclusive(message, (TERRAIN, key), at, help=f"remove `{key}` or `{TERRAIN}`"))
+        written = value[TERRAIN]
+        try:
+            terrain = validated(self.form.form, written, reader.settings)
+        except ValidationError as error:
+            reader.faults += faults(error, self.form.form, written, start=(*at, TERRAIN))
+            return None
+        return RecipeElement(kind.tag, {NAME: name}, at=path_of(value), terrain=terrain)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._validate, metadata={ELSEWHERE: self.form})
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        found = self.schema()
+        kind = self.kind.children["hfield"]
+        usual = element(kind, (NAME,), {**nameless(), TERRAIN: handler(schema)})
+        rules = {key: usual.pop(key) for key in ("if", "then", "else") if key in usual}
+        alone = {"if": {"required": [TERRAIN]}, "then": {"maxProperties": 1}, "else": rules}
+        found["properties"][kind.tag] = described(by_name({**usual, **alone}), kind.doc)
+        return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -106,6 +106,8 @@ class RecipeElement(Struct):
     With `xml`, the element is that fragment of MJCF, checked against the grammar and kept as text. Then `tag` is the
     fragment's tag, there are no `children`, and `attributes` has at most the name that a key gives. Paths of files are
     relative to the recipe.
+
+    `terrain` is the form of the height field that mjcompose makes, which then has no other attribute than its name.
     """
 
     tag: str
@@ -113,6 +115,7 @@ class RecipeElement(Struct):
     children: tuple[RecipeElement, ...] = ()
     xml: str | None = None
     at: Path = ()
+    terrain: Any = None
 
 
 _SUBSCRIPT = re.compile(r"([^\[\]]+)\[([0-9]{1,4})\]")

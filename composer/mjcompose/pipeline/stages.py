@@ -173,7 +173,7 @@ class Build(Struct, frozen=False):
         if composed is None:
             return None
         with context.timed("bundle"):
-            bundle = assemble(plan, composed.model, composed.files, context=context)
+            bundle = assemble(plan, composed.model, composed.files, context, terrain=composed.terrain)
         return None if bundle is None else _Draft(composed, bundle)
 
     def _verify(self, draft: _Draft) -> Compiled | None:

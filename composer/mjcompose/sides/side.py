@@ -178,7 +178,11 @@ def load_cell(
     options = ComposeOptions(checks_sources=True)
     with watch.recording():
         composed = Composer(context, measure, session, watch=watch, library=library, options=options).compose(plan)
-        bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
+        bundle = (
+            None
+            if composed is None
+            else assemble(plan, composed.model, composed.files, context, terrain=composed.terrain)
+        )
         if composed is None or bundle is None:
             return None
         watch([composed.model], collect)
