@@ -26,7 +26,7 @@ _DIGITS = 6
 
 
 class Patch(Struct):
-    """The places of the heights of one patch, in meters from its center, and what its random numbers depend on."""
+    """The places of the heights of one patch, in meters from its center, and the facts that decide its random numbers."""
 
     x: Heights
     y: Heights
@@ -164,7 +164,7 @@ def _edge(kind: str, heights: Heights, is_edge: NDArray[np.bool_]) -> float:
 def _patch(terrain: Terrain, ground: Ground, row: int, column: int) -> Heights:
     """Return the heights of one patch; a row of the array has one y."""
     along_x, along_y = terrain.cells
-    # From the middle, so that a patch is as symmetric as its kind.
+    # From the middle: a patch is as symmetric as its kind.
     places_x = (np.arange(along_x + 1) - along_x / 2) * terrain.cell
     places_y = (np.arange(along_y + 1) - along_y / 2) * terrain.cell
     x, y = np.meshgrid(places_x, places_y)

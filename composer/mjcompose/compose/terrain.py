@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mjcompose.language.terrain import Terrain
 
 _BASE = 0.5
-"""The thickness of the ground below its lowest place, so that nothing falls through."""
+"""The thickness of the ground below its lowest place: bodies would fall through a thin one."""
 _FILE_NAME = re.compile(r"[^\w.+-]")
 _LOWERED = journal.because("placed so that height 0 of the terrain is at `pos`")
 

@@ -165,7 +165,7 @@ class Terrain(Ground):
     cell: PositiveLength = 0.05
     """the distance of two heights"""
     difficulty: Annotated[tuple[Share, ...], Items(1, 2, single=True)] | None = None
-    """from 0 to 1; by default 0.5. For a grid, the difficulties of the first and the last row; by default [0, 1]"""
+    """from 0 to 1, by default 0.5. For a grid, the difficulties of the first and the last row, by default [0, 1]"""
     seed: Count = 0
     """another seed gives other random heights"""
     border: Length = 0.25
