@@ -26,7 +26,7 @@ _DIGITS = 6
 
 
 class Patch(Struct):
-    """The places of the heights of one patch, in meters from its center, and the facts that decide its random numbers."""
+    """The places of one patch, in meters from its center, and the facts that decide its random numbers."""
 
     x: Heights
     y: Heights

@@ -56,9 +56,11 @@ class _KeysOfKind:
 
     def faults(self, value: Mapping[str, Any], model: type[Model], context: Settings) -> Iterator[Fault]:
         kind = value.get("kind")
-        own = KINDS.get(kind) if isinstance(kind, str) else None
-        for key in value if own is not None else ():
-            if own is not None and key in OWN and key not in own:
+        if not isinstance(kind, str) or kind not in KINDS:
+            return
+        own = KINDS[kind]
+        for key in value:
+            if key in OWN and key not in own:
                 others = either([each for each, keys in KINDS.items() if key in keys])
                 message = f"`{key}` of {OWNER} is for the kind {others}, and this is `{kind}`"
                 help = f"remove it; `{kind}` has {', '.join(f'`{each}`' for each in own)}"
