@@ -96,7 +96,7 @@ class _Rules(Struct):
             return NoEffect(
                 f"{called} has an `<inertial>`, which holds instead of the masses of its geoms",
                 inertials[-1],
-                "write the mass of the body: `set: {mass: …}`; or add the geom in a body of its own",
+                _own_body(geom),
             )
         mass = self.effective(geom, "mass")
         if attribute == "density" and mass is not None and not math.isnan(numbers.read(mass)[0]):
@@ -153,6 +153,13 @@ class _Rules(Struct):
         for section in self.unit.root.iterchildren("*"):
             if section.tag != "default":
                 yield from section.iter(*family)
+
+
+def _own_body(geom: Node) -> str:
+    """Return what to write for the mass of a geom to count."""
+    name = name_of(geom) or "payload"
+    body = f"`body: {{name: {name}, geom: {{…}}}}`"
+    return f"put the geom into a body of its own, {body}, or write the mass of the whole body: `set: {{mass: …}}`"
 
 
 _ACTUATORS = frozenset(GRAMMAR.section("actuator").children)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Iterator, Mapping as Map
+from collections.abc import Iterable, Iterator, Mapping as Map
+from pathlib import PurePosixPath
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import CellName, Note, Span
@@ -158,6 +159,9 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
     before = sink.error_count
     matrix = _Matrix(document, found, given or {}, sink=sink)
     combinations = list(matrix.combinations())
+    for axis in matrix.axes:
+        nodes = [given[axis] for given, _ in combinations if axis in given]
+        matrix.labels[axis] = labels_of_paths(node.text for node in nodes if isinstance(node, Scalar))
     if sink.error_count > before:
         return []
     named = [(matrix.name_of(name, given), given, span) for given, span in combinations]
@@ -178,6 +182,7 @@ class _Matrix:
         self.grid = read_grid(document, sink)
         self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
         self.around: dict[str, Node] = {}
+        self.labels: dict[str, Map[str, str]] = {}
         self.axes = self._axes() if self.grid is not None else {}
 
     def _axes(self) -> dict[str, tuple[Node, ...]]:
@@ -248,12 +253,31 @@ class _Matrix:
         name = settled_name(name, scope)
         node = find(self.node, ("name",))
         if not isinstance(node, Scalar):
-            return "-".join([name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))])
+            axes = (*self.axes, *(given.keys() - self.axes.keys()))
+            values = [(axis, shown(scope[axis])) for axis in axes]
+            return "-".join([name, *(self.labels.get(axis, {}).get(value, value) for axis, value in values)])
         try:
             return str(Template.parse(str(node.value)).value({**scope, "name": name}))
         except ExpressionError as error:
             report(error, node, ["name", *scope], broken=frozenset(), sink=self.sink)
             return name
+
+
+def labels_of_paths(values: Iterable[str]) -> Map[str, str]:
+    """Return the name in cells of each value that is a relative path: the stem of the file if that is enough.
+
+    >>> labels_of_paths(["./pick/cube.xml", "none"]), labels_of_paths(["./a/mug.xml", "./b/mug.xml"])
+    ({'./pick/cube.xml': 'cube'}, {'./a/mug.xml': 'a_mug', './b/mug.xml': 'b_mug'})
+    """
+    values = list(dict.fromkeys(values))
+    paths = [value for value in values if value.startswith(("./", "../"))]
+    others = [value for value in values if value not in paths]
+    stems = [PurePosixPath(path).stem for path in paths]
+    long = ["_".join(PurePosixPath(path).with_suffix("").parts).replace(".._", "") for path in paths]
+    for labels in (stems, long):
+        if len({*labels, *others}) == len(values):
+            return dict(zip(paths, labels, strict=True))
+    return {}
 
 
 def settled_name(name: str, scope: Map[str, Value]) -> str:

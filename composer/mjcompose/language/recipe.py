@@ -151,6 +151,9 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
         return Fault("unknown-element", message, at, key=True)
     help, fix = advised(name, [*kinds, TO])
     note = exists_note("element", kinds, name)
+    if name in GRAMMAR.section("asset").children and name not in kinds:
+        help = f"write it in the section `asset`: `asset: {{{name}: {{NAME: {{…}}}}}}`"
+        fix = None
     if name in GRAMMAR.root.children:
         help = f"write it in the section `{name}`"
         fix = None
