@@ -62,7 +62,8 @@ class IdentifyOptions(Group):
 
 @command(
     IdentifyOptions,
-    help="""Fit the numbers of the section `identify` of RECIPE to each RECORDING of a robot: `.csv` or `.npz`.
+    help="""Fit the numbers of the section `identify` of RECIPE to each RECORDING of a robot: `.csv`, `.npz`,
+    `.parquet`, `.mcap` of ROS 2, or the folder of a data set of LeRobot.
 
     The result is a file of measurements, which `measured: FILE` in a recipe uses. Columns are called `time`, `qpos
     JOINT`, `qvel JOINT`, `ctrl ACTUATOR` and `sensor NAME`. Exit codes: 1 if a recording or a field is wrong, or if the

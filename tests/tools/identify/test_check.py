@@ -70,3 +70,10 @@ def test_the_recording_counts_as_an_input(folder: Path) -> None:
     built = build(ModelRequest(folder / "recipe.yaml"), context)
     assert built is not None
     assert str(folder / "run.csv") in Inputs().others(built, context)
+
+
+def test_a_data_set_as_the_recording(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    robots.write_lerobot(tmp_path / "set", robots.recorded(robots.model(), 1.0))
+    context, _ = checked(tmp_path, "0.5mrad", name="set")
+    assert [error.message for error in context.sink.errors] == ["check `robot`: `set`: it has several episodes: 0 to 1"]

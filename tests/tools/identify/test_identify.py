@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 import pytest
 import yaml
 from mjcompose.pipeline.stages import ModelRequest, build
@@ -74,6 +75,41 @@ def test_a_robot_is_measured_and_its_file_is_used(tmp_path: Path) -> None:
     stale = Context(folder=tmp_path)
     assert build(ModelRequest(use), stale) is None
     assert [error.code for error in stale.sink.errors] == ["measured-stale"]
+
+
+KEYS = """
+  recording: {command: /commands, command_joints: [shoulder, elbow], episode: 1}
+  fields:
+    damping: {select: {joint: elbow}, attr: damping, range: [0, 5]}
+    gain: {select: {actuator: elbow}, attr: kp, scale: [0.5, 2]}
+"""
+
+
+@pytest.mark.slow
+def test_the_fit_is_the_same_in_every_format(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed")
+    recipe = lay(tmp_path, "")
+    recipe.write_text(f"recipe: 1\nallow: [license-missing]\nbase: ./arm.xml\nidentify:{KEYS}")
+    columns = {
+        name: values if name == "time" else values.astype(np.float32).astype(float)  # as LeRobot stores them
+        for name, values in robots.recorded(robots.model(damping=0.9, kp=24), 1.0).items()
+    }
+    recordings = [
+        robots.write_csv(tmp_path / "run.csv", columns),
+        robots.write_npz(tmp_path / "run.npz", columns),
+        robots.write_parquet(tmp_path / "run.parquet", columns),
+        robots.write_mcap(tmp_path / "run.mcap", columns),
+        robots.write_lerobot(tmp_path / "set", columns),
+    ]
+    fits = []
+    for recording in recordings:
+        fit, context = fitted(recipe, recording)
+        assert fit is not None, context.sink.diagnostics
+        fits.append(fit.data["numbers"])
+    for numbers in fits[1:]:
+        for first, other in zip(fits[0], numbers, strict=True):
+            assert abs(first["value"] - other["value"]) < 0.01 * first["std"], (first, other)
 
 
 def test_a_robot_without_actuators(tmp_path: Path) -> None:

@@ -24,6 +24,11 @@ KEYS: dict[str, Any] = {
     "names": {},
     "ignore": [],
     "hold": False,
+    "state": "/joint_states",
+    "command": None,
+    "command_joints": [],
+    "clock": "header",
+    "episode": None,
     "prefix": "",
 }
 LIMITS = SizeLimits(10_000_000, 100_000)
@@ -179,7 +184,7 @@ def test_files_that_are_no_recordings(tmp_path: Path) -> None:
     (tmp_path / "run.npz").write_text("not a zip")
     assert fault(tmp_path / "run.npz").code == "recording-kind"
     (tmp_path / "folder.csv").mkdir()
-    assert fault(tmp_path / "folder.csv").code == "file-unreadable"
+    assert fault(tmp_path / "folder.csv").code == "recording-kind"
 
 
 def test_an_npz_runs_no_code_and_unpacks_no_bomb(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from mjcompose.mujoco import engine
 from mjcompose.plan.read import folder_of
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
+from mjcompose.tools.identify.files import files_of
 from mjcompose.tools.identify.identify import question_of
 from mjcompose.tools.identify.work import follow_recording
 from mjcompose.verify.checks.check import beside, failed
@@ -37,7 +38,7 @@ def _followed(
     folder = folder_of(locate(recipe.plan.document, (*check.at, "recording")), context)
     path = folder / check.recording
     door = context.door_of_text(folder)
-    if not door.sees(path):
+    if not all(door.sees(each) for each in (path, *files_of(path))):
         message = f"the recording `{check.recording}` is outside of the files that this recipe may read"
         return [Fault("source-outside", message, ("recording",))], {}
     settings = recipe.plan.identify or Identify.model_construct()

@@ -152,6 +152,11 @@ def question_of(
             "names": dict(keys.names),
             "ignore": list(keys.ignore),
             "hold": keys.hold,
+            "state": keys.state,
+            "command": keys.command,
+            "command_joints": list(keys.command_joints),
+            "clock": keys.clock,
+            "episode": keys.episode,
         },
     }
 

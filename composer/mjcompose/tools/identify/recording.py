@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,7 +17,8 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.suggest import closest, did_you_mean
 from mjcompose.base.words import with_article
 from mjcompose.mujoco.attributes import names
-from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits, read_table
+from mjcompose.tools.identify.files import ReadingKeys, RecordedFile, read_file
+from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits
 from mjcompose.tree.pattern import fitter
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ def read_recording(
 
 
 class _Reader:
-    """Reads columns by the keys of `recording`: `units`, `sign`, `names`, `ignore`, `hold`."""
+    """Reads columns by the keys of `recording`."""
 
     def __init__(self, mujoco: Any, model: MjModel, keys: dict[str, Any]) -> None:
         self.mujoco = mujoco
@@ -91,49 +93,88 @@ class _Reader:
 
     def read(self, path: Path, file: str, limits: SizeLimits) -> Recording:
         self._check_sign_names()
-        table, digest = read_table(path, limits)
-        times = table.times * self.keys["factors"]["time"]
-        _check_clock(table, times, has_unit="time" in self.keys["dimensions"])
+        recorded = read_file(path, self._reading_keys(), limits)
+        table = self._without_empty_rows(recorded.table)
+        times = self._times(table)
         signals: dict[Signal, Series] = {}
         commands: dict[str, Command] = {}
-        for column, signal in self._signals(table).items():
-            values = table.columns[column] * self._factor(signal) * self._sign(signal)
-            self._check_unit(signal, column, values, table)
+        for signal, column, source in self._signals(replace(recorded, table=table)):
+            clock = times if source is table else self._times(source, is_steady=False)
+            values = source.columns[column] * self._factor(signal) * self._sign(signal)
+            self._check_unit(signal, column, values, source)
             if signal.kind == "ctrl":
-                _check_finite(table, times, column, values, may_lack=True)
+                _check_finite(source, clock, column, values, may_lack=True)
                 known = np.isfinite(values)
-                commands[signal.name] = Command(times[known] - times[0], values[known])
+                commands[signal.name] = Command(clock[known] - times[0], values[known])
             else:
-                _check_finite(table, times, column, values)
+                _check_finite(source, clock, column, values)
                 signals[signal] = values
-        self._check_contents(signals, commands, table)
-        recording = Recording(file, digest, times - times[0], signals, commands)
+        self._check_contents(signals, commands, recorded)
+        recording = Recording(file, recorded.sha256, times - times[0], signals, commands)
         if recording.seconds < _SHORTEST:
             message = f"it is {recording.seconds * 1e3:.0f} ms long"
             raise RecordingFault(_TIME, message, "record some seconds of motion; the time is in seconds")
         self._check_signs(recording, table)
         return recording
 
-    def _signals(self, table: RecordedTable) -> dict[str, Signal]:
+    def _reading_keys(self) -> ReadingKeys:
+        keys = self.keys
+        joints = tuple(keys["command_joints"])
+        return ReadingKeys(keys["state"], keys["command"], joints, keys["clock"], keys["episode"], self._ignores)
+
+    def _times(self, table: RecordedTable, *, is_steady: bool = True) -> Series:
+        """Return the times of a table in seconds. Raises RecordingFault if they are not those of one motion."""
+        has_unit = "time" in self.keys["dimensions"]
+        if table.timed and has_unit:
+            help = "remove `units: {time: …}`"
+            raise RecordingFault("recording-unit", "the times of the file have their unit in the file", help)
+        times: Series = table.times * self.keys["factors"]["time"]
+        _check_clock(table, times, has_unit=has_unit or table.timed, is_steady=is_steady)
+        return times
+
+    def _without_empty_rows(self, table: RecordedTable) -> RecordedTable:
+        """Return the rows with a number: in a topic, messages may have the numbers of ignored joints alone."""
+        if not table.sparse:
+            return table
+        columns = [column for column in table.columns if not self._leaves_out(column)]
+        is_known = np.zeros(len(table.times), bool)
+        for column in columns:
+            is_known |= np.isfinite(table.columns[column])
+        if is_known.all() or is_known.sum() < 2:
+            return table
+        return replace(
+            table,
+            times=table.times[is_known],
+            columns={column: values[is_known] for column, values in table.columns.items()},
+        )
+
+    def _leaves_out(self, column: str) -> bool:
+        """Whether the recipe ignores a column, by its name in the recording or in the model."""
+        written, _ = _without_index(column.partition(" ")[2])
+        name = self.keys["prefix"] + self.keys["names"].get(written, written)
+        return any(self._ignores(each) for each in (column, written, name))
+
+    def _signals(self, recorded: RecordedFile) -> list[tuple[Signal, str, RecordedTable]]:
         """Return the signal of each column that counts. Raises RecordingFault with the line of the header."""
-        signals: dict[str, Signal] = {}
+        found: list[tuple[Signal, str, RecordedTable]] = []
         columns: dict[Signal, str] = {}
         try:
-            for column in table.columns:
-                signal = self._signal(column)
-                if signal is None:
-                    continue
-                self._check_component(signal, column)
-                first = columns.setdefault(signal, column)
-                if first != column:
-                    message = f"`{first}` and `{column}` are both `{signal.word}`"
-                    raise RecordingFault(_CODE, message, f"remove one of them, or `ignore: [{column}]`")
-                signals[column] = signal
-            self._check_units(signals.values())
+            for table in recorded.tables:
+                for column in table.columns:
+                    signal = self._signal(column)
+                    if signal is None:
+                        continue
+                    self._check_component(signal, column)
+                    first = columns.setdefault(signal, column)
+                    if first != column:
+                        message = f"`{first}` and `{column}` are both `{signal.word}`"
+                        raise RecordingFault(_CODE, message, f"remove one of them, or `ignore: [{column}]`")
+                    found.append((signal, column, table))
+            self._check_units(columns)
         except RecordingFault as fault:
-            fault.line = table.header
+            fault.line = recorded.table.header
             raise
-        return signals
+        return found
 
     def _check_component(self, signal: Signal, column: str) -> None:
         """Refuse a number that the element does not have, and joints whose position is several numbers."""
@@ -203,10 +244,10 @@ class _Reader:
 
     def _signal(self, column: str) -> Signal | None:
         """Return the signal of a column, or None for a column to ignore."""
+        if self._leaves_out(column):
+            return None
         kind, _, written = column.partition(" ")
         if kind not in _KINDS or not written:
-            if self._ignores(column):
-                return None
             help = "`qpos arm/elbow` is a position, `ctrl arm/elbow` a command"
             words = ", ".join(f"`{word}`" for word in _KINDS)
             raise RecordingFault(_CODE, f"column `{column}` begins with none of {words}", help)
@@ -214,8 +255,8 @@ class _Reader:
         name = self.keys["prefix"] + self.keys["names"].get(name, name)
         if name in self.known[_KINDS[kind]]:
             return Signal(kind, name, component)
-        if self._ignores(name) or self._ignores(column):
-            return None
+        if kind == "ctrl" and len(actuators := self._actuators_of(name)) == 1:
+            return Signal(kind, actuators[0], component)
         near = closest(name, self.known[_KINDS[kind]])
         some = near[0] if near else "NAME"
         help = f"`recording: {{names: {{{name}: {some}}}}}` maps names, `ignore: [{name}]` leaves it out"
@@ -223,6 +264,10 @@ class _Reader:
             help = f"did you mean `{near[0]}`? {help}"
         message = f"`{column}` names no {_KINDS[kind]} of the model"
         raise RecordingFault(_CODE, message, help)
+
+    def _actuators_of(self, joint: str) -> list[str]:
+        """Return the actuators of a joint: controllers send commands to joints."""
+        return [actuator for actuator in self.known["actuator"] if self._joint_of(actuator) == joint]
 
     def _sign(self, signal: Signal) -> int:
         """Return the sign of a column: its own, or else the sign of its name."""
@@ -269,26 +314,23 @@ class _Reader:
         return None
 
     def _check_contents(
-        self, signals: Mapping[Signal, Series], commands: Mapping[str, Command], table: RecordedTable
+        self, signals: Mapping[Signal, Series], commands: Mapping[str, Command], recorded: RecordedFile
     ) -> None:
+        line = recorded.table.header
         if not signals:
             help = "record `qpos JOINT`, `qvel JOINT` or `sensor NAME`"
-            raise RecordingFault(
-                _CODE, "it has no column that the model could be compared with", help, line=table.header
-            )
+            raise RecordingFault(_CODE, "it has no column that the model could be compared with", help, line=line)
         missing = [name for name in self.known["actuator"] if name not in commands and self._drives(name, signals)]
         if missing and not self.keys["hold"]:
             more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
-            help = (
+            help = recorded.advice or (
                 "the simulation needs the commands of the robot: record `ctrl NAME`; `recording: {hold: true}` keeps"
                 " the control of the keyframe"
             )
-            raise RecordingFault(_CODE, f"it has no commands of actuator `{missing[0]}`{more}", help, line=table.header)
+            raise RecordingFault(_CODE, f"it has no commands of actuator `{missing[0]}`{more}", help, line=line)
         empty = next((name for name, command in commands.items() if len(command.times) < 1), None)
         if empty is not None:
-            raise RecordingFault(
-                "recording-value", f"`ctrl {empty}` has no number", "remove the column", line=table.header
-            )
+            raise RecordingFault("recording-value", f"`ctrl {empty}` has no number", "remove the column", line=line)
 
     def _drives(self, actuator: str, signals: Mapping[Signal, Series]) -> bool:
         joint = self._joint_of(actuator)
@@ -340,7 +382,7 @@ def _check_finite(table: RecordedTable, times: Series, column: str, values: Seri
         raise RecordingFault("recording-value", message, "remove these rows, or this column", line=table.line(first))
 
 
-def _check_clock(table: RecordedTable, times: Series, has_unit: bool) -> None:
+def _check_clock(table: RecordedTable, times: Series, has_unit: bool, is_steady: bool = True) -> None:
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
         raise RecordingFault(_TIME, "a row has no time", "remove it", line=table.line(row))
@@ -351,6 +393,8 @@ def _check_clock(table: RecordedTable, times: Series, has_unit: bool) -> None:
         message = f"the time goes back or does not pass: {times[row]:.15g} s after {times[row - 1]:.15g} s"
         help = "sort the rows; if the clock was set during the recording, cut it into two"
         raise RecordingFault(_TIME, message, help, line=table.line(row))
+    if not is_steady:
+        return
     usual = float(np.median(steps))
     if usual > (_SLOWEST_WITH_UNIT if has_unit else _SLOWEST):
         help = "is the time in milliseconds? write `recording: {units: {time: ms}}`, or `time: s` if it is right"

@@ -1,22 +1,20 @@
-"""Read the columns of a recording from a file. Runs in MuJoCo's process, with its limits of time and memory."""
+"""The columns of a recording, read from CSV and NPZ. Runs in MuJoCo's process, with its limits of time and memory."""
 
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from io import BufferedReader, TextIOWrapper
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.files import Refused, TooLarge, open_regular
+from mjcompose.base.limits import written
 
 Series = npt.NDArray[np.float64]
 CLOCKS = ("time", "t", "timestamp")
@@ -52,11 +50,16 @@ class RecordingFault(Exception):
 
 
 class RecordedTable(Struct):
-    """The columns of a file by name, and the time of each row, in the unit of the file. `lines` are lines of text."""
+    """The columns of a file by name, and the time of each row, in the unit of the file. `lines` are lines of text.
+
+    If it is `timed`, its times are in seconds. If it is `sparse`, a row may have numbers for some columns alone.
+    """
 
     times: Series
     columns: Mapping[str, Series]
     lines: npt.NDArray[np.int64] | None = None
+    timed: bool = False
+    sparse: bool = False
 
     def line(self, row: int) -> int | None:
         return None if self.lines is None else int(self.lines[row])
@@ -74,37 +77,15 @@ class SizeLimits(Struct):
     numbers: int
 
 
-def read_table(path: Path, limits: SizeLimits) -> tuple[RecordedTable, str]:
-    """Return the table of a recording and the SHA-256 of its file. Raises RecordingFault."""
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        help = f"write the recording as {' or '.join(f'`{suffix}`' for suffix in READERS)}"
-        raise RecordingFault("recording-kind", f"no recording ends in `{path.suffix}`", help)
-    with _opened(path, limits) as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
-        file.seek(0)
-        return reader(file, limits), digest
-
-
-def _opened(path: Path, limits: SizeLimits) -> BufferedReader:
-    try:
-        return open_regular(path, limits.size)
-    except FileNotFoundError:
-        raise RecordingFault("file-not-found", "the recording does not exist") from None
-    except TooLarge as error:
-        raise _too_large("bytes", error.size, limits.size) from None
-    except (Refused, IsADirectoryError):
-        raise RecordingFault("file-unreadable", "it is not a regular file", "name a file") from None
-    except OSError as error:
-        raise RecordingFault("file-unreadable", f"it cannot be read: {error.strerror or error}") from None
-
-
-def _too_large(what: str, count: int, most: int) -> RecordingFault:
-    help = "cut the recording into several, or name fewer columns; `--limit recording-size=1G` allows more"
+def too_large(what: str, count: int, limits: SizeLimits) -> RecordingFault:
+    """Return the fault of a file with too many `bytes` or `numbers`."""
+    name, most = ("recording-size", limits.size) if what == "bytes" else ("recording-numbers", limits.numbers)
+    help = f"cut the recording into several, or record fewer columns; `--limit {name}={written(name, count)}` allows it"
     return RecordingFault("limit-exceeded", f"it has {count} {what}; {most} are allowed", help)
 
 
-def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> RecordedTable:
+def with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> RecordedTable:
+    """Return the table of columns, one of which has the time. Raises RecordingFault."""
     clock = next((name for name in CLOCKS if name in columns), None)
     if clock is None:
         help = "name the column with the time in seconds `time`"
@@ -115,7 +96,8 @@ def _with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None 
     return RecordedTable(times, columns, lines)
 
 
-def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
+def read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
+    """Read a text of numbers, with the names of the columns in its first row."""
     rows: list[list[float]] = []
     lines: list[int] = []
     with TextIOWrapper(file, newline="", encoding="utf-8-sig") as text:
@@ -129,13 +111,13 @@ def _read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                 rows.append(_numbers(row, header, reader.line_num))
                 lines.append(reader.line_num)
                 if len(rows) * len(header) > limits.numbers:
-                    raise _too_large("numbers", len(rows) * len(header), limits.numbers)
+                    raise too_large("numbers", len(rows) * len(header), limits)
         except UnicodeDecodeError:
             raise RecordingFault("recording-kind", "it is not text in UTF-8", "save it as UTF-8") from None
         except csv.Error as error:
             raise RecordingFault("csv-syntax", f"it is not CSV: {error}", line=reader.line_num) from None
     table = np.array(rows, float).reshape(len(rows), len(header))
-    return _with_clock(dict(zip(header, table.T.copy(), strict=True)), np.array(lines, np.int64))
+    return with_clock(dict(zip(header, table.T.copy(), strict=True)), np.array(lines, np.int64))
 
 
 def _check_header(header: list[str]) -> None:
@@ -145,10 +127,10 @@ def _check_header(header: list[str]) -> None:
         raise RecordingFault(_CODE, "its columns are not separated by commas", "write `,` between them", line=1)
     seen: set[str] = set()
     for name in header:
-        _check_new(name, seen, line=1)
+        check_new(name, seen, line=1)
 
 
-def _check_new(name: str, seen: set[str], line: int | None = None) -> None:
+def check_new(name: str, seen: set[str], line: int | None = None) -> None:
     """Refuse a column that is there already."""
     if name in seen:
         raise RecordingFault(_CODE, f"it has two columns `{name}`", "remove one of them", line=line)
@@ -177,7 +159,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
+def read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
     """Read the arrays of an NPZ without pickles. The headers say how large they are before they are unpacked."""
     columns: dict[str, Series] = {}
     seen: set[str] = set()
@@ -189,7 +171,7 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     continue
                 shape, dtype = _npy_header(archive, entry)
                 name = entry.filename.removesuffix(".npy")
-                _check_new(name, seen)
+                check_new(name, seen)
                 if dtype.hasobject or dtype.kind not in "fiub":
                     message = f"`{name}` has values of the type {dtype}, not numbers"
                     raise RecordingFault("recording-value", message, "store arrays of floats")
@@ -198,7 +180,7 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     raise RecordingFault(_CODE, f"`{name}` has {len(shape)} dimensions, not 1", help)
                 total += shape[0]
                 if total > limits.numbers:
-                    raise _too_large("numbers", total, limits.numbers)
+                    raise too_large("numbers", total, limits)
                 with archive.open(entry) as array:
                     columns[name] = np.lib.format.read_array(array, allow_pickle=False).astype(float)
     except _NOT_NPZ as error:
@@ -209,7 +191,7 @@ def _read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
         longest = max(lengths, key=lengths.__getitem__)
         message = f"`{shortest}` has {lengths[shortest]} values, and `{longest}` has {lengths[longest]}"
         raise RecordingFault("recording-value", message, "store arrays of one length, with the same times")
-    return _with_clock(columns)
+    return with_clock(columns)
 
 
 def _npy_header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[tuple[int, ...], np.dtype[Any]]:
@@ -219,7 +201,3 @@ def _npy_header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[tuple
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(header)
     return shape, dtype
-
-
-READERS: Mapping[str, Callable[[BufferedReader, SizeLimits], RecordedTable]] = {".csv": _read_csv, ".npz": _read_npz}
-"""The readers by the end of a file's name."""
