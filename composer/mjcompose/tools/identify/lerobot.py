@@ -80,13 +80,11 @@ def _names(info: Mapping[str, Any], feature: str) -> Iterator[str]:
     if twice is not None:
         raise RecordingFault(_CODE, f"`{feature}` has two numbers `{twice}`", "give them different names")
     for name in names:
-        stem, _, end = name.rpartition(".")
-        if not stem:
-            stem, end = name, "pos"
-        if end not in _ENDS:
+        stem, dot, end = name.partition(".")
+        if dot and end not in _ENDS:
             yield f"{feature} {name}"
         else:
-            yield f"{_ENDS[end] if feature == STATE else 'ctrl'} {stem}"
+            yield f"{_ENDS[end or 'pos'] if feature == STATE else 'ctrl'} {stem}"
 
 
 def _episode(info: Mapping[str, Any], keys: ReadingKeys) -> int:
