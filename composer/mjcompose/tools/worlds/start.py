@@ -48,7 +48,7 @@ def of_arrays(arrays: Mapping[str, Varying]) -> list[NumbersOfWorlds]:
 def starts(model: MjModel, numbers: Sequence[NumbersOfWorlds], count: int) -> Iterator[MjData]:
     """Yield MuJoCo's data at the start of each world, always in the same memory."""
     model = copy.copy(model)
-    # With these flags, MuJoCo uses the pose of the body for a geom, and a world may have another pose of the geom alone.
+    # With these flags, MuJoCo uses the pose of the body for its geom, and worlds may move the geom alone.
     model.geom_sameframe[:] = 0
     model.body_sameframe[:] = 0
     data = mujoco_module.MjData(model)
