@@ -116,3 +116,24 @@ def test_a_nested_recipe_of_a_stranger_reads_no_other_file(name: str, tmp_path: 
     context = Context(folder=tmp_path)
     assert build(ModelRequest(tmp_path / "recipe.yaml"), context) is None
     assert "source-outside" in {each.code for each in context.sink.errors}
+
+
+@pytest.mark.parametrize(
+    ("number", "is_refused"),
+    [
+        ("joint pan: {damping: {value: -0.5}}", True),
+        ("joint pan: {frictionloss: {value: -1e-9}}", True),
+        ("joint pan: {ref: {value: -1deg}}", False),
+        ("joint pan: {zero: {value: -1deg}}", False),
+        ("body a: {mass: {value: -2}}", True),
+    ],
+)
+def test_a_number_that_cannot_be_negative(number: str, is_refused: bool, tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(ARM)
+    (tmp_path / "A12.yaml").write_text(f"measured: 1\nvalues:\n  {number}\n")
+    recipe = "recipe: 1\nallow: [license-missing]\nbase: ./arm.xml\nmeasured: A12.yaml\n"
+    (tmp_path / "recipe.yaml").write_text(recipe)
+    context = Context(folder=tmp_path)
+    build(ModelRequest(tmp_path / "recipe.yaml"), context)
+    found = [(error.code, error.span.file, error.span.line) for error in context.sink.errors if error.span]
+    assert found == ([("out-of-range", "A12.yaml", 3)] if is_refused else [])

@@ -23,7 +23,7 @@ from mjcompose.language.forms.scalars import (
     Text,
     in_order,
 )
-from mjcompose.language.measured import in_si
+from mjcompose.language.measured import cannot_be_negative, in_si
 from mjcompose.language.select import NARROWED
 from mjcompose.text.expression import Angle
 from mjcompose.tree.pattern import Selector
@@ -180,6 +180,10 @@ class IdentifyField(Model):
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
         written = [key for key in ("range", "scale", "offset") if getattr(self, key) is not None]
+        low = 0.0 if self.range is None else in_si(self.range[0])
+        if low < 0 and cannot_be_negative(self.attribute):
+            message = f"`{self.attribute}` cannot be negative, and the range begins at {low:g}"
+            yield Fault("out-of-range", message, ("range",), help="let it begin at 0 or above")
         has_own = self.delay is not None or self.zero is not None
         if has_own and written:
             message = f"`{self.attribute}` has its range already, so `{written[0]}` has no meaning"

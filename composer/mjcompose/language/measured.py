@@ -14,6 +14,7 @@ from mjcompose.base.words import with_article
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT, Model
 from mjcompose.language.forms.scalars import Checked, Expects, Items, Keys, Measure, Text, in_order
+from mjcompose.language.value import attribute_and_index, must_not_be_negative
 from mjcompose.text.expression import Angle
 
 FORMAT = 1
@@ -135,6 +136,16 @@ def in_si(number: float | Angle) -> float:
     return number.in_unit("rad") if isinstance(number, Angle) else float(number)
 
 
+def cannot_be_negative(attribute: str) -> bool:
+    """Return whether a measured number has no meaning below 0.
+
+    >>> cannot_be_negative("damping"), cannot_be_negative("damping[1]"), cannot_be_negative("delay")
+    (True, False, True)
+    """
+    name, index = attribute_and_index(attribute)
+    return attribute == DELAY or must_not_be_negative(name, index or 0)
+
+
 def kind_and_name(owner: str) -> tuple[str, str]:
     """Return the kind and the name of an element of the file.
 
@@ -204,7 +215,10 @@ class MeasurementFile(Model):
                 yield kind, name, attribute, number
 
     def contradictions(self, context: Settings) -> Iterator[Fault]:
-        for kind, name, attribute, _ in self.numbers:
+        for kind, name, attribute, number in self.numbers:
+            if in_si(number.value) < 0 and cannot_be_negative(attribute):
+                message = f"`{attribute}` of {kind} `{name}` cannot be negative, and is {in_si(number.value):g}"
+                yield Fault("out-of-range", message, ("values", f"{kind} {name}", attribute, "value"))
             wanted = {ZERO: "joint", DELAY: "actuator"}.get(attribute, kind)
             if kind != wanted:
                 at = ("values", f"{kind} {name}", attribute)

@@ -14,9 +14,9 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.base.words import value_text
 from mjcompose.language.distribution import FieldDistribution, Operation
-from mjcompose.language.measured import DELAY, ROUNDING, ZERO, MeasuredValue, in_si
+from mjcompose.language.measured import DELAY, ROUNDING, ZERO, MeasuredValue, cannot_be_negative, in_si
 from mjcompose.language.randomize import FROM, DrawField, Randomize
-from mjcompose.language.value import attribute_and_index, must_not_be_negative
+from mjcompose.language.value import attribute_and_index
 from mjcompose.plan.measured import Measurements, NumberPlace, condition_of, word_for_set
 from mjcompose.plan.plan import Drawn
 from mjcompose.text.expression import Angle
@@ -268,8 +268,7 @@ def _bounds(value: MeasuredValue) -> tuple[float, float]:
     """Return the range of a number; numbers that MuJoCo does not take below 0 begin there."""
     number = value.number
     low, high = (-math.inf, math.inf) if number.range is None else map(in_si, number.range)
-    name, index = attribute_and_index(value.attribute)
-    if value.attribute == DELAY or must_not_be_negative(name, index or 0):
+    if cannot_be_negative(value.attribute):
         low = max(low, 0.0)
     return low, high
 

@@ -77,3 +77,36 @@ def test_a_data_set_as_the_recording(tmp_path: Path) -> None:
     robots.write_lerobot(tmp_path / "set", robots.recorded(robots.model(), 1.0))
     context, _ = checked(tmp_path, "0.5mrad", name="set")
     assert [error.message for error in context.sink.errors] == ["check `robot`: `set`: it has several episodes: 0 to 1"]
+
+
+NUMBERS = "measured: 1\nvalues: {{joint elbow: {{damping: {{value: {damping}}}}}}}\n"
+COMPARED = "check: {robot: {tracks: {recording: run.csv, within: {qpos: 1rad}, worse_than_recipe: error}}}\n"
+
+
+@pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.parametrize(("damping", "is_worse"), [(0.5, False), (0.9, False), (1.6, True)])
+def test_a_model_that_is_worse_than_the_recipe_without_measured_numbers(
+    damping: float, is_worse: bool, nested: bool, tmp_path: Path
+) -> None:
+    robots.write_csv(tmp_path / "run.csv", robots.recorded(robots.model(damping=0.9), 1.0))
+    (tmp_path / "arm.xml").write_text(robots.MODEL.format(**robots.RECIPE))  # with a damping of 0.5
+    (tmp_path / "A12.yaml").write_text(NUMBERS.format(damping=damping))
+    (tmp_path / "robot.yaml").write_text(ALONE + "measured: A12.yaml\n" + COMPARED)
+    recipe = tmp_path / "robot.yaml"
+    if nested:
+        recipe = tmp_path / "cell.yaml"
+        recipe.write_text(IN_A_CELL)
+    context = Context(folder=tmp_path)
+    build(ModelRequest(recipe), context)
+    found = [(error.code, error.span.file, error.span.line) for error in context.sink.errors if error.span]
+    assert found == ([("worse-than-recipe", "robot.yaml", 5)] if is_worse else [])
+
+
+def test_nothing_to_compare_with(folder: Path) -> None:
+    (folder / "arm.xml").write_text(robots.MODEL.format(**robots.RECIPE))
+    (folder / "recipe.yaml").write_text(ALONE + COMPARED)
+    context = Context(folder=folder)
+    build(ModelRequest(folder / "recipe.yaml"), context)
+    (error,) = context.sink.errors
+    assert error.code == "missing-key"
+    assert "has no `measured`" in error.message

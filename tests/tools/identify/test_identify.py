@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
+from mjcompose.base.limits import allow
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.identify.identify import FitRequest, identify, plan_fit
@@ -218,3 +219,44 @@ def test_a_fault_of_a_recording_has_its_line(tmp_path: Path) -> None:
     (error,) = context.sink.errors
     assert fit is None
     assert (error.code, error.span.file, error.span.line) == ("recording-value", "run.csv", 4)
+
+
+def test_a_fault_of_an_npz_has_the_place_of_the_keys_that_read_it(tmp_path: Path) -> None:
+    recipe = lay(tmp_path, FIELDS)
+    columns = robots.recorded(robots.model(), 0.6)
+    columns["qpos elbw"] = columns.pop("qpos elbow")
+    fit, context = fitted(recipe, robots.write_npz(tmp_path / "run.npz", columns))
+    (error,) = context.sink.errors
+    assert fit is None
+    assert (error.code, error.span.file, error.span.line) == ("recording-column", "arm.yaml", 4)
+    assert error.message.startswith("`run.npz`: ")
+
+
+@pytest.mark.parametrize(
+    ("keys", "place", "help"),
+    [
+        ("start: hom", (5, 3), "did you mean `home`?"),
+        ("recording: {sign: {elbw: -1}}", (5, 22), "did you mean `elbow`?"),
+    ],
+)
+def test_a_wrong_key_has_its_place(keys: str, place: tuple[int, int], help: str, tmp_path: Path) -> None:
+    recipe = lay(tmp_path, FIELDS)
+    key = '<keyframe><key name="home" qpos="0 0"/></keyframe></mujoco>'
+    (tmp_path / "arm.xml").write_text((tmp_path / "arm.xml").read_text().replace("</mujoco>", key))
+    recipe.write_text(recipe.read_text().replace("identify:\n", f"identify:\n  {keys}\n"))
+    run = robots.write_csv(tmp_path / "run.csv", robots.recorded(robots.model(), 0.6))
+    _, context = fitted(recipe, run)
+    (error,) = context.sink.errors
+    assert (error.span.file, error.span.line, error.span.column) == ("arm.yaml", *place)
+    assert error.help == help
+
+
+def test_a_fit_that_ends_too_early_says_what_helps(tmp_path: Path) -> None:
+    recipe = lay(tmp_path, FIELDS)
+    run = robots.write_csv(tmp_path / "run.csv", robots.recorded(robots.model(), 3.0))
+    with allow(time=2):
+        fit, context = fitted(recipe, run)
+    assert fit is None
+    assert [(error.code, error.help) for error in context.sink.errors] == [
+        ("mujoco-timeout", "give the fit more time: `--timeout 1200`")
+    ]

@@ -168,6 +168,8 @@ def test_a_wrong_recording(
         ('time,qpos elbow\n0,"1\n', "recording-time", None),
         ("\0\0\0", "recording-column", None),
         ("time;qpos elbow\n0;1\n", "recording-column", 1),
+        ("time,qpos elbow\n0,1\n0.1,1_000\n", "recording-value", 3),
+        ("time,qpos elbow\n0,1\n0.1,١\n", "recording-value", 3),
     ],
 )
 def test_a_text_that_is_no_table(text: str, code: str, line: int | None, tmp_path: Path) -> None:

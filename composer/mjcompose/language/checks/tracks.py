@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -46,6 +46,8 @@ class Tracks(Check):
     """the recording, relative to the recipe; `identify: {recording: …}` says how to read it"""
     within: TrackedErrors = Field(examples=["{qpos: 2mrad}"])
     """the largest root mean square errors, by kind of signal"""
+    worse_than_recipe: Literal["error", "accept"] = "accept"
+    """`error` also compares with the model without `measured`: no signal may have an error that is 5 % larger"""
 
     @property
     def files(self) -> tuple[str, ...]:

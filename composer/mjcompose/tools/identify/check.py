@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+import operator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.bundle.assemble import assemble
+from mjcompose.compose.compose import ComposeOptions, Composer
 from mjcompose.language.checks.tracks import Tracks
 from mjcompose.language.identify import Identify
+from mjcompose.link.measure import measure_with
 from mjcompose.mujoco import engine
+from mjcompose.plan.plan import AttachPart, Plan
 from mjcompose.plan.read import folder_of
+from mjcompose.plan.steps import EditElements
 from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 from mjcompose.tools.identify.files import files_of
 from mjcompose.tools.identify.identify import question_of
 from mjcompose.tools.identify.work import follow_recording
 from mjcompose.verify.checks.check import beside, failed
-from mjcompose.verify.compile import WHOLE
+from mjcompose.verify.compile import WHOLE, compile_and_report
 
 if TYPE_CHECKING:
     from mjcompose.verify.run_checks import Checks, NestedRecipe
+
+_DESIGNED = "designed"
+"""The name under which a session keeps the model without measured numbers."""
+_WORSE = 1.05
+"""How many times the error of that model a signal may have."""
 
 
 def run(checks: Checks, check: Tracks, recipe: NestedRecipe, context: Context) -> dict[str, Any]:
@@ -58,7 +71,68 @@ def _followed(
         message = f"`{fault['file'] or check.recording}`{line}: {fault['message']}"
         return [Fault(fault["code"], message, ("recording",), help=fault["help"])], {}
     errors: dict[str, float] = answer.value["errors"]
-    return list(_judged(check, errors)), {signal: float(f"{error:.4g}") for signal, error in errors.items()}
+    faults = _judged(check, errors)
+    if check.worse_than_recipe == "error":
+        faults += _worse_than_recipe(checks, question, errors, context)
+    return faults, {signal: float(f"{error:.4g}") for signal, error in errors.items()}
+
+
+def _worse_than_recipe(
+    checks: Checks, question: dict[str, Any], errors: dict[str, float], context: Context
+) -> list[Fault]:
+    """Return the fault of the signal that the model follows worst compared with the model without measured numbers."""
+    at = ("worse_than_recipe",)
+    plan = _without_measured(checks.plan)
+    if plan is checks.plan:
+        message = "the recipe has no `measured`, so there is nothing to compare"
+        return [Fault("missing-key", message, at, help="remove `worse_than_recipe`, or name a file of measurements")]
+    if not _keep_designed(plan, checks.session, context):
+        return [Fault("check-failed", "the model without measured numbers cannot be built", at)]
+    with scratch("tracks") as temporary:
+        again = {**question, "progress": str(temporary / "progress")}
+        answer = engine.call(checks.session, follow_recording, [_DESIGNED], argument=again)
+    if not answer.ok:
+        return [Fault("check-failed", answer.error or str(answer.crash), at)]
+    before: dict[str, float] = answer.value["errors"]
+    worst = max(errors, key=lambda signal: errors[signal] / max(before[signal], 1e-12))
+    if errors[worst] <= _WORSE * before[worst]:
+        return []
+    message = (
+        f"the measured model follows `{worst}` worse than the recipe without `measured`:"
+        f" {errors[worst]:.3g}, before {before[worst]:.3g}"
+    )
+    help = "fit the recordings again, or do without the file of measurements"
+    return [Fault("worse-than-recipe", message, at, help=help)]
+
+
+def _without_measured(plan: Plan) -> Plan:
+    """Return the plan without the edits of files of measurements, also in nested recipes; itself if it has none."""
+    parts = tuple(_part_without_measured(part) for part in plan.parts)
+    base = None if plan.base is None else _part_without_measured(plan.base)
+    steps = plan.steps
+    if plan.measured is not None:
+        file = plan.measured.shown
+        steps = tuple(step for step in steps if not (isinstance(step, EditElements) and step.span.file == file))
+    is_same = len(steps) == len(plan.steps) and base is plan.base and all(map(operator.is_, parts, plan.parts))
+    return plan if is_same else replace(plan, steps=steps, parts=parts, base=base, measured=None)
+
+
+def _part_without_measured(part: AttachPart) -> AttachPart:
+    model = _without_measured(part.model) if isinstance(part.model, Plan) else part.model
+    inner = tuple(map(_without_measured, part.inner))
+    is_same = model is part.model and all(map(operator.is_, inner, part.inner))
+    return part if is_same else replace(part, model=model, inner=inner)
+
+
+def _keep_designed(plan: Plan, session: engine.Session, context: Context) -> bool:
+    """Build a plan without its checks, and have the session keep the model. Return whether it succeeded."""
+    own = replace(context, sink=Sink(), timings=[])
+    composed = Composer(own, measure_with(own, session=session), session, options=ComposeOptions()).compose(plan)
+    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=own)
+    if composed is None or bundle is None:
+        return False
+    compiled = compile_and_report(bundle, composed.model, own, session=session, keep=_DESIGNED, at=plan.span)
+    return compiled is not None
 
 
 def _judged(check: Tracks, errors: dict[str, float]) -> list[Fault]:

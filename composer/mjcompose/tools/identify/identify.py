@@ -20,6 +20,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASH_HELP, CRASHES
 from mjcompose.plan.read import Given
 from mjcompose.sources.context import Context
+from mjcompose.text.node import locate
 from mjcompose.tools.identify.file import text_of
 from mjcompose.tools.identify.judgment import findings_of
 from mjcompose.tools.identify.model import FitModel, open_model, span_of_field
@@ -27,6 +28,14 @@ from mjcompose.tools.identify.work import fit_recordings, plan_recordings
 from mjcompose.verify.compile import WHOLE
 
 _PATIENCE = 0.3
+_CRASHED = {
+    "mujoco-timeout": "give the fit more time: `--timeout 1200`",
+    "memory": "cut the recordings into shorter ones, or fit fewer fields at once",
+    "mujoco-crash": "MuJoCo cannot simulate some number in a range: narrow the ranges, or fit fewer fields at once",
+}
+"""Advice for a fit that MuJoCo does not finish, by the code of the error, or by the kind of crash."""
+_OF_READING = frozenset({"recording-column", "recording-unit", "recording-sign", "recording-value", "recording-time"})
+"""Faults that a key of `recording` may correct."""
 
 Say = Callable[[str], None]
 
@@ -96,7 +105,7 @@ class _Asked(Struct):
             answer = engine.call(self.session, function, [WHOLE], argument=self.question)
         if not answer.ok:
             code = CRASHES.get(answer.crash or "", "mujoco-crash")
-            help = "raise the limit: `--limit time=1200`" if answer.crash == "timeout" else CRASH_HELP.get(code)
+            help = _CRASHED.get(answer.crash or "") or _CRASHED.get(code, CRASH_HELP.get(code))
             sink.error(code, f"the fit ended: {answer.error or answer.crash}", self.model.plan.span, help=help)
             return None
         if "fault" in answer.value:
@@ -193,9 +202,17 @@ def report_fault(fault: Mapping[str, Any], model: FitModel, sink: Sink) -> None:
         message = f"field `{fault['field']}` of `identify`: {fault['message']}"
         sink.error(fault["code"], message, span_of_field(model, fault["field"]), help=fault["help"])
         return
-    span = Span(file, fault["line"], 1) if fault["line"] is not None else None
+    span = _span_of_fault(fault, model)
     message = fault["message"] if file is None else f"`{file}`: {fault['message']}"
     sink.error(fault["code"], message, span, help=fault["help"])
+
+
+def _span_of_fault(fault: Mapping[str, Any], model: FitModel) -> Span | None:
+    """Return the line of the recording, or else the key of the recipe that is wrong or that says how to read it."""
+    if fault["line"] is not None:
+        return Span(fault["file"], fault["line"], 1)
+    at = fault["at"] or (("recording",) if fault["code"] in _OF_READING else ())
+    return locate(model.plan.document, ("identify", *at), key=True) if at else None
 
 
 def _judge(data: Mapping[str, Any], model: FitModel, sink: Sink) -> None:

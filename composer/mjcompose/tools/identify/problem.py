@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.suggest import did_you_mean
+from mjcompose.mujoco.attributes import names
 from mjcompose.tools.identify.recording import Recording, Signal
 from mjcompose.tools.identify.tables import RecordingFault, Series
 from mjcompose.tools.identify.unknowns import DELAY, ModelPool, UnknownNumber
@@ -135,7 +137,9 @@ class Problem:
             key = self.mujoco.mj_name2id(self.model, self.mujoco.mjtObj.mjOBJ_KEY, self.settings.start)
             if key < 0:
                 message = f"the model has no keyframe `{self.settings.start}`"
-                raise RecordingFault("unknown-name", message, "write the name of a keyframe as `start`")
+                keys = [name for name in names(self.model, "key") if name]
+                help = did_you_mean(self.settings.start, keys) or "write the name of a keyframe of the model"
+                raise RecordingFault("unknown-name", message, help, at=("start",))
         if self.model.nkey:
             self.mujoco.mj_resetDataKeyframe(self.model, data, key)
         return data

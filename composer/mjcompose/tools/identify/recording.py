@@ -205,7 +205,8 @@ class _Reader:
                 continue
             meant = did_you_mean(written, [self._without_prefix(each) for each in known])
             message = f"`recording: {{sign: …}}` has `{written}`, which names no element of the model"
-            raise RecordingFault("unknown-name", message, meant or "write the name of the model, not of the recording")
+            help = meant or "write the name of the model, not of the recording"
+            raise RecordingFault("unknown-name", message, help, at=("recording", "sign", written))
 
     def _check_units(self, signals: Collection[Signal]) -> None:
         """Refuse units that are the unit of no column."""

@@ -35,10 +35,20 @@ _NOT_NPZ = (
 
 
 class RecordingFault(Exception):
-    """A recording that cannot be used; `line` is the line of a text file, and `field` a field of `identify`."""
+    """A recording that cannot be used; `line` is the line of a text file, and `field` a field of `identify`.
+
+    `at` is the path of a key of `identify` that is wrong.
+    """
 
     def __init__(
-        self, code: str, message: str, help: str | None = None, *, line: int | None = None, field: str | None = None
+        self,
+        code: str,
+        message: str,
+        help: str | None = None,
+        *,
+        line: int | None = None,
+        field: str | None = None,
+        at: tuple[str, ...] = (),
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -46,6 +56,7 @@ class RecordingFault(Exception):
         self.help = help
         self.line = line
         self.field = field
+        self.at = at
         self.file: str | None = None
 
 
@@ -142,6 +153,8 @@ def _numbers(row: list[str], header: list[str], line: int) -> list[float]:
         message = f"it has {len(row)} values in a row, and {len(header)} columns"
         raise RecordingFault("recording-value", message, "is the row cut off? remove it", line=line)
     try:
+        if not all(map(_is_plain, row)):
+            raise ValueError
         return [float(value) if value.strip() else np.nan for value in row]
     except ValueError:
         for name, value in zip(header, row, strict=True):
@@ -151,7 +164,14 @@ def _numbers(row: list[str], header: list[str], line: int) -> list[float]:
         raise
 
 
+def _is_plain(text: str) -> bool:
+    """Return whether a text has no underscores and no digits of other scripts, which Python would read as numbers."""
+    return "_" not in text and text.isascii()
+
+
 def _is_number(text: str) -> bool:
+    if not _is_plain(text):
+        return False
     try:
         float(text)
     except ValueError:

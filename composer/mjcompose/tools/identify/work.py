@@ -177,6 +177,7 @@ def _fault_data(fault: RecordingFault) -> dict[str, Any]:
         "line": fault.line,
         "field": fault.field,
         "file": fault.file,
+        "at": fault.at,
     }
 
 
