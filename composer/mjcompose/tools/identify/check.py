@@ -106,7 +106,7 @@ def _worse_than_recipe(
 
 
 def _without_measured(plan: Plan) -> Plan:
-    """Return the plan without the edits of files of measurements, also in nested recipes; itself if it has none."""
+    """Return the plan and its nested recipes without the edits of files of measurements; itself if it has none."""
     parts = tuple(_part_without_measured(part) for part in plan.parts)
     base = None if plan.base is None else _part_without_measured(plan.base)
     steps = plan.steps
