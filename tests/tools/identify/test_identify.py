@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 import yaml
-from mjcompose.base.limits import allow
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
+from mjcompose.tools.identify import identify as module
 from mjcompose.tools.identify.identify import FitRequest, identify, plan_fit
 from tools.identify import robots
 
@@ -251,12 +252,22 @@ def test_a_wrong_key_has_its_place(keys: str, place: tuple[int, int], help: str,
     assert error.help == help
 
 
-def test_a_fit_that_ends_too_early_says_what_helps(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("crash", "code", "help"),
+    [
+        ("timeout", "mujoco-timeout", "give the fit more time: `--timeout 1200`"),
+        ("memory", "mujoco-crash", "cut the recordings into shorter ones"),
+        ("signal 11", "mujoco-crash", "narrow the ranges"),
+    ],
+)
+def test_a_fit_that_mujoco_does_not_finish_says_what_helps(
+    crash: str, code: str, help: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = SimpleNamespace(ok=False, crash=crash, error="it ended")
+    monkeypatch.setattr(module, "engine", SimpleNamespace(call=lambda *_, **__: answer))
     recipe = lay(tmp_path, FIELDS)
-    run = robots.write_csv(tmp_path / "run.csv", robots.recorded(robots.model(), 3.0))
-    with allow(time=2):
-        fit, context = fitted(recipe, run)
+    run = robots.write_csv(tmp_path / "run.csv", robots.recorded(robots.model(), 0.6))
+    fit, context = fitted(recipe, run)
+    (error,) = context.sink.errors
     assert fit is None
-    assert [(error.code, error.help) for error in context.sink.errors] == [
-        ("mujoco-timeout", "give the fit more time: `--timeout 1200`")
-    ]
+    assert (error.code, help in str(error.help)) == (code, True)
