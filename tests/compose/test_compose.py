@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 from mjcompose.compose import load as module
 from mjcompose.compose.compose import Composer
+from mjcompose.link.link import link
+from mjcompose.link.linking import Linking
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
@@ -88,3 +90,52 @@ def test_a_malformed_value_does_not_hide_a_bug(
     monkeypatch.setattr("mjcompose.compose.compose.link", broken)
     with pytest.raises(KeyError, match="bug"):
         compose(LINKED_WITH_IT)
+
+
+@pytest.mark.parametrize("error", [KeyError, IndexError, ValueError, OverflowError, ZeroDivisionError])
+def test_a_bug_is_not_explained_by_a_malformed_value(
+    error: type[Exception], tmp_path: Path, compose: Compose, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even a bug that the corrected sources do not show."""
+    calls: list[object] = []
+
+    def broken(linking: Linking) -> bool:
+        calls.append(linking)
+        if len(calls) == 1:
+            raise error("bug")
+        return link(linking)
+
+    (tmp_path / "odd.xml").write_text(MALFORMED)
+    monkeypatch.setattr("mjcompose.compose.compose.link", broken)
+    with pytest.raises(error, match="bug"):
+        compose(LINKED_WITH_IT)
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    [
+        'euler="1 2"',
+        'pos="1 2"',
+        'quat="1 0 0"',
+        'axisangle="0 0 1"',
+        'xyaxes="1 0 0"',
+        'zaxis="1 0"',
+        'pos="1 2 up"',
+    ],
+)
+def test_a_malformed_pose_of_a_place_is_reported(tmp_path: Path, compose: Compose, attributes: str) -> None:
+    (tmp_path / "odd.xml").write_text(f'<mujoco><worldbody><site name="s" {attributes}/></worldbody></mujoco>')
+    (fault,) = compose("recipe: 1\nbase: ./odd.xml\nattach: {a: {model: ./robot.xml, site: s, joint: free}}\n")
+    assert str(fault).startswith("odd.xml1:")
+    assert str(fault).endswith("wrong-type")
+
+
+def test_a_blank_orientation_is_none(compose: Compose) -> None:
+    place = '<mujoco><worldbody><site name="s" euler=" " pos="1 2 3"/></worldbody></mujoco>'
+    ball = '<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+    recipe = "recipe: 1\nbase: ./odd.xml\nattach: {a: {model: ./ball.xml, site: s, joint: free}}\n"
+    model = compose(recipe, odd__xml=place, ball__xml=ball)
+    assert not isinstance(model, list), model
+    (body,) = model.iterfind("worldbody/body")
+    assert body.get("pos") == "1 2 3"

@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.sink import Sink
-from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
+from mjcompose.link.source_check import check_source, repair
 from mjcompose.tree.parse import parse_text
+from mjcompose.tree.values import NotMjcf
 from mjcompose.tree.xml_text import to_text
 
 # What the linker reads, and what may stand there instead of a number.
@@ -46,7 +47,7 @@ def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: s
     for base, part in ((radian, text), (text, radian)):
         try:
             workshop.link(base, Piece(part, place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
-        except INVALID_SOURCE:
+        except NotMjcf:
             sink = Sink()
             unit = parse_text(text, Sink(), file="a.xml", directory=workshop.folder, label="a")
             assert unit is not None

@@ -333,7 +333,7 @@ class ControlUnits:
         if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
             return ControlMeaning()
         gear = self._effective(actuator, "gear")
-        if gear and abs(numbers.read(gear)[0]) != 1:
+        if gear and abs(numbers.first(gear)) != 1:
             return ControlMeaning()
         if (control := self._control(actuator)) is None:
             if self.in_doubt:  # MuJoCo would only repeat the fault

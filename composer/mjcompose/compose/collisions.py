@@ -14,6 +14,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.compose.elements import ElementBuilder
 from mjcompose.compose.load import FINISHED, keep_finished
 from mjcompose.language.contact import BETWEEN
+from mjcompose.link import numbers
 from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.linking import Linking
 from mjcompose.mujoco import engine
@@ -150,7 +151,7 @@ class _CollisionWriter(Struct):
         for geom in own(body, "geom"):
             # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
             values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
-            if any(value is None or int(float(value)) != 0 for value in values):
+            if any(value is None or numbers.integer(value) != 0 for value in values):
                 yield geom
 
     def _write_pairs(self, step: SetCollisions, sides: Sequence[Sequence[Node]]) -> None:

@@ -57,7 +57,7 @@ from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AddedElement, FileUse, Linking, LinkRequest, ModelMeasure, common_angle
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
-from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
+from mjcompose.link.source_check import check_source, repair
 from mjcompose.link.submodels import add_named_file, attached_size
 from mjcompose.link.subtree import Subtree
 from mjcompose.link.unit_keys import KeyNotes, remove_keys
@@ -85,6 +85,7 @@ from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import check_size, written
 from mjcompose.tree.merged_settings import Adopted
 from mjcompose.tree.unit import Unit, Watch, nobody
+from mjcompose.tree.values import NotMjcf
 
 if TYPE_CHECKING:
     from mjcompose.compose.edits import ModelEdits
@@ -267,10 +268,13 @@ class Composer:
         return self.guarded(plan, is_fixed, lambda again: again._composed(plan, is_fixed))
 
     def guarded(self, plan: Plan, is_fixed: bool, work: Callable[[Composer], Result | None]) -> Result | None:
-        """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
+        """Return the result of the work, or None if it fails because of a source that is not valid MJCF.
+
+        Any other exception is a bug, and goes on: it says nothing about the sources.
+        """
         try:
             return work(self)
-        except INVALID_SOURCE:
+        except NotMjcf:
             library = dict(self._reread_sources(plan, is_fixed))
             faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
             if not faulty:

@@ -99,7 +99,7 @@ class _Rules(Struct):
                 _own_body(geom),
             )
         mass = self.effective(geom, "mass")
-        if attribute == "density" and mass is not None and not math.isnan(numbers.read(mass)[0]):
+        if attribute == "density" and mass is not None and not math.isnan(numbers.first(mass)):
             return NoEffect("the geom has a `mass`, which holds instead", help="change its `mass`")
         return None
 

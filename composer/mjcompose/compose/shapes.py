@@ -191,12 +191,12 @@ def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], po
         journal.write(geom, "pos", numbers.text(pose.pos))
     if pose.quat != IDENTITY_QUAT:
         journal.write(geom, "quat", numbers.text(pose.quat))
-    contype, conaffinity = (int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity"))
+    contype, conaffinity = (numbers.integer(editing.effective(old, name) or "1") for name in ("contype", "conaffinity"))
     if not contype and not conaffinity:
         contype = conaffinity = 1  # the old geom was only visible; the new geoms collide as MuJoCo's geoms do
     journal.write(geom, "contype", str(contype))
     journal.write(geom, "conaffinity", str(conaffinity))
-    journal.write(geom, "group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
+    journal.write(geom, "group", str(max(_UNSEEN, numbers.integer(editing.effective(old, "group") or "0"))))
     journal.write(geom, "mass", "0")
     journal.write_all(geom, {name: str(old.get(name)) for name in _TAKEN if old.get(name)})
 
@@ -213,7 +213,7 @@ def _leave_out(editing: Editing, geom: Node) -> None:
         journal.write(geom, "fluidshape", "none")
     for name in ("contype", "conaffinity"):
         text = str(journal.drop(geom, name))
-        if int(float(editing.effective(geom, name) or 1)) != int(text):
+        if numbers.integer(editing.effective(geom, name) or "1") != int(text):
             journal.write(geom, name, text)
 
 

@@ -231,7 +231,7 @@ class EntryValues:
             return text
         values: list[Number | Angle] = [*numbers.read(text)]
         if attribute.type == "int":
-            values = [int(each) for each in numbers.read(text)]
+            values = [numbers.integer(item) for item in text.split()]
         self._turn(attribute, values)
         if index is not None:
             return values[index] if index < len(values) else None
@@ -340,11 +340,11 @@ class Masses:
         if self._has_rules or self._may_fuse:
             return None
         if (inertial := self._inertial(body)) is not None:
-            return numbers.read(str(inertial.get("mass") or "0"))[0]
+            return numbers.first(str(inertial.get("mass") or "0"))
         masses = [self.editing.effective(geom, "mass") for geom in own(body, "geom")]
         if not masses or any(mass is None for mass in masses):
             return None
-        return sum(numbers.read(str(mass))[0] for mass in masses)
+        return sum(numbers.first(str(mass)) for mass in masses)
 
     def _check_not_fused(self, body: Node, survey: Survey, at: Path) -> None:
         if not survey.is_gone(body) or (host := self._host(body, survey)) is None:
@@ -481,13 +481,13 @@ class Masses:
         childclass = childclass_of(geom)
         mass = classes.effective(geom, childclass, "mass")
         # `mass="nan"` cancels the mass that a class gives: then the density counts.
-        if mass is not None and not math.isnan(numbers.read(mass)[0]):
+        if mass is not None and not math.isnan(numbers.first(mass)):
             name = "mass"
-            value = numbers.read(mass)[0]
+            value = numbers.first(mass)
         else:
             density = classes.effective(geom, childclass, "density")
             name = "density"
-            value = _DENSITY if density is None else numbers.read(density)[0]
+            value = _DENSITY if density is None else numbers.first(density)
         journal.write(geom, name, numbers.text([factor * value]))
         self.editing.write(geom, {name: at})
 

@@ -107,7 +107,7 @@ def merge_values(path: str, have: WrittenSetting | None, wanted: WrittenSetting)
         return wanted.value
     name = path.rsplit("/", 1)[1]
     safer = min if name in _SMALLER_IS_SAFER else max if name in _LARGER_IS_SAFER else None
-    return None if safer is None else safer(have.value, wanted.value, key=lambda text: numbers.read(text)[0])
+    return None if safer is None else safer(have.value, wanted.value, key=lambda text: numbers.first(text))
 
 
 def set_value(unit: Unit, path: str, value: str) -> Node:

@@ -22,7 +22,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.rotation import normalize, quat_from_euler
+from mjcompose.base.rotation import normalize
 from mjcompose.link import numbers
 from mjcompose.link.linking import Flex, Linking
 from mjcompose.tree import journal
@@ -63,13 +63,13 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
             elif own != sequence:
                 radians = [numbers.orientation_radians(v) for v in values] if degrees else values
                 journal.drop(element, "euler")
-                journal.write(element, "quat", numbers.text(quat_from_euler(radians, own)))
+                journal.write(element, "quat", numbers.text(numbers.quat_from_euler(radians, own)))
             elif to_radians:
                 journal.write(element, "euler", numbers.text(map(numbers.orientation_radians, values)))
         axisangle = element.get("axisangle")
         if to_radians and axisangle is not None and axisangle.strip():
             *axis, angle = axisangle.split()
-            turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
+            turned = numbers.text([numbers.orientation_radians(*numbers.exactly(angle, 1))])
             journal.write(element, "axisangle", " ".join([*axis, turned]))
 
 

@@ -439,7 +439,8 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
     least = linking.base.settings.boundmass
     moment = linking.base.settings.boundinertia
-    if (float(least) or float(moment)) and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
+    raises = numbers.first(least) or numbers.first(moment)
+    if raises and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
         journal.place(body, body.makeelement("inertial", inertial), 0)
 

@@ -18,7 +18,7 @@ _STEP = 0.002
 def time_step(root: Node) -> float:
     """Return the time step that a model says, in seconds. A later `<option>` wins over an earlier one."""
     written = [str(option.get("timestep")) for option in root.iterchildren("option") if option.get("timestep")]
-    return numbers.read(written[-1])[0] if written else _STEP
+    return numbers.first(written[-1]) if written else _STEP
 
 
 def samples_in(delay: float, step: float) -> int:
@@ -41,6 +41,6 @@ def delays(linking: Linking) -> None:
         delay = actuator.get("delay")
         if actuator.getroottree().getroot() is not unit.root or actuator.get("nsample") != text or not delay:
             continue
-        samples = str(samples_in(numbers.read(str(delay))[0], step)) if step > 0 else text
+        samples = str(samples_in(numbers.first(str(delay)), step)) if step > 0 else text
         journal.write(actuator, "nsample", samples, because("counted in time steps of the whole model"))
         unit.origins.delays[actuator] = samples

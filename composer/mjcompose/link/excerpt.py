@@ -14,6 +14,7 @@ from itertools import chain
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.link import numbers
 from mjcompose.link.unit_keys import keys_of
 from mjcompose.tree.edit import is_rod
 from mjcompose.tree.names import GENERATORS, declaration, own_references, references
@@ -79,7 +80,7 @@ class ExcerptSource:
         Masses of the whole model, keys, bodies that MuJoCo makes, and bones in the file of a skin are such cases.
         """
         depends_on_all = (
-            float(unit.settings.settotalmass) > 0
+            numbers.first(unit.settings.settotalmass) > 0
             or bool(unit.part_keys)
             or bool(keys_of(unit))
             or next(unit.root.iter("skin", *GENERATORS), None) is not None

@@ -18,6 +18,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity
 from mjcompose.base.report import with_rest
 from mjcompose.base.words import plural
+from mjcompose.link import numbers
 from mjcompose.link.boundaries import CODE
 from mjcompose.link.expansion import SECTIONS, Expansion, suffixes
 from mjcompose.link.linking import shown_name
@@ -255,7 +256,7 @@ def _dropped(root: Node) -> frozenset[str]:
 
 
 def _least_keys(root: Node) -> int:
-    return max((int(str(size.get("nkey") or 0)) for size in root.iterchildren("size")), default=0)
+    return max((numbers.integer(str(size.get("nkey") or 0)) for size in root.iterchildren("size")), default=0)
 
 
 _SHOWN = 8

@@ -25,6 +25,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import in_force
+from mjcompose.link import numbers
 from mjcompose.tree.names import WORLD, declaration, own_references
 
 Name = tuple[str, str]
@@ -274,4 +275,4 @@ def suffixes(replicate: Node) -> list[str]:
 
 
 def copies_of(replicate: Node) -> int:
-    return int(str(replicate.get("count") or 1))
+    return numbers.integer(str(replicate.get("count") or 1))

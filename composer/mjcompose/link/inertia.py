@@ -51,7 +51,7 @@ def inertia(linking: Linking) -> None:
             write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
-            _exclude_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
+            _exclude_groups(unit, *map(numbers.integer, settings.inertiagrouprange.split()))
         # With the rule `true`, geoms override a written inertial; a body without geoms keeps it. A body whose geoms all
         # have no mass counts as a body without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0 0"
         # diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`. With the rule `false`, a
@@ -75,7 +75,7 @@ def _exclude_groups(unit: Unit, low: int, high: int) -> None:
     classes = unit.classes
     for element, childclass in walk_bodies(unit.root):
         if element.tag == "geom":
-            group = int(classes.effective(element, childclass, "group") or 0)
+            group = numbers.integer(classes.effective(element, childclass, "group") or "0")
             # The geom keeps its collisions and its looks: only a mass of 0 excludes it from the inertia. In MuJoCo 4.0
             # `inertiagrouprange="1 2"` leaves of two unit spheres in groups 0 and 1 the mass of one, 4188.79.
             if not low <= group <= high:
@@ -87,9 +87,9 @@ def has_mass(geom: Node, classes: Classes) -> bool:
     mass = classes.effective(geom, childclass, "mass")
     # A mass wins over a density: in MuJoCo 4.0 `<geom size=".1" mass="0" density="1000"/>` weighs nothing.
     if mass is not None:
-        return numbers.read(mass)[0] != 0
+        return numbers.first(mass) != 0
     density = classes.effective(geom, childclass, "density")
-    return density is None or numbers.read(density)[0] != 0
+    return density is None or numbers.first(density) != 0
 
 
 def _write_no_mass(linking: Linking, unit: Unit, body: Node) -> None:

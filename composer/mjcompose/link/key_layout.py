@@ -15,10 +15,12 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, Within, actuators_in_order, copies_of, element_of
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.tree.classes import Classes, childclass_of, through_frames
 from mjcompose.tree.unit import Unit
+from mjcompose.tree.values import NotMjcf
 
 
 def joints_in_order(unit: Unit) -> list[Holder]:
@@ -235,8 +237,13 @@ class _Reader:
 
     def joint(self, joint: Node) -> Slot:
         if self.influence[0]:
-            return _JOINTS[joint_type(joint, self.unit.classes)]
-        return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
+            kind = joint_type(joint, self.unit.classes)
+        else:
+            kind = "free" if joint.tag == "freejoint" else joint.get("type") or "hinge"
+        slot = _JOINTS.get(kind)
+        if slot is None:
+            raise NotMjcf(f"no type of a joint: {kind}")
+        return slot
 
     def mocaps(self, holder: Node, within: Within) -> Iterator[tuple[Holder, int]]:
         """Yield the mocap bodies directly in the world, or in a replicate there, and the elements that contain some."""
@@ -284,9 +291,9 @@ class _Reader:
             inputs = inputs or said[3]
         if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
             return None
-        if not size or int(size) < 0:  # the default of MuJoCo
+        if not size or numbers.integer(size) < 0:  # the default of MuJoCo
             return _STATELESS if dyntype in (None, "none") else actuator_slot(1)
-        return actuator_slot(int(size))
+        return actuator_slot(numbers.integer(size))
 
     def _said_of_general(self, name: str) -> tuple[str | None, ...] | None:
         """Return the `_OF_GENERAL` settings of a class for a `<general>`, or None if its other tags affect them too."""

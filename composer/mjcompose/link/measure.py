@@ -505,7 +505,7 @@ class KeyFiller:
             ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")
         if ref is None:
             return ["0"]
-        value = numbers.read(ref)[0]
+        value = numbers.first(ref)
         if slot.kind == "hinge" and self.degrees:
             value = numbers.joint_radians(value)
         return numbers.text([value]).split()

@@ -18,7 +18,7 @@ from functools import cache, lru_cache, partial
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Cause, Note
-from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
+from mjcompose.base.rotation import ORIGIN, Pose, Vec3, rotate
 from mjcompose.link import numbers
 from mjcompose.link.expansion import Name, copied_names, inner_first, names_of_copies, references_to_copied, suffixes
 from mjcompose.link.key_layout import BLOCKS
@@ -42,7 +42,7 @@ def copy_poses(
         turns = [number * angle for angle in angles]
         if degrees:
             turns = [orientation_radians(turn) for turn in turns]
-        made.append(Pose(pos, quat_from_euler(turns, sequence)))
+        made.append(Pose(pos, numbers.quat_from_euler(turns, sequence)))
         x, y, z = rotate(made[-1].quat, offset)
         pos = (pos[0] + x, pos[1] + y, pos[2] + z)
     return tuple(made)

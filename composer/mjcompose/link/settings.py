@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note
+from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking, MemoryRequest
 from mjcompose.tree import journal
@@ -311,7 +312,8 @@ def bytes_of(text: str) -> float:
     2097152.0
     """
     text = text.strip().lower()
-    return float(text[:-1]) * _SCALE[text[-1]] if text and text[-1] in _SCALE else float(text or 0)
+    scale = _SCALE.get(text[-1:])
+    return numbers.first(text or "0") if scale is None else numbers.first(text[:-1]) * scale
 
 
 def _quoted(called: str) -> str:

@@ -6,8 +6,8 @@ Sections of settings are joined, a part's root is unwrapped, and options give wa
 the file itself is not an error here: `tree/ignored.py` reports it as a warning.
 
 The check takes longer than parsing and linking a file (2 ms for 250 elements, against 1.7 ms). Verified builds run
-it first. Other builds run it only after the linker has raised an exception. Even then the fault may not be the
-cause: the work is repeated with the faults corrected; if it still raises, the exception is a bug and is raised.
+it first. Other builds run it only after the linker has raised `NotMjcf`. Even then the fault may not be the cause:
+the work is repeated with the faults corrected; if it still raises, the exception is a bug and is raised.
 """
 
 from __future__ import annotations
@@ -32,9 +32,6 @@ from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, version_key
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.values import Refusal, check_value
 from mjcompose.tree.xml_faults import BLIND, unread
-
-INVALID_SOURCE = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
-"""Exceptions of reading a source that is not MJCF. For MJCF they are a bug."""
 
 _FREE = frozenset({"string", "file", "name", "reference", "references"})
 """Types of attributes of which every text is a value."""

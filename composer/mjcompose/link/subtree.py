@@ -12,6 +12,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.link import numbers
 from mjcompose.link.excerpt import SECTIONS, SUPPORTING, Excerpt, Name
 from mjcompose.link.expansion import element_of
 from mjcompose.link.inertia import MEASURED, write_inertias
@@ -363,7 +364,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
 def _settle_mass(linking: Linking) -> None:
     """Write out the masses that `settotalmass` gives the bodies of the whole unit, before bodies are dropped."""
     unit = linking.base
-    if float(unit.settings.settotalmass) <= 0:
+    if numbers.first(unit.settings.settotalmass) <= 0:
         return
     # MuJoCo 4.0 makes 1 and 1 of two equal bodies under `settotalmass="2"`; one of them alone would become 2.
     write_inertias(linking, unit)

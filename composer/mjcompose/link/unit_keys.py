@@ -278,7 +278,7 @@ def layouts(linking: Linking) -> None:
     if linking.parts:
         for unit in linking.units:
             for size in unit.root.iterchildren("size"):
-                for _ in range(len(keys_of(unit)), int(journal.drop(size, "nkey") or "-1")):
+                for _ in range(len(keys_of(unit)), numbers.integer(journal.drop(size, "nkey") or "-1")):
                     journal.place(unit.section("keyframe"), unit.root.makeelement("key"))
     for part in linking.parts:
         if part.keyframes != "none":

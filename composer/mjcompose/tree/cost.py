@@ -18,6 +18,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.tree.files import CUBE, join, written_path
 from mjcompose.tree.mesh_cost import check_meshes, file_points, number
 from mjcompose.tree.unit import Unit, line_of
+from mjcompose.tree.values import real
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 _HEAD = 24
@@ -54,14 +55,14 @@ _WITH_FACTORS = XPath("ancestor-or-self::frame[@scale or @massscale]")
 
 
 def scales(frame: Node) -> bool:
-    """Return whether a frame changes sizes or masses.
+    """Return whether a frame changes sizes or masses. Raises NotMjcf.
 
     >>> from lxml.etree import fromstring
     >>> scales(fromstring('<frame scale="1 1 1"/>')), scales(fromstring('<frame scale="2"/>'))
     (False, True)
     """
     factors = str(frame.get("scale") or "1").split()
-    return any(float(factor) != 1 for factor in factors) or bool(float(str(frame.get("massscale") or 0)))
+    return any(real(factor) != 1 for factor in factors) or bool(real(str(frame.get("massscale") or 0)))
 
 
 def scaled_above(element: Node | None) -> Node | None:

@@ -99,6 +99,10 @@ INT_MIN = -(2**31)
 INT_MAX = 2**31 - 1
 
 
+class NotMjcf(ValueError):
+    """A source writes a text where MJCF has no such value. MuJoCo refuses the model, and `check_source` says why."""
+
+
 def items(text: str) -> list[str]:
     """Split a list at ASCII white space only; a no-break space separates nothing."""
     return re.split(f"[{SPACE}]+", text.strip(SPACE)) if text.strip(SPACE) else []
@@ -120,6 +124,14 @@ def parse_real(text: str) -> float | None:
     except OverflowError:
         return None
     return None if math.isinf(value) and "inf" not in lower else value
+
+
+def real(text: str) -> float:
+    """Return the number for a single item. Raises NotMjcf."""
+    value = parse_real(text)
+    if value is None:
+        raise NotMjcf(f"not a number: {text}")
+    return value
 
 
 def parse_int(text: str) -> int | None:

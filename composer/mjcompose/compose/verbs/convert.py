@@ -228,7 +228,7 @@ def _other_control(before: str, after: str, model: ActuatorModel, given: Mapping
     """Return in words that the control is another quantity now."""
     is_now = _in_words(after, "another thing")
     was = _in_words(before, "what it was")
-    gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
+    gear = abs(numbers.first(given["gear"])) if "gear" in given else abs(model.gear)
     if model.gear and gear != 1 and after not in ("force", "other"):
         is_now += f" ({gear:g} times the {_CONTROL[after.split('+')[0]].partition(' ')[2]} of its joint or tendon)"
     return f"the control is {is_now} now, not {was}"
@@ -434,7 +434,7 @@ def _dampratio(editing: Editing, node: Node) -> str | None:
         if "dampratio" in GRAMMAR.element(f"actuator/{node.tag}").attributes
         else None
     )
-    return text if text and numbers.read(text)[0] > 0 else None
+    return text if text and numbers.first(text) > 0 else None
 
 
 def _general(editing: Editing, node: Node, model: ActuatorModel) -> dict[str, str]:
@@ -446,7 +446,7 @@ def _general(editing: Editing, node: Node, model: ActuatorModel) -> dict[str, st
     for name in _PARAMETERS:
         values = list(getattr(model, name))
         if name == "biasprm" and ratio:
-            values[2] = numbers.read(ratio)[0]
+            values[2] = numbers.first(ratio)
         while not whole and len(values) > 1 and values[-1] == 0:
             values.pop()
         made[name] = numbers.text(values)

@@ -71,7 +71,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     if joint is None or joint_type(joint, editing.classes) != "hinge":
         message = f"{editing.called(node)} does not turn a hinge, but a motor does"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True), it="it")
-    if (gear := numbers.read(editing.effective(node, "gear") or "1")[0]) == 0:
+    if (gear := numbers.first(editing.effective(node, "gear") or "1")) == 0:
         message = f"the `gear` of {editing.called(node)} is 0"
         report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
     return joint, gear
@@ -117,7 +117,7 @@ class _Drive(Struct):
         if written.bandwidth is None:
             help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
             self._lacks(f"{called} is a servo of unknown speed", help)
-        moved = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0] + (written.inertia or 0.0)
+        moved = numbers.first(self.editing.effective(self.joint, "armature") or "0") + (written.inertia or 0.0)
         if not moved > 0:
             help = "write `inertia: …` of the moved parts, in kg·m²; or `error: 0.1` instead of `bandwidth`"
             self._lacks(f"the inertia that {called} moves is not known: the data sheet has none of the rotor", help)
