@@ -1,6 +1,7 @@
-"""Takes the pictures of the page again, in light and dark, two pixels to a point: `python docs/pictures/pages.py`.
+"""Takes the pictures of the page again, in light and dark, two pixels to a point.
 
-It needs Chromium, as the tests of the page do. Each picture is NAME.webp and NAME_dark.webp.
+`python docs/pictures/pages.py [NAME…]` takes the named pictures, or all of them: NAME.webp and NAME_dark.webp. It needs
+Chromium, as the tests of the page do.
 """
 
 from __future__ import annotations
@@ -52,13 +53,23 @@ def plotted(page: Any) -> None:
     page.keyboard.press("Space")
 
 
+def rewound(page: Any) -> None:
+    page.keyboard.press("Space")
+    page.wait_for_function("mjcompose.server.data?.time > 3", timeout=180_000)
+    page.keyboard.press("Space")
+    page.evaluate("mjcompose.server.back(mjcompose.server.data.time - 2)")
+
+
 def main() -> None:
+    wanted = sys.argv[1:]
     with tempfile.TemporaryDirectory() as home, started() as browser:
         folder = Path(home)
         shutil.copytree(ROOT / "recipes", folder / "recipes")
         recipe = folder / "recipes" / "demo.yaml"
 
         def take(name: str, address: str, act: Callable[[Any], None]) -> None:
+            if wanted and name not in wanted:
+                return
             for theme, ending in (("light", ""), ("dark", "_dark")):
                 context = browser.new_context(
                     viewport={"width": 1080, "height": 660}, device_scale_factor=2, color_scheme=theme
@@ -82,7 +93,9 @@ def main() -> None:
         demo = made("view", "recipes/demo.yaml")
         take("view", demo, selected)
         take("view_keyframe", demo, posed)
-        take("view_sensors", made("view", "recipes/demo.yaml", "--physics"), plotted)
+        physics = made("view", "recipes/demo.yaml", "--physics")
+        take("view_sensors", physics, plotted)
+        take("view_time", physics, rewound)
         text = recipe.read_text()
         (folder / "recipes" / "before.yaml").write_text(text)
         served = subprocess.Popen(

@@ -14,6 +14,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.attributes import holder, names, place
 from mjcompose.mujoco.controls import advance
 from mjcompose.mujoco.film import NoEncoder, encoder, gif, png, write_mp4
+from mjcompose.mujoco.labels import draw_line, projection, pushed_apart
 from mjcompose.mujoco.solids import SIGNS, box_corners
 
 if TYPE_CHECKING:
@@ -24,7 +25,9 @@ _AROUND = 0.1  # how much of the model is around a point
 _APART = 0.5  # how far parts move, as a share of their size
 _INK = (0.96, 0.6, 0.1, 1.0)
 _WIDTH = 2.0
-_PLACES = {"site": "site_xpos", "body": "xpos", "joint": "xanchor", "geom": "geom_xpos"}
+_LABEL_INK = (0.1, 0.12, 0.16)
+_LABEL_PAPER = (0.96, 0.97, 0.98)
+_PLACES = {"site": "site_xpos", "body": "xipos", "joint": "xanchor", "geom": "geom_xpos"}
 _SHOWN_GROUPS = 3
 
 
@@ -133,20 +136,13 @@ def _boxes(mujoco: Any, model: MjModel, data: MjData, first: list[int]) -> dict[
     return boxes
 
 
-def decorate(
-    mujoco: Any, model: MjModel, data: MjData, scene: Any, links: Iterable[Link], labels: Iterable[str]
-) -> None:
-    """Add lines, and the names of elements of some kinds, to a scene."""
+def draw_links(mujoco: Any, scene: Any, links: Iterable[Link]) -> None:
+    """Add lines to a scene."""
     kinds = mujoco.mjtGeom
     for start, end in links:
         geom = _new(mujoco, scene, kinds.mjGEOM_LINE)
         if geom is not None:
             mujoco.mjv_connector(geom, kinds.mjGEOM_LINE, _WIDTH, start, end)
-    for kind in labels:
-        for name, there in zip(names(model, kind), getattr(data, _PLACES[kind]), strict=True):
-            if name not in ("", "world") and (geom := _new(mujoco, scene, kinds.mjGEOM_LABEL)) is not None:
-                geom.pos[:] = there
-                geom.label = name
 
 
 def _new(mujoco: Any, scene: Any, kind: Any) -> Any:
@@ -342,21 +338,53 @@ class Stage:
                 mujoco.mjtCatBit.mjCAT_ALL.value,
                 self._scene,
             )
-            decorate(mujoco, self.model, self.data, scene=self._scene, links=self.links, labels=look.labels)
+            draw_links(mujoco, self._scene, self.links)
             sky = has_sky(mujoco, self.model) and look.background is None
             self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
             mujoco.mjr_render(mujoco.MjrRect(0, 0, look.width, look.height), self._scene, self._drawing)
             drawn = self._read(look.width, look.height)
-            return drawn if sky else over(drawn, self._share_drawn(), look.background)
+            found = drawn if sky else over(drawn, self._share_drawn(), look.background)
+            self._write_names(found)
+            return found
+
+    def _write_names(self, picture: Any) -> None:
+        """Write the names of elements into a picture, with a line from each name to its element.
+
+        MuJoCo's own drawing of names puts them over each other.
+        """
+        at = projection(self._scene, self.look.width, self.look.height)
+        elements = [
+            (name, point)
+            for kind in self.look.labels
+            for name, there in zip(names(self.model, kind), getattr(self.data, _PLACES[kind]), strict=True)
+            if name not in ("", "world") and (point := at(there)) is not None
+        ]
+        points = [point for _, point in elements]
+        font = self._drawing
+        height = int(font.charHeight) + 4
+        widths = [sum(int(font.charWidth[ord(each)]) for each in _ascii(name)) + 14 for name, _ in elements]
+        room = (0.0, 0.0, float(picture.shape[1]), float(picture.shape[0]))
+        boxes = pushed_apart(points, [(width, height) for width in widths], room)
+        for point, box in zip(points, boxes, strict=True):
+            near = min(max(point[0], box[0]), box[2]), min(max(point[1], box[1]), box[3])
+            draw_line(picture, point, near, [round(255 * each) for each in _INK[:3]])
+        for (name, _), (left, top, *_), width in zip(elements, boxes, widths, strict=True):
+            shown = self._line(_ascii(name), width, height, ink=_LABEL_INK, paper=_LABEL_PAPER)
+            place = picture[round(top) : round(top) + height, round(left) : round(left) + width]
+            place[:, :, :3] = shown[: place.shape[0], : place.shape[1]]
+            place[:, :, 3:] = 255
 
     def text(self, words: str, width: int, height: int, ink: Any, paper: Any) -> Any:
         """Return a line of text in MuJoCo's own font, `(height, width, 3)`; paper and ink are RGB from 0 to 1."""
         self._window.make_current()
-        self.mujoco.mjr_rectangle(self.mujoco.MjrRect(0, 0, width, height), *paper, 1.0)
-        font = self.mujoco.mjtFont.mjFONT_NORMAL.value
         room = max(1, (width - 8) // max(1, int(self._drawing.charWidth[ord("n")])))
         shown = words if len(words) <= room else f"{words[: max(1, room - 2)]}.."
-        shown = shown.encode("ascii", "replace").decode("ascii")
+        return self._line(_ascii(shown), width, height, ink=ink, paper=paper)
+
+    def _line(self, shown: str, width: int, height: int, ink: Any, paper: Any) -> Any:
+        """Return a line of text that fits."""
+        self.mujoco.mjr_rectangle(self.mujoco.MjrRect(0, 0, width, height), *paper, 1.0)
+        font = self.mujoco.mjtFont.mjFONT_NORMAL.value
         self.mujoco.mjr_text(font, shown, self._drawing, 6 / width, 2 / height, *ink)
         return self._read(width, height)
 
@@ -397,6 +425,11 @@ class Stage:
         self._scene.flags[costly] = 1
         seen = np.flipud(depth) < 1
         return seen.reshape(look.height, _FINER, look.width, _FINER).mean(axis=(1, 3))
+
+
+def _ascii(words: str) -> str:
+    """Return words as MuJoCo's font has them."""
+    return words.encode("ascii", "replace").decode("ascii")
 
 
 _TURN_SECONDS = 4.0

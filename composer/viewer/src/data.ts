@@ -7,6 +7,8 @@ export interface Columns {
 }
 
 export type Place = [file: number, line: number, column: number];
+/** A part: what it is called and where it is, the place of its entry, and the number of the part around it, or -1. */
+export type Part = [words: string, place: Place | null, outer: number];
 export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
 export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;
 
@@ -144,7 +146,7 @@ export interface Scene {
   qpos0: number[];
   timestep: number;
   look: Look;
-  origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]>; exclude: Excluded[] };
+  origins: { files: string[]; parts: Part[]; of: Record<string, Origin[]>; exclude: Excluded[] };
   editor?: { template: string; files: Record<string, string> };
   key_named?: string | null;
   choices?: Choice[];

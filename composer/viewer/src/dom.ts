@@ -21,6 +21,16 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+const LONG = 18;
+const TAIL = 12;
+
+/** A name that loses its middle where there is no room: names of a model mostly differ at their ends. */
+export function nameSpan(name: string): HTMLElement {
+  const pieces = name.length > LONG ? [name.slice(0, -TAIL), name.slice(-TAIL)] : [name];
+  const classes = ["head", "tail"];
+  return h("span", { className: "name" }, ...pieces.map((piece, k) => h("span", { className: classes[k] }, piece)));
+}
+
 const PATHS: Record<string, string> = {
   fit: "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5",
   theme: "M12 3a9 9 0 1 0 9 9 7 7 0 0 1-9-9z",
@@ -29,6 +39,8 @@ const PATHS: Record<string, string> = {
   panel: "M4 6h10M18 6h2M4 12h2M10 12h10M4 18h8M16 18h4M14 4v4M6 10v4M12 16v4",
   play: "M7 4l13 8-13 8z",
   pause: "M8 5v14M16 5v14",
+  reset: "M4 4v6h6M4.6 10A8 8 0 1 1 4 14",
+  step: "M5 5l9 7-9 7zM18 5v14",
   move:
     "M12 3v18M3 12h18M12 3l-2.5 2.5M12 3l2.5 2.5M12 21l-2.5-2.5M12 21l2.5-2.5" +
     "M3 12l2.5-2.5M3 12l2.5 2.5M21 12l-2.5-2.5M21 12l-2.5 2.5",

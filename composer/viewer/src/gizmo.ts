@@ -7,6 +7,7 @@ import { type Element, type MoveRow, row, type Scene } from "./data";
 import { h } from "./dom";
 import { neat } from "./info";
 import { FREE, WIDTHS } from "./kinematics";
+import { NumberBox } from "./numbers";
 
 type Ask = (request: Record<string, unknown>) => Promise<any>;
 /** Something that can be moved: a target of the recipe, or an element of a source, by an edit. */
@@ -52,7 +53,7 @@ export class Gizmo {
   private redo: string | null = null;
   private looks = 0;
   private queue: Promise<any> = Promise.resolve();
-  private readonly fields: HTMLInputElement[] = [];
+  private readonly fields: NumberBox[] = [];
   private readonly words = h("div", { className: "words" });
   /** Resolves when no drag is under way. */
   idle: Promise<void> = Promise.resolve();
@@ -85,18 +86,6 @@ export class Gizmo {
       }
     });
     stage.canvas.parentElement!.append(this.box);
-    addEventListener("keydown", (event) => {
-      const field = event.target as HTMLElement;
-      if (
-        !(event.ctrlKey || event.metaKey) ||
-        event.key.toLowerCase() !== "z" ||
-        field.matches("input[type=text], input[type=search], textarea")
-      ) {
-        return;
-      }
-      event.preventDefault();
-      void this.back(event.shiftKey ? "redo" : "undo");
-    });
   }
 
   /** Whether a handle is being dragged. */
@@ -419,7 +408,7 @@ export class Gizmo {
 
   private async drop(): Promise<void> {
     const choice = this.choices[this.chosen];
-    const { key } = this.app;
+    const { key } = this.app.poses;
     const now = this.now;
     if (!choice || now.equals(this.last)) {
       return;
@@ -688,57 +677,58 @@ export class Gizmo {
   }
 
   private parameter(name: string, value: string): HTMLElement {
-    const field = h("input", { type: "text", className: "number", value, ariaLabel: `parameter ${name}` });
-    field.addEventListener("change", async () => {
-      const answer = await this.ask({ kind: "parameter", name, value: Number(field.value) });
-      this.app.notice(answer.refused ?? answer.said);
-    });
-    return h("label", { className: "line" }, `params: ${name} `, field);
+    let now = value;
+    const box = new NumberBox(
+      `parameter ${name}`,
+      "plain",
+      () => now,
+      (number) => {
+        now = neat(number, 6);
+        void this.ask({ kind: "parameter", name, value: number }).then((answer) =>
+          this.app.notice(answer.refused ?? answer.said),
+        );
+      },
+    );
+    return h("label", { className: "line" }, `params: ${name} `, box.root);
   }
 
   /** Three meters and three degrees, relative to the place. */
   private field(name: string, k: number): HTMLElement {
-    const field = h("input", {
-      type: "text",
-      inputMode: "decimal",
-      className: "number",
-      ariaLabel: `${name}, relative to its place`,
-    });
-    field.addEventListener("change", () => {
-      const value = parseFloat(field.value.replace("−", "-").replace(",", "."));
-      if (!Number.isFinite(value)) {
-        return this.numbers();
-      }
-      if (k < 3) {
-        this.handle.position.setComponent(k, value);
-      } else {
-        const turned = this.angles();
-        turned[k - 3] = value;
-        const [x, y, z] = turned.map(MathUtils.degToRad);
-        this.handle.quaternion.setFromEuler(new Euler(x, y, z, "XYZ"));
-      }
-      field.blur();
-      this.site = -1;
-      this.preview();
-      void this.drop();
-    });
-    field.addEventListener("focus", () => field.select());
-    this.fields.push(field);
-    return h("label", {}, name, field);
+    const box = new NumberBox(
+      `${name}, relative to its place`,
+      k < 3 ? "length" : "angle",
+      () => this.shown(k),
+      (value) => {
+        if (k < 3) {
+          this.handle.position.setComponent(k, value);
+        } else {
+          const turned = this.angles();
+          turned[k - 3] = value;
+          this.handle.quaternion.setFromEuler(new Euler(...turned, "XYZ"));
+        }
+        this.site = -1;
+        this.preview();
+        void this.drop();
+      },
+    );
+    this.fields.push(box);
+    return h("label", {}, name, box.root);
   }
 
-  private angles(): number[] {
+  private shown(k: number): string {
+    const value = k < 3 ? this.handle.position.getComponent(k) : MathUtils.radToDeg(this.angles()[k - 3]);
+    return neat(Math.abs(value) < 1e-6 ? 0 : value, 5) + (k < 3 ? " m" : "°");
+  }
+
+  private angles(): [number, number, number] {
     const { x, y, z } = new Euler().setFromQuaternion(this.handle.quaternion, "XYZ");
-    return [x, y, z].map(MathUtils.radToDeg);
+    return [x, y, z];
   }
 
   private numbers(): void {
-    const values = [...this.handle.position.toArray(), ...this.angles()];
-    this.fields.forEach((field, k) => {
-      if (document.activeElement !== field) {
-        field.value = neat(Math.abs(values[k]) < 1e-6 ? 0 : values[k], 5) + (k < 3 ? " m" : "°");
-      }
-    });
+    for (const field of this.fields) {
+      field.show();
+    }
   }
 }
 

@@ -5,6 +5,9 @@ import { h } from "./dom";
 import { Gizmo } from "./gizmo";
 import { elementAt, Http, host, type Wire } from "./wire";
 
+/** How long the controls of this page win over those of states on the way, in milliseconds. */
+const HOLD = 300;
+
 export class Live {
   private readonly wire: Wire = host ?? new Http();
   private readonly blobs = new Map<string, ArrayBuffer>();
@@ -15,31 +18,35 @@ export class Live {
   private readonly page = Math.random().toString(36).slice(2);
   private count = 0;
   private looked = "";
+  /** A state that came before its model. */
+  private early: any = null;
+  /** When this page last sent its controls: states that are on the way have older ones. */
+  private controlled = -Infinity;
 
   constructor(private readonly app: App) {
+    const post = (path: string, data: unknown) => void this.wire.post(path, data);
     app.server = {
-      play: () =>
-        void this.wire.post("play", {
-          playing: !this.playing,
-          qpos: Array.from(app.world.pose.qpos),
-          ctrl: app.sliders.ctrl,
-          key: app.key,
-        }),
+      play: () => post("play", { playing: !this.playing, ...this.state() }),
+      step: () => post("step", this.state()),
+      reset: (key) => post("reset", { key }),
+      back: (time) => post("back", { time }),
+      setSpeed: (speed) => post("speed", { speed }),
       pose: () => {
         if (this.playing) {
-          void this.wire.post("pose", { ctrl: app.sliders.ctrl });
+          this.controlled = performance.now();
+          post("pose", { ctrl: app.sliders.ctrl });
         }
       },
       look: () => this.look(),
-      pull: (pull) => void this.wire.post("pull", pull ?? {}),
-      choose: (name, value) => void this.wire.post("choose", { name, value }),
+      pull: (pull) => post("pull", pull ?? {}),
+      choose: (name, value) => post("choose", { name, value }),
     };
     if (this.wire.ask) {
       app.gizmo = new Gizmo(app, (request) => this.wire.ask!("change", request));
     }
     this.wire.listen(
       (name, data) => this.take(name, data),
-      () => app.notice("the server does not answer"),
+      () => app.banner.setLost(true),
     );
     host?.follow(
       (name) => app.theme(name),
@@ -50,6 +57,19 @@ export class Live {
         }
       },
     );
+  }
+
+  /** The state from which the physics start. */
+  private state(): Record<string, unknown> {
+    const { world, sliders, poses } = this.app;
+    const { qpos, mpos, mquat } = world.pose;
+    return {
+      qpos: Array.from(qpos),
+      ctrl: sliders.ctrl,
+      mocap_pos: Array.from(mpos),
+      mocap_quat: Array.from(mquat),
+      key: poses.key,
+    };
   }
 
   /** Ask for the results of MuJoCo for the pose, once at a time. */
@@ -78,31 +98,50 @@ export class Live {
   }
 
   private take(name: string, data: any): void {
+    this.app.banner.setLost(false);
     if (name === "model") {
       this.loading = this.loading
         .then(() => this.load(data.version))
         .catch((error: Error) => this.app.notice(error.message));
     } else if (name === "fault") {
       this.app.setFault(data.text);
+    } else if (name === "state" && data.looked !== undefined) {
+      const isOurs = data.looked === this.looked && data.version === this.version;
+      if (isOurs && !this.playing && this.app.poses.at === null) {
+        this.app.see(data.seen);
+        this.app.posed();
+      }
     } else if (name === "state") {
-      const { qpos, playing, version, stopped, seen, time, looked } = data;
-      if (looked !== undefined) {
-        if (looked === this.looked && version === this.version && !this.playing && this.app.at === null) {
-          this.app.see(seen);
-          this.app.posed();
-        }
-        return;
-      }
-      if (playing !== this.playing) {
-        this.playing = playing;
-        this.app.setPlaying(playing);
-      }
-      if (qpos && version === this.version) {
-        this.app.setQpos(qpos, seen, time);
-      }
-      if (stopped) {
-        this.app.setStopped(stopped);
-      }
+      this.takeState(data);
+    }
+  }
+
+  /** A state of the physics, which all pages show. */
+  private takeState(data: any): void {
+    const { app } = this;
+    const { playing, speed, version, qpos, key, stopped, warned } = data;
+    if (version !== undefined && version !== this.version) {
+      this.early = data;
+      return;
+    }
+    if (playing !== this.playing) {
+      this.playing = playing;
+      app.setPlaying(playing);
+    }
+    if (speed !== undefined) {
+      app.time.setSpeed(speed);
+    }
+    if (key !== undefined) {
+      app.showKey(key);
+      app.time.clear();
+    } else if (qpos) {
+      const isFresh = performance.now() - this.controlled > HOLD;
+      app.setShot({ ...data, ctrl: isFresh ? data.ctrl : undefined });
+    }
+    if (stopped) {
+      app.banner.setStopped(stopped);
+    } else if (warned) {
+      app.banner.setStopped(warned.join("\n"), "Paused at a warning of MuJoCo: run again to go on");
     }
   }
 
@@ -132,12 +171,31 @@ export class Live {
     await this.app.show([model]);
     this.version = version;
     this.app.setFault(null);
+    if (this.early?.version === version) {
+      this.takeState(this.early);
+    }
+    this.early = null;
     void this.wire.post("shown", { version });
   }
 }
 
+/** Why this browser cannot draw the model, or null. */
+function missing(): string | null {
+  const pen = document.createElement("canvas").getContext("webgl2");
+  pen?.getExtension("WEBGL_lose_context")?.loseContext();
+  return pen
+    ? null
+    : "This browser cannot draw the model, because it has no WebGL 2. Turn on hardware acceleration in its settings, or " +
+        "open the page in a current Firefox, Chrome, Edge or Safari. `mjcompose render` makes pictures without a browser.";
+}
+
 async function start(): Promise<void> {
   const root = document.getElementById("page")!;
+  const broken = (words: string) => root.replaceChildren(h("p", { className: "broken" }, words));
+  const reason = missing();
+  if (reason) {
+    return broken(reason);
+  }
   try {
     const app = new App(root);
     (window as any).mjcompose = app;
@@ -152,13 +210,7 @@ async function start(): Promise<void> {
       await app.show(await embedded());
     }
   } catch (error) {
-    root.replaceChildren(
-      h(
-        "p",
-        { className: "broken" },
-        `This browser cannot show the model: ${error instanceof Error ? error.message : error}. It needs WebGL 2.`,
-      ),
-    );
+    broken(`This page cannot show the model: ${error instanceof Error ? error.message : error}`);
     throw error;
   }
 }

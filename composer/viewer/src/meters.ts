@@ -1,6 +1,6 @@
 // Sensors, joints and controls with their values over time, of which some are plotted, and the time of the physics.
 import type { Model, Seen } from "./data";
-import { h } from "./dom";
+import { h, nameSpan } from "./dom";
 import { neat } from "./info";
 import { HINGE, SLIDE } from "./kinematics";
 
@@ -85,38 +85,6 @@ export function signals(model: Model, qpos: Float64Array, ctrl: number[]): Signa
     });
   });
   return collected;
-}
-
-const WINDOW = 1000;
-
-export class Clock {
-  readonly root = h("div", { className: "clock", hidden: true });
-  private past: [wall: number, time: number][] = [];
-
-  show(time: number): void {
-    const now = performance.now();
-    if (this.past.length && time < this.past[this.past.length - 1][1]) {
-      this.past = [];
-    }
-    this.past.push([now, time]);
-    while (this.past.length > 2 && this.past[1][0] < now - WINDOW) {
-      this.past.shift();
-    }
-    const [wall, before] = this.past[0];
-    const factor = now - wall > 100 ? ((time - before) / (now - wall)) * 1000 : null;
-    this.root.hidden = false;
-    this.root.textContent = `${time.toFixed(2)} s${factor === null ? "" : ` · ${factor.toFixed(2)}× real time`}`;
-  }
-
-  pause(): void {
-    this.past = [];
-    this.root.textContent = this.root.textContent!.replace(/ · .*/, " · paused");
-  }
-
-  reset(): void {
-    this.past = [];
-    this.root.hidden = true;
-  }
 }
 
 const SECONDS = 10;
@@ -304,7 +272,7 @@ export class Meters {
       "label",
       { className: "check", title: `${signal.kind} ${signal.name}` },
       box,
-      h("span", { className: "name" }, signal.name),
+      nameSpan(signal.name),
       value,
     );
   }

@@ -2,6 +2,8 @@
 import loadMujoco from "@mujoco/mujoco";
 import type { App } from "./app";
 import type { Model, Pull, Seen } from "./data";
+import { Past } from "./past";
+import type { Player } from "./player";
 
 /** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
 const MOST = 1 / 8;
@@ -20,12 +22,16 @@ const cross = (a: ArrayLike<number>, b: ArrayLike<number>): number[] => [
   a[0] * b[1] - a[1] * b[0],
 ];
 
-class Physics {
+class Physics implements Player {
   private engine: any = null;
   private model: any = null;
   private data: any = null;
   private warnings: { kind: number; word: string; firsts: number[] }[] = [];
   private playing = false;
+  private speed = 1;
+  private readonly past = new Past();
+  /** The warnings at which it has paused already. */
+  private readonly heard = new Set<string>();
   private before = 0;
   private pulled: Pull | null = null;
   private force: any = null;
@@ -39,7 +45,43 @@ class Physics {
     void this.flip();
   };
 
-  /** A slider or a keyframe has changed the pose or the controls. */
+  step = (): void => {
+    void this.tried(() => {
+      this.pause();
+      this.start();
+      this.advance(this.data.time + 0.5 * this.model.opt.timestep);
+    });
+  };
+
+  reset = (key: number): void => {
+    if (this.data) {
+      this.rewind(key);
+      this.pose();
+      this.app.time.clear();
+    }
+  };
+
+  back = (time: number): void => {
+    this.pause();
+    const state = this.past.at(time);
+    if (!state) {
+      return;
+    }
+    const { data } = this;
+    data.qpos.set(state.qpos);
+    data.qvel.set(state.qvel);
+    data.act.set(state.act);
+    data.ctrl.set(state.ctrl);
+    data.time = state.time;
+    this.tell(state.seen);
+  };
+
+  setSpeed = (speed: number): void => {
+    this.speed = speed;
+    this.app.time.setSpeed(speed);
+  };
+
+  /** A slider has changed the pose or the controls. */
   pose = (): void => {
     if (!this.data) {
       return;
@@ -70,21 +112,33 @@ class Physics {
   };
 
   private async flip(): Promise<void> {
+    if (this.playing) {
+      return this.pause();
+    }
+    await this.tried(() => {
+      this.start();
+      this.playing = true;
+      this.app.setPlaying(true);
+      this.before = performance.now();
+      requestAnimationFrame(this.frame);
+    });
+  }
+
+  /** Do something with the model, which is loaded when it is needed first. */
+  private async tried(act: () => void): Promise<void> {
     try {
       if (!this.data) {
         await this.load();
       }
-      this.playing = !this.playing;
-      this.app.setPlaying(this.playing);
-      if (!this.playing) {
-        return;
-      }
-      this.start();
-      this.before = performance.now();
-      requestAnimationFrame(this.frame);
+      act();
     } catch (error) {
       this.app.notice(`the page's MuJoCo cannot load the model: ${error instanceof Error ? error.message : error}`);
     }
+  }
+
+  private pause(): void {
+    this.playing = false;
+    this.app.setPlaying(false);
   }
 
   private async load(): Promise<void> {
@@ -113,30 +167,50 @@ class Physics {
     ].map(([kind, word, firsts]) => ({ kind: kind.value, word, firsts: Array.from(firsts as Int32Array) }));
   }
 
-  /** From the pose of the page, at rest; from a keyframe with the velocities that it has. */
+  /**
+   * Go on from where it paused, if the page still shows that pose. Otherwise begin at the pose of the page, at rest; at
+   * a keyframe, with the velocities that it has.
+   */
   private start(): void {
-    const { key } = this.app;
+    const { qpos } = this.app.world.pose;
+    const isSame = this.past.range !== null && qpos.every((value, k) => value === this.data.qpos[k]);
+    if (!isSame) {
+      this.rewind(this.app.poses.key);
+    }
+    this.pose();
+  }
+
+  private rewind(key: number): void {
     if (key >= 0) {
       this.engine.mj_resetDataKeyframe(this.model, this.data, key);
     } else {
       this.engine.mj_resetData(this.model, this.data);
     }
-    this.pose();
+    this.past.clear();
+    this.heard.clear();
   }
 
   private readonly frame = (now: number): void => {
     if (!this.playing) {
       return;
     }
-    const end = this.data.time + Math.min((now - this.before) / 1000, MOST);
+    const end = this.data.time + this.speed * Math.min((now - this.before) / 1000, MOST);
     this.before = now;
+    this.advance(end);
+    if (this.playing) {
+      requestAnimationFrame(this.frame);
+    }
+  };
+
+  /** Step until a time, and show the state. */
+  private advance(end: number): void {
     // A browser that is busy calls late, so the time of the call does not count.
     const begun = performance.now();
     let pull = -Infinity;
     // MuJoCo sets a simulation that diverges back to the time 0, so the steps are counted.
     const timestep = this.model.opt.timestep;
     for (
-      let left = Math.ceil(MOST / timestep) + 1;
+      let left = Math.ceil((this.speed * MOST) / timestep) + 1;
       left > 0 && this.data.time < end && performance.now() - begun < MOST_MILLISECONDS;
       left--
     ) {
@@ -148,14 +222,42 @@ class Physics {
     }
     const stopped = timestep > 0 ? this.diverged() : "the timestep of the model is 0, so no time passes";
     if (stopped !== null) {
-      this.playing = false;
-      this.app.setPlaying(false);
-      this.app.setStopped(stopped);
+      this.past.clear();
+      this.pause();
+      this.app.banner.setStopped(stopped);
       return;
     }
-    this.app.setQpos(this.data.qpos, this.seen(), this.data.time);
-    requestAnimationFrame(this.frame);
-  };
+    const { qpos, qvel, act, ctrl, time } = this.data;
+    const seen = this.seen();
+    const copies = [qpos, qvel, act, ctrl].map((each) => Float64Array.from(each));
+    this.past.add({ qpos: copies[0], qvel: copies[1], act: copies[2], ctrl: copies[3], time, seen });
+    this.tell(seen);
+    const warned = this.warned();
+    if (warned.length) {
+      this.pause();
+      this.app.banner.setStopped(warned.join("\n"), "Paused at a warning of MuJoCo: run again to go on");
+    }
+  }
+
+  private tell(seen: Seen): void {
+    const { qpos, ctrl, time } = this.data;
+    this.app.setShot({ qpos, ctrl, time, seen, kept: this.past.range });
+  }
+
+  /** The warnings of a kind that has not been heard before. */
+  private warned(): string[] {
+    const kinds = Object.entries(this.engine.mjtWarning).filter(([kind]) => /^mjWARN/.test(kind));
+    return kinds.flatMap(([kind, { value }]: [string, any]) => {
+      const warning = this.data.warning.get(value);
+      const { number, lastinfo } = warning;
+      warning.delete();
+      if (!number || this.heard.has(kind)) {
+        return [];
+      }
+      this.heard.add(kind);
+      return [this.engine.mju_warningText(value, lastinfo)];
+    });
+  }
 
   private seen(): Seen {
     const contacts: number[][] = [];

@@ -1,18 +1,30 @@
 // Sliders for joints and controls, and the pose as a keyframe of a recipe.
 import { type Model, row } from "./data";
-import { copy, h } from "./dom";
+import { copy, h, nameSpan } from "./dom";
 import { degrees, JOINT_NAMES, neat } from "./info";
 import { FREE, HINGE, type Pose, SLIDE, WIDTHS } from "./kinematics";
+import { NumberBox, type Quantity } from "./numbers";
 
-interface Slider {
-  set: () => void;
+/** A number with a slider and a box: its name, its range, and how it is shown, read and changed. */
+interface Dial {
+  name: string;
+  quantity: Quantity;
+  range: number[];
+  limited: boolean;
+  more?: string;
+  shown: (value: number) => string;
+  get: () => number;
+  put: (value: number) => void;
+  changed: () => void;
 }
+
+const meters = (value: number): string => `${neat(value)} m`;
 
 export class Sliders {
   readonly joints = h("div", { className: "sliders" });
   readonly controls = h("div", { className: "sliders" });
   readonly ctrl: number[];
-  private readonly all: Slider[] = [];
+  private readonly all: (() => void)[] = [];
 
   constructor(
     private readonly model: Model,
@@ -42,19 +54,19 @@ export class Sliders {
       const limited = joint.limited[j];
       const far = type === HINGE ? Math.PI : Math.max(look.extent, 0.1);
       const range = limited ? row(joint.range, j, 2) : [qpos0[q] - far, qpos0[q] + far];
-      const shown = (value: number) => (type === HINGE ? degrees(value) : `${neat(value)} m`);
       this.joints.append(
-        this.slider(
+        this.slider({
           name,
+          quantity: type === HINGE ? "angle" : "length",
           range,
-          shown,
-          () => qpos[q],
-          (value) => {
+          limited: Boolean(limited),
+          shown: type === HINGE ? degrees : meters,
+          get: () => qpos[q],
+          put: (value) => {
             qpos[q] = value;
           },
-          Boolean(limited),
-          type === HINGE ? 180 / Math.PI : 1,
-        ),
+          changed: this.moved,
+        }),
       );
       return;
     }
@@ -63,17 +75,18 @@ export class Sliders {
       ["x", "y", "z"].forEach((axis, k) => {
         const far = 2 * look.extent;
         rows.push(
-          this.slider(
-            axis,
-            [qpos0[q + k] - far, qpos0[q + k] + far],
-            (value) => `${neat(value)} m`,
-            () => qpos[q + k],
-            (value) => {
+          this.slider({
+            name: axis,
+            quantity: "length",
+            range: [qpos0[q + k] - far, qpos0[q + k] + far],
+            limited: false,
+            shown: meters,
+            get: () => qpos[q + k],
+            put: (value) => {
               qpos[q + k] = value;
             },
-            false,
-            1,
-          ),
+            changed: this.moved,
+          }),
         );
       });
     }
@@ -81,19 +94,20 @@ export class Sliders {
     ["roll", "pitch", "yaw"].forEach((axis, k) => {
       const half = k === 1 ? Math.PI / 2 : Math.PI;
       rows.push(
-        this.slider(
-          axis,
-          [-half, half],
-          degrees,
-          () => angles(qpos, first)[k],
-          (value) => {
+        this.slider({
+          name: axis,
+          quantity: "angle",
+          range: [-half, half],
+          limited: false,
+          shown: degrees,
+          get: () => angles(qpos, first)[k],
+          put: (value) => {
             const turns = angles(qpos, first);
             turns[k] = value;
             turn(qpos, first, turns);
           },
-          false,
-          180 / Math.PI,
-        ),
+          changed: this.moved,
+        }),
       );
     });
     this.joints.append(
@@ -122,60 +136,42 @@ export class Sliders {
       const limited = Boolean(actuator.limited[k]);
       const range = limited ? row(actuator.range, k, 2) : [-1, 1];
       this.controls.append(
-        this.slider(
-          next - at > 1 ? `${name} ${k - at}` : name,
+        this.slider({
+          name: next - at > 1 ? `${name} ${k - at}` : name,
+          quantity: "plain",
           range,
-          (value) => neat(value),
-          () => this.ctrl[k],
-          (value) => {
+          limited,
+          more: moves && `moves ${moves}`,
+          shown: neat,
+          get: () => this.ctrl[k],
+          put: (value) => {
             this.ctrl[k] = value;
           },
-          limited,
-          1,
-          moves && `moves ${moves}`,
-        ),
+          changed: this.controlled,
+        }),
       );
     }
   }
 
-  private slider(
-    name: string,
-    [low, high]: number[],
-    shown: (value: number) => string,
-    get: () => number,
-    put: (value: number) => void,
-    limited: boolean,
-    factor: number,
-    more = "",
-  ): HTMLElement {
-    const isControl = more !== "" || shown(1) === neat(1);
+  private slider(dial: Dial): HTMLElement {
+    const { name, shown, limited, more = "" } = dial;
+    const [low, high] = dial.range;
     const range = h("input", { type: "range", min: String(low), max: String(high), step: "any", ariaLabel: name });
-    const number = h("input", { type: "text", inputMode: "decimal", className: "number", ariaLabel: `${name}, value` });
     const change = (value: number) => {
-      put(value);
+      dial.put(value);
       show();
-      (isControl ? this.controlled : this.moved)();
+      dial.changed();
     };
+    const number = new NumberBox(`${name}, value`, dial.quantity, () => shown(dial.get()), change);
     const show = () => {
-      const value = get();
+      const value = dial.get();
       range.value = String(value);
       range.style.setProperty("--at", `${100 * Math.min(1, Math.max(0, (value - low) / (high - low || 1)))}%`);
-      if (document.activeElement !== number) {
-        number.value = shown(value);
-      }
-      number.classList.toggle("outside", limited && (value < low - 1e-9 || value > high + 1e-9));
+      number.show();
+      number.root.classList.toggle("outside", limited && (value < low - 1e-9 || value > high + 1e-9));
     };
     range.addEventListener("input", () => change(Number(range.value)));
-    number.addEventListener("change", () => {
-      const value = parseFloat(number.value.replaceAll("−", "-").replace(",", ".")) / factor;
-      if (Number.isFinite(value)) {
-        change(value);
-      }
-      number.blur();
-      show();
-    });
-    number.addEventListener("focus", () => number.select());
-    this.all.push({ set: show });
+    this.all.push(show);
     show();
     const ends = h(
       "span",
@@ -184,13 +180,13 @@ export class Sliders {
       h("span", { className: "more" }, more),
       h("span", {}, limited ? shown(high) : ""),
     );
-    return h("div", { className: "slider", title: name }, h("label", {}, name), number, range, ends);
+    return h("div", { className: "slider", title: name }, h("label", {}, nameSpan(name)), number.root, range, ends);
   }
 
   /** Show the pose as it is now. */
   refresh(): void {
-    for (const slider of this.all) {
-      slider.set();
+    for (const show of this.all) {
+      show();
     }
   }
 

@@ -1,7 +1,7 @@
 // The composition as a tree: parts, their bodies, and the elements of the bodies; and the places to which a part can be
 // attached.
 import type { Element, Model } from "./data";
-import { copy, h, icon } from "./dom";
+import { copy, h, icon, nameSpan } from "./dom";
 import { MESH, SDF, SHAPE_NAMES } from "./shapes";
 
 const LEAVES = ["joint", "geom", "site", "camera", "light"] as const;
@@ -87,16 +87,12 @@ export class Tree {
         false,
       ),
     );
-    for (const part of [...roots.keys()].sort((a, b) => a - b)) {
-      const rows = () => roots.get(part)!.map((b) => this.body(b));
-      if (part < 0 && roots.size === 1) {
-        this.root.append(...rows());
-      } else {
-        const words = part < 0 ? "base" : scene.origins.parts[part][0].replaceAll("`", "");
-        const name = words.split(" ")[0];
-        this.root.append(this.fold("part", name, null, roots.get(part)!.length, rows, true, words.slice(name.length)));
-      }
-    }
+    const own = roots.get(-1)?.map((b) => this.body(b)) ?? [];
+    const parts = this.partsIn(-1, roots);
+    this.root.append(
+      ...(parts.length && own.length ? [this.fold("part", "base", null, own.length, () => own, true)] : own),
+    );
+    this.root.append(...parts);
     for (const kind of ["tendon", "actuator"] as const) {
       const count = scene[kind].name.length;
       if (count) {
@@ -116,6 +112,25 @@ export class Tree {
     if (pairs) {
       this.root.append(this.fold("exclude", "excluded contacts", null, pairs, () => this.excludes(), false));
     }
+  }
+
+  /** The parts that are in a part, or in none, with their bodies: `roots` has the topmost ones of each. */
+  private partsIn(outer: number, roots: Map<number, number[]>): HTMLElement[] {
+    const { parts } = this.model.scene.origins;
+    return parts.flatMap(([called, , around], part) => {
+      if (around !== outer) {
+        return [];
+      }
+      const bodies = roots.get(part) ?? [];
+      const inner = this.partsIn(part, roots);
+      if (!bodies.length && !inner.length) {
+        return [];
+      }
+      const words = called.replaceAll("`", "");
+      const name = words.split(" ")[0];
+      const rows = () => [...bodies.map((b) => this.body(b)), ...inner];
+      return [this.fold("part", name, null, bodies.length + inner.length, rows, true, words.slice(name.length))];
+    });
   }
 
   /** The pairs of bodies that do not touch, each with the reason, if it has one. */
@@ -218,7 +233,7 @@ export class Tree {
       { className: `row ${kind} ${element ? this.mark(element) : ""}`, tabIndex: 0, title: `${kind} ${name}` },
       toggle ?? h("span", { className: "toggle" }),
       h("span", { className: "mark" }, MARKS[kind]),
-      h("span", { className: "name" }, name),
+      nameSpan(name),
       more && h("span", { className: "more" }, more),
     );
     if (element) {
@@ -344,7 +359,7 @@ export function places(
         onpointerenter: () => hover({ kind, index }),
         onpointerleave: () => hover(null),
       },
-      h("span", { className: "name" }, name),
+      nameSpan(name),
       h(
         "button",
         {

@@ -203,7 +203,7 @@ def test_it_is_used_at_the_width_of_a_phone(model: Path, browser: Any) -> None:
     page.get_by_label("joints and more").tap()
     page.get_by_role("tab", name="Joints").tap()
     page.wait_for_timeout(400)
-    assert page.locator("input[type=range]").first.bounding_box()["y"] < 844
+    assert page.locator(".sliders input[type=range]").first.bounding_box()["y"] < 844
     context.close()
 
 

@@ -184,7 +184,12 @@ def test_a_gripper_is_dragged_turned_and_put_back_and_a_pose_is_saved(
             page.keyboard.press("Control+z")
             assert hand.changed(text) == expected
         page.keyboard.press("Control+Shift+z")
-        assert "[0, 0, 0.01]" not in hand.changed(RECIPE)
+        again = hand.changed(RECIPE)
+        assert "[0, 0, 0.01]" not in again
+        page.keyboard.press("Control+z")
+        assert hand.changed(again) == RECIPE
+        page.keyboard.press("Control+y")
+        assert hand.changed(RECIPE) == again
 
 
 @pytest.mark.slow

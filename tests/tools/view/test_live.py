@@ -275,3 +275,37 @@ def test_contacts_and_sensors_are_those_of_the_pose_that_is_shown(
         assert len(seen(page)["contacts"]) == 1 and seen(page)["sensors"] == [-0.45]
         page.get_by_role("button", name="low", exact=True).click()
         assert chips.all_inner_texts() == ["low"] and page.evaluate("mjcompose.world.softs.seen.sensors") == [-0.42]
+
+
+@pytest.mark.slow
+def test_a_page_without_its_server_says_so_until_it_is_back(server: PageServer, open_page: Callable[..., Any]) -> None:
+    page = open_page(server.address)
+    assert page.locator(".lost").is_hidden()
+    page.route("**/events", lambda route: route.abort())
+    server.hub.put(None)  # ends the connection of every page
+    page.wait_for_selector(".lost:not([hidden])", timeout=20_000)
+    assert "The server does not answer" in page.locator(".lost").inner_text()
+    page.unroute("**/events")
+    page.wait_for_selector(".lost", state="hidden", timeout=20_000)
+
+
+@pytest.mark.slow
+def test_a_recipe_that_is_used_twice_has_its_inner_parts_twice(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    for name in ("hand", "arm"):
+        (tmp_path / f"{name}.xml").write_text(
+            f'<mujoco><worldbody><body name="{name}"><geom size="0.1"/><site name="end"/></body></worldbody></mujoco>'
+        )
+    (tmp_path / "both.yaml").write_text("recipe: 1\nbase: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: end}}\n")
+    (tmp_path / "pair.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./both.yaml}\n  right: {model: ./both.yaml, pos: [1, 0, 0]}\n"
+    )
+    with running("pair.yaml", tmp_path) as server:
+        page = open_page(server.address)
+        below = (
+            "each => each.parentElement.closest('.below')?.previousElementSibling?.querySelector('.name').textContent"
+        )
+        inner = page.locator(".left .row.part", has_text="hand/")
+        assert [row.evaluate(f"row => ({below})(row.parentElement)") for row in inner.all()] == ["left/", "right/"]
+        page.evaluate("mjcompose.select({kind: 'body', index: 4}, true)")
+        bodies = page.locator(".left .row.selected").all_inner_texts()
+        assert len(bodies) == 1 and "right/hand/hand" in bodies[0]

@@ -116,3 +116,51 @@ def test_three_hundred_geoms_are_few_triangles_while_the_camera_moves(
     moving = page.evaluate(drawn, 0)
     assert moving["triangles"] < MOST_TRIANGLES < still["triangles"], "and no shadows, which stay as they were"
     assert moving["calls"] < 20
+
+
+def test_escape_closes_only_what_is_on_top(page: Any) -> None:
+    page.evaluate("mjcompose.select({kind: 'body', index: 1}, false)")
+    page.evaluate("mjcompose.setFault('model.xml:1:1: error[x]: y')")
+    page.keyboard.press("?")
+    assert page.locator("dialog.help").is_visible()
+    columns = page.evaluate(
+        "[...document.querySelectorAll('dialog dt, dialog dd')].map(each => [each.firstChild.getBoundingClientRect?.().right ?? 0,"
+        " each.getBoundingClientRect().left])"
+    )
+    assert all(columns[k][0] <= columns[k + 1][1] for k in range(0, len(columns), 2)), "no key runs into its words"
+    page.keyboard.press("Escape")
+    page.wait_for_selector("dialog", state="detached")
+    assert page.locator(".fault").is_visible() and page.evaluate("mjcompose.selection.index") == 1
+    page.keyboard.press("Escape")
+    assert page.locator(".fault").is_hidden() and page.evaluate("mjcompose.selection.index") == 1
+    page.keyboard.press("Escape")
+    assert page.evaluate("mjcompose.selection") is None
+
+
+def test_a_long_name_loses_its_middle(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    names = [f"a_very_long_prefix_of_a_robot/with_an_arm/finger_{side}" for side in ("left", "right")]
+    bodies = "".join(f'<body name="{name}"><geom size="0.1"/></body>' for name in names)
+    (tmp_path / "model.xml").write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    with Session() as session:
+        shown = open_page(page_of("model.xml", tmp_path, session).as_uri())
+    tree = shown.locator(".left").bounding_box()
+    for name in names:
+        tail = shown.locator(f".left .row[title='body {name}'] .tail").bounding_box()
+        assert tail["width"] > 40 and tail["x"] + tail["width"] <= tree["x"] + tree["width"]
+
+
+def test_a_browser_without_webgl_says_what_to_do(browser: Any, tmp_path: Path) -> None:
+    (tmp_path / "model.xml").write_text("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+    with Session() as session:
+        address = page_of("model.xml", tmp_path, session).as_uri()
+    context = browser.new_context()
+    context.add_init_script(
+        "const get = HTMLCanvasElement.prototype.getContext;"
+        "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+        " return kind === 'webgl2' ? null : get.call(this, kind, ...more); };"
+    )
+    shown = context.new_page()
+    shown.goto(address)
+    shown.wait_for_selector(".broken")
+    assert "no WebGL 2. Turn on hardware acceleration" in shown.locator(".broken").inner_text()
+    context.close()

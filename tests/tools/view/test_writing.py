@@ -338,7 +338,7 @@ def _escaped(name: str) -> str:
     return name.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
 
 
-@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 1e300, "x", None, [1]])
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, "x", None, [1]])
 def test_numbers_are_finite_and_of_a_size(tmp_path: Path, session: Session, wrong: Any) -> None:
     page = Page(tmp_path, session, "recipe: 1\nattach: {a: {model: ./ball.xml}}\n")
     before = page.text
@@ -349,6 +349,8 @@ def test_numbers_are_finite_and_of_a_size(tmp_path: Path, session: Session, wron
     ):
         with pytest.raises((ValueError, TypeError)):
             page.ask("place", "a", **said)
+    huge = page.ask("place", "a", pos=[1e300, 0, 0], quat=[1, 0, 0, 0])
+    assert huge["refused"] == "a number here can be 10000 at most, so nothing is written"
     assert page.text == before
 
 

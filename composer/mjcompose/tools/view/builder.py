@@ -5,21 +5,18 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import field, replace
 from importlib import import_module
 from pathlib import Path
-from threading import Event, Lock, RLock, Thread
-from typing import TYPE_CHECKING, Any
+from threading import Event, RLock
+from typing import Any
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import Mark, mark_of, read_regular
 from mjcompose.base.limits import in_force
-from mjcompose.mujoco import engine
-from mjcompose.mujoco.controls import advance as simulate
 from mjcompose.mujoco.engine import Session
-from mjcompose.mujoco.scene import look, pull, seen
 from mjcompose.sides.operand import Operand, read_operand
 from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
@@ -27,9 +24,6 @@ from mjcompose.text.node import texts
 from mjcompose.tools.view.page import ViewChoice, choices, described
 from mjcompose.tools.view.render import check_given
 from mjcompose.tools.view.targets import MovableItems, movable
-
-if TYPE_CHECKING:
-    from mjcompose.mujoco.model_types import MjModel
 
 POLL_SECONDS = 0.15
 _SETTLE_SECONDS = 0.02
@@ -212,101 +206,3 @@ def _recipes(context: Context, before: tuple[int, dict[Path, Mark]]) -> dict[str
                 text = text if is_same and mark_of(path) == mark else None
             found[context.shown(path)] = text
     return found
-
-
-_RATE = 30
-_MOST_SECONDS = 0.2  # for one frame: a model that takes longer plays slowly
-State = dict[str, Any]
-
-
-def advance(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> State:
-    """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
-
-    If it `stopped`, the answer has the reason. Missing values come from the keyframe ``key``, or from the reference
-    configuration. Runs under `mjcompose.mujoco.engine.call`.
-    """
-    data = mujoco.MjData(model)
-    key = asked.get("key", -1)
-    if 0 <= key < model.nkey:
-        mujoco.mj_resetDataKeyframe(model, data, key)
-    for name in ("qpos", "qvel", "act", "ctrl"):
-        value = asked.get(name)
-        array = getattr(data, name)
-        if value is not None and len(value) == len(array):
-            array[:] = value
-    data.time = asked.get("time", 0.0)
-    pull(mujoco, model, data, asked=asked.get("pull") or {})
-    stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=data.time, most=_MOST_SECONDS)
-    if stopped is not None:
-        return {"stopped": stopped}
-    state = {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {"time": float(data.time)}
-    return state | {"seen": seen(mujoco, model, data)}
-
-
-class Simulation:
-    """Simulates on request; `send` is called with each configuration."""
-
-    def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
-        self.workshop = workshop
-        self.send = send
-        self._going = Event()
-        self._stop = Event()
-        self._lock = Lock()
-        self._state: State = {}
-        self._version = -1
-        self._thread = Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def play(self, playing: bool, state: State, stopped: str | None = None) -> None:
-        """Start from a state of the page, or pause; `stopped` is the reason that the simulation cannot continue."""
-        with self._lock:
-            if playing:
-                self._state = dict(state)
-                self._version = self.workshop.shown.version
-                self._going.set()
-            else:
-                self._going.clear()
-            self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
-
-    def update(self, state: State) -> None:
-        """Change the controls, or the pull at a body until the next request; without points, nothing is pulled."""
-        self._state = {**self._state, **state}
-
-    def look(self, version: int, asked: State) -> None:
-        """Send contacts, tendons and sensors of a pose, with the `looked` of the page that asks."""
-        with self.workshop.lock:
-            if version == self.workshop.shown.version:
-                answer = engine.call(self.workshop.session, look, [KEPT], argument=asked)
-                if answer.ok:
-                    self.send({"looked": asked["looked"], "version": version, "seen": answer.value})
-
-    def close(self) -> None:
-        self._stop.set()
-        self._going.set()
-
-    def _run(self) -> None:
-        while True:
-            self._going.wait()
-            if self._stop.is_set():
-                return
-            started = time.monotonic()
-            self._advance()
-            time.sleep(max(0.0, 1 / _RATE - (time.monotonic() - started)))
-
-    def _advance(self) -> None:
-        with self.workshop.lock:
-            if self.workshop.shown.version != self._version:
-                self.play(False, {})  # another model, to which the state does not apply
-                return
-            asked = {**self._state, "seconds": 1 / _RATE}
-            answer = engine.call(self.workshop.session, advance, [KEPT], argument=asked)
-        stopped = answer.value.get("stopped") if answer.ok else f"MuJoCo has stopped: {answer.error}"
-        if stopped is not None:
-            self.play(False, {}, stopped)
-            return
-        with self._lock:
-            if self._going.is_set():  # otherwise it was paused meanwhile, which every page knows
-                seen = answer.value.pop("seen")
-                self._state = {**self._state, **answer.value}
-                shown = {"qpos": answer.value["qpos"], "time": answer.value["time"], "seen": seen}
-                self.send({"playing": True, "version": self._version} | shown)

@@ -37,6 +37,7 @@ from mjcompose.sides.side import End, Side
 from mjcompose.sources.context import Context, as_text
 from mjcompose.text.node import Mapping, Node, Scalar, find
 from mjcompose.trace import query
+from mjcompose.trace.explanation import Reason
 from mjcompose.trace.traced import Traced
 
 CELL = "cell"
@@ -143,8 +144,8 @@ class PageOrigins:
         self.names = names
         self.absolute: dict[str, str] = {}
         self._files: dict[str, int] = {}
-        self._parts: dict[str, int] = {}
-        self._part_places: list[Any] = []
+        self._parts: dict[tuple[Reason, ...], int] = {}
+        self._part_rows: list[Any] = []
         self._numbers: dict[str, int] = {}
 
     def data(self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]) -> dict[str, Any]:
@@ -155,7 +156,7 @@ class PageOrigins:
             for kind in filter(names.__contains__, KINDS):
                 of[kind] = list(map(self._element, nodes_of(kind, names[kind], traced)))
         exclude = self._of_excludes(excluded)  # before `files`, which lists its files too
-        return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
+        return {"files": list(self._files), "parts": self._part_rows, "of": of, "exclude": exclude}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
         """Return for each pair its place, its words, and the reason for its exclusion, or null."""
@@ -181,11 +182,20 @@ class PageOrigins:
             [each.attribute or "", each.before, each.after, each.reason.words, self._place(each.reason.span)]
             for each in islice(traced.changes(life), _MOST_CHANGES)
         ]
-        part = next(iter(traced.parts(life)), None)
-        if part is not None and part.words not in self._parts:
-            self._parts[part.words] = len(self._parts)
-            self._part_places.append([part.words, self._place(part.span)])
-        return [place, -1 if part is None else self._parts[part.words], words, changes]
+        return [place, self._part(tuple(traced.parts(life))), words, changes]
+
+    def _part(self, chain: tuple[Reason, ...]) -> int:
+        """Return the number of a part, or -1 for none. `chain` has the part and then the parts around it.
+
+        A recipe that is used twice has the same inner parts twice, so the whole chain tells them apart.
+        """
+        if not chain:
+            return -1
+        if chain not in self._parts:
+            outer = self._part(chain[1:])
+            self._parts[chain] = len(self._parts)
+            self._part_rows.append([chain[0].words, self._place(chain[0].span), outer])
+        return self._parts[chain]
 
     def _place(self, span: Span | None) -> Place:
         if span is None or span.file.startswith("--"):

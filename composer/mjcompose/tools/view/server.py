@@ -22,8 +22,9 @@ from threading import BoundedSemaphore, Lock
 from typing import Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.tools.view.builder import Shown, Simulation, Workshop
+from mjcompose.tools.view.builder import Shown, Workshop
 from mjcompose.tools.view.page import BUILT, live
+from mjcompose.tools.view.simulation import Simulation
 from mjcompose.tools.view.writing import Writer
 
 
@@ -402,8 +403,15 @@ class _Handler(BaseHTTPRequestHandler):
     def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
         physics = self.server.owner.physics
         if key == "play":
-            start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
-            return partial(physics.play, bool(said["playing"]), start)
+            return partial(physics.play, bool(said["playing"]), _start(said))
+        if key == "step":
+            return partial(physics.step, _start(said))
+        if key == "reset":
+            return partial(physics.reset, int(said["key"]))
+        if key == "back":
+            return partial(physics.back, float(said["time"]))
+        if key == "speed":
+            return partial(physics.change_speed, float(said["speed"]))
         if key == "pose":
             return partial(physics.update, {"ctrl": _numbers(said["ctrl"])})
         if key == "choose":
@@ -428,7 +436,10 @@ class _Handler(BaseHTTPRequestHandler):
                 self._headers("text/event-stream")
                 self.send_header("Connection", "close")
                 self.end_headers()
-                known = (encoded(event, data) for event, data in news(self.server.owner.workshop.shown))
+                owner = self.server.owner
+                state = owner.physics.now()
+                events = chain(news(owner.workshop.shown), [] if state is None else [("state", state)])
+                known = (encoded(event, data) for event, data in events)
                 for message in chain(known, page.messages()):
                     self._write(message)
         finally:
@@ -476,6 +487,14 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Referrer-Policy", "no-referrer")
         self.send_header("X-Content-Type-Options", "nosniff")
         self.send_header("Cross-Origin-Resource-Policy", "same-origin")
+
+
+_START = ("qpos", "ctrl", "mocap_pos", "mocap_quat")
+
+
+def _start(said: Any) -> dict[str, Any]:
+    """Return the state of a page from which the physics start."""
+    return {name: _numbers(said[name]) for name in _START if name in said} | {"key": int(said["key"])}
 
 
 def _numbers(values: Any) -> list[float]:

@@ -476,9 +476,10 @@ def _parameter(tree: Mapping, name: str) -> tuple[Steps, Scalar | None]:
 def _numbers(values: Any, count: int | None = None) -> list[float]:
     """Return the numbers of a page: `count` of them, finite, and of a size that a place can have."""
     found = [float(each) for each in values]
-    is_right = all(math.isfinite(each) and abs(each) <= _MOST for each in found)
-    if len(found) != (count or len(found) or 1) or not is_right:
+    if len(found) != (count or len(found) or 1) or not all(map(math.isfinite, found)):
         raise ValueError
+    if any(abs(each) > _MOST for each in found):
+        raise DraftRefused(f"a number here can be {_MOST:.0f} at most, so nothing is written")
     return found
 
 

@@ -1,0 +1,118 @@
+// What of the model is drawn: groups, kinds of things, and marks; the panel *Show*.
+import { h } from "./dom";
+import { EXTRAS, type Extra, Extras, gridStep } from "./extras";
+import type { World } from "./world";
+
+const EXTRA_WORDS: Record<Extra, string> = {
+  frames: "body frames",
+  axes: "joint axes",
+  inertia: "inertia boxes",
+  contacts: "contacts",
+  forces: "contact forces",
+  cameras: "cameras",
+  grid: "grid",
+};
+
+export class Visible {
+  readonly panel = h("div", { className: "show" });
+  extras: Extras | null = null;
+  readonly contactCount = h("span", {});
+  private world!: World;
+  private isCollision = false;
+  private readonly groups = [true, true, true, false, false, false];
+  private readonly softs: Record<string, boolean> = { site: true, tendon: true, skin: true, flex: true };
+  private readonly marks = new Set<Extra>();
+
+  constructor(private readonly changed: () => void) {}
+
+  use(world: World): void {
+    this.world = world;
+    this.extras = new Extras(world);
+    world.root.add(this.extras.root);
+    for (const mark of this.marks) {
+      this.extras.set(mark, true);
+    }
+    this.apply();
+  }
+
+  flipGroup(group: number): void {
+    this.groups[group] = !this.groups[group];
+    this.apply();
+  }
+
+  flipCollision(): void {
+    this.isCollision = !this.isCollision;
+    this.apply();
+  }
+
+  flipSites(): void {
+    this.softs.site = !this.softs.site;
+    this.apply();
+  }
+
+  flipMark(mark: Extra): void {
+    this.setMark(mark, !this.marks.has(mark));
+    this.fill();
+  }
+
+  private setMark(mark: Extra, on: boolean): void {
+    if (on) {
+      this.marks.add(mark);
+    } else {
+      this.marks.delete(mark);
+    }
+    this.extras?.set(mark, on);
+    this.changed();
+  }
+
+  private apply(): void {
+    this.world.show((kind, group, collides) => {
+      if (kind === "site") {
+        return this.softs.site && group < 3;
+      }
+      return this.isCollision ? collides : this.groups[group];
+    });
+    for (const kind of ["tendon", "skin", "flex"]) {
+      this.world.softs.show(kind, (group) => this.softs[kind] && !this.isCollision && group < 3);
+    }
+    this.world.softs.update();
+    this.fill();
+    this.changed();
+  }
+
+  private check(words: string, on: boolean, set: (on: boolean) => void, more: string | Node = ""): HTMLElement {
+    const box = h("input", { type: "checkbox", checked: on, onchange: () => set(box.checked) });
+    return h("label", { className: "check" }, box, h("span", {}, words), h("span", { className: "more" }, more));
+  }
+
+  private fill(): void {
+    const { scene } = this.world.model;
+    const groups = this.groups.flatMap((on, group) => {
+      const count = scene.geom.group.filter((each: number) => each === group).length;
+      return count ? [this.check(`group ${group}`, on, () => this.flipGroup(group), `${count} geoms`)] : [];
+    });
+    const softs = Object.entries(this.softs).flatMap(([kind, on]) => {
+      const count =
+        kind === "site" || kind === "tendon" ? (scene as any)[kind].name.length : (scene as any)[kind].length;
+      const flip = () => {
+        this.softs[kind] = !on;
+        this.apply();
+      };
+      return count ? [this.check(`${kind}s`, on, flip, String(count))] : [];
+    });
+    const details: Partial<Record<Extra, Node | string>> = {
+      contacts: this.contactCount,
+      grid: `${gridStep(scene.look.extent)} m`,
+    };
+    this.panel.replaceChildren(
+      h("h3", {}, "Geoms"),
+      ...groups,
+      this.check("collision shapes only", this.isCollision, () => this.flipCollision()),
+      ...(softs.length ? [h("h3", {}, "More of the model"), ...softs] : []),
+      h("h3", {}, "Marks"),
+      ...EXTRAS.map((mark) =>
+        this.check(EXTRA_WORDS[mark], this.marks.has(mark), (on) => this.setMark(mark, on), details[mark] ?? ""),
+      ),
+    );
+  }
+}
